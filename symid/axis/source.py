@@ -10,7 +10,8 @@ from dataclasses import Field, dataclass, fields, is_dataclass, replace
 from pathlib import Path
 
 from symid.axis.axis import Axis
-from symid.axis.elements import Between, Body, Ground
+from symid.axis.elements import Between, Body, Drive, Ground, Spring
+from symid.axis.sensors import Force
 from symid.errors import SettingError, SymidError
 from symid.files import write_whole
 from symid.signal_names import is_signal_name
@@ -78,15 +79,19 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
     variables = _variables(axis, {*calls, "axis"})
 
     def assignment(name: str, value: object) -> str:
-        return _call(value, variables).written(f"{name} = ", 0)
+        others = {other: name for other, name in variables.items() if other is not value}
+        return _call(value, others).written(f"{name} = ", 0)
 
     bodies = [assignment(variables[body], body) for body in _in_order(axis.bodies)]
     joints = [assignment(name, at) for at, name in variables.items() if isinstance(at, Between)]
+    read = [
+        assignment(name, value) for value, name in variables.items() if isinstance(value, (Spring, Drive))
+    ]
     blocks = (
         _docstring(summary or f"Axis {axis.name}: {', '.join(body.name for body in axis.bodies)}."),
         _import(calls),
         "\n".join(bodies),
-        "\n".join(joints),
+        "\n".join([*joints, *read]),
         assignment("axis", axis),
     )
     return "\n\n".join(block for block in blocks if block) + "\n"
@@ -175,7 +180,7 @@ def _text(value: object, variables: Mapping[object, str]) -> _Call | str:
         return _Call("", tuple(("", _text(item, variables)) for item in value))
     if isinstance(value, Ground):
         return "GROUND"
-    if isinstance(value, (Body, Between)) and value in variables:
+    if isinstance(value, (Body, Between, Spring, Drive)) and value in variables:
         return variables[value]
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
@@ -192,13 +197,13 @@ def _call(value: object, variables: Mapping[object, str]) -> _Call:
     """The call that makes a record: its first fields without their names, no field that has its default."""
     arguments: list[tuple[str, _Call | str]] = []
     named = False
-    for field in fields(value):  # type: ignore[arg-type]  # all elements are dataclasses
+    for field in sorted(fields(value), key=lambda field: field.kw_only):  # type: ignore[arg-type]  # all are dataclasses
         content = getattr(value, field.name)
         if _is_default(field, content):
             named = True
             continue
         named = named or bool(field.kw_only) or field.name in _NAMED
-        named = named or not isinstance(content, (str, Body, Between))
+        named = named or not isinstance(content, (str, Body, Between, Spring, Drive))
         arguments.append((f"{field.name}=" if named else "", _text(content, variables)))
     return _Call(type(value).__name__, tuple(arguments))
 
@@ -223,7 +228,7 @@ def _classes(value: object) -> Iterator[str]:
 
 
 def _variables(axis: Axis, taken: set[str]) -> dict[object, str]:
-    """Names for the bodies, and for pairs of bodies between which several elements lie."""
+    """Names for the bodies, for pairs of bodies between which several elements lie, and for what force sensors read."""
     names: dict[object, str] = {}
 
     def give(value: object, name: str) -> None:
@@ -238,6 +243,9 @@ def _variables(axis: Axis, taken: set[str]) -> dict[object, str]:
     for at, count in counted.items():
         if count > 1:
             give(at, f"{at.first.name}_{at.second.name}")
+    for sensor in axis.sensors:
+        if isinstance(sensor, Force) and sensor.of not in names:
+            give(sensor.of, sensor.of.name if isinstance(sensor.of, Spring) else "drive")
     return names
 
 

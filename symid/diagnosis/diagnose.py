@@ -28,6 +28,7 @@ from symid.diagnosis.prediction.integrated_speed import with_positions
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.recorder import recovered
+from symid.diagnosis.prediction.scaled_sensors import with_quantities
 from symid.diagnosis.selection.backward import (
     backward_elimination,
     brought_first,
@@ -137,13 +138,14 @@ def diagnose(
     for each in (*logs, *others):
         require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
     whole = recovered(axis, [*logs, *others])
-    moved, every, said = with_positions(axis, whole.logs)
+    plain, read, scales = with_quantities(axis, whole.logs, nominal)
+    moved, every, said = with_positions(plain, read)
     logs, others = every[: len(logs)], every[len(logs) :]
     runs = _one_run(moved, logs), _one_run(moved, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
         found = _either_way(moved, runs, nominal, recorded, library)
-    assumed = (*found.assumptions, *said)
+    assumed = (*found.assumptions, *scales, *said)
     return replace(found, axis=axis, faults=(*whole.notes, *found.faults), assumptions=assumed)
 
 

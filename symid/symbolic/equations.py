@@ -166,7 +166,8 @@ class SignalWriter:
                         )
                     values[symbol] += factor * reading
         written = self._with_plain_jumps(expression.xreplace(values))
-        if scaled := [signal for signal, scale in self.scales.items() if written.has(*scale.symbols)]:
+        open_ = set(map(sp.Symbol, self.axis.physical_parameters)) & written.free_symbols
+        if scaled := [signal for signal, scale in self.scales.items() if scale.symbols & open_]:
             raise EliminationError(
                 f"axis {self.axis.name!r}: {entry.element} depends on how large a motion is, which the gain or offset "
                 f"of {scaled[0]} leaves open: give that as a known number, or identify by output error (method oe)"

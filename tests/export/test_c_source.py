@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from axes import force_sensors
 from axes.case import PINION
 from axes.catalogue import cases, derived, generated
 from axes.effects import EFFECTS, values_of, with_effect
 from axes.plant import random_motion
 from export.compiler import Compiled
 
-from symid import Axis
+from symid import Axis, Position
 from symid.codegen.generate import compiled
 from symid.export import c_source
 from symid.simulation import Engine, plant_of
@@ -127,6 +128,17 @@ def test_sensors_read_what_the_simulation_reads(tmp_path: Path) -> None:
     x, dx = np.arange(1.0, 7.0) ** 2, np.arange(1.0, 7.0) ** 3
     read = code.function("sensors", x, dx, shape=(3,))
     np.testing.assert_array_equal(read, [4.0 - 1.0, 4.0**3, 6.0**3 - 5.0**3])
+
+
+def test_a_load_cell_and_a_scaled_sensor_are_read_from_the_state(tmp_path: Path) -> None:
+    scale = Position("r", force_sensors.LOAD, gain=2.0, offset=0.5)
+    axis, values = (
+        force_sensors.celled((force_sensors.MOTOR_SCALE, force_sensors.CELL, scale)),
+        force_sensors.VALUES,
+    )
+    code = Compiled.of(c_source(axis, values), "celled", tmp_path)
+    read = code.function("sensors", np.array([0.1, 0.3, 2.0, 5.0]), np.zeros(4), shape=(3,))
+    np.testing.assert_allclose(read, [0.1, 4e5 * 0.2 + 60.0 * 3.0, (0.3 - 0.5) / 2.0], rtol=1e-12)
 
 
 def test_a_rest_speed_smooths_friction(tmp_path: Path) -> None:

@@ -1,0 +1,85 @@
+"""Logs of sensors with a gain or an offset that is a parameter, in the quantities that they read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symid.axis import Axis, Sensor
+from symid.codegen import model_of
+from symid.data import Log
+from symid.errors import SettingError, SymidError
+from symid.identification import identify
+
+
+def with_quantities(
+    axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None = None
+) -> tuple[Axis, list[Log], tuple[str, ...]]:
+    """The axis and its logs with quantities in place of the signals of scaled sensors; and what was done.
+
+    Gains and offsets are those of `nominal`, else those identified from the first log.
+
+    Raises
+    ------
+    SettingError
+        If the log does not determine them.
+
+    Examples
+    --------
+    >>> from symid import Body, Drive, Position
+    >>> table = Body("table", mass="M")
+    >>> axis = Axis("t", (table,), Drive("F", table), (Position("q", table, gain="c", offset="o"),))
+    >>> log = Log.from_arrays({"q": np.ones(3), "F": np.ones(3)}, sampling_period=0.1)
+    >>> plain, logs, said = with_quantities(axis, [log], {"M": 1.0, "c": 2.0, "o": 0.5})
+    >>> plain.sensors[0].gain, logs[0]["q"].tolist(), said[0]
+    (None, [2.5, 2.5, 2.5], 'q is taken with gain 2 and offset 0.5.')
+    """
+    scaled = [sensor for sensor in axis.sensors if sensor.is_scaled]
+    if not scaled:
+        return axis, list(logs), ()
+    read = [sensor for sensor in scaled if all(sensor.signal in log.signals for log in logs)]
+    values = _values(axis, read, logs[0], nominal or {})
+    said, changed = [], list(logs)
+    for sensor in read:
+        gain = 1.0 if sensor.gain is None else values[sensor.named("gain")]
+        offset = 0.0 if sensor.offset is None else values[sensor.named("offset")]
+        changed = [
+            replace(log, signals={**log.signals, sensor.signal: gain * log[sensor.signal] + offset})
+            for log in changed
+        ]
+        said.append(f"{sensor.signal} is taken with gain {gain:.6g} and offset {offset:.6g}.")
+    plain = tuple(
+        replace(sensor, gain=None, offset=None, unit=None) if sensor in read else sensor
+        for sensor in axis.sensors
+        if sensor in read or sensor not in scaled
+    )
+    own = {sensor.named(field) for sensor in scaled for field in ("gain", "offset")}
+    known = {name: value for name, value in axis.known.items() if name not in own}
+    return replace(axis, sensors=plain, known=known), changed, tuple(said)
+
+
+def _values(axis: Axis, read: Sequence[Sensor], log: Log, nominal: Mapping[str, float]) -> dict[str, float]:
+    """Known, nominal or else identified gains and offsets of sensors."""
+    names = [
+        sensor.named(field)
+        for sensor in read
+        for field in ("gain", "offset")
+        if getattr(sensor, field) is not None
+    ]
+    values = axis.with_known_values(nominal)
+    if any(name not in values for name in names):
+        measured = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
+        try:
+            found = identify(model_of(axis, measured), log, examine=False).physical_parameters
+        except SymidError as error:
+            raise SettingError(
+                f"no gains of sensors can be identified ({error}): give --nominal P.json"
+            ) from error
+        values = {**found, **values}
+    if lacking := [name for name in names if not np.isfinite(values.get(name, np.nan))]:
+        raise SettingError(
+            f"the log does not determine {', '.join(lacking)}: give what is known with --fix, or --nominal P.json"
+        )
+    return values

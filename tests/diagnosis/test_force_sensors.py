@@ -1,0 +1,62 @@
+"""Diagnosis of logs with force sensors and scaled sensors, simulated with and without what the model lacks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from axes.force_sensors import CELL, DRIVE, ELEMENTS, LOAD, LOAD_SCALE, MOTOR, MOTOR_SCALE, VALUES, celled
+
+import symid
+from symid import ActuatorDelay, Axis, CoulombFriction, Force, Position, StiffnessNonlinearity
+from symid.diagnosis import Diagnosis, diagnose
+from symid.errors import SettingError
+from symid.simulation import chirp, plant_of, simulate, tuned_cascade
+
+REFERENCE = chirp(0.5, 20.0, 3.0, 0.002, sampling_period=5e-4)
+TRANSDUCER = Force("fd", DRIVE, noise=0.1)
+SCALED = Position("ql", LOAD, gain="cq", offset="oq", noise=1e-8)
+
+
+def diagnosed(axis: Axis, *effects: symid.Element, **values: float) -> Diagnosis:
+    machine, known = axis.with_effect(*effects) if effects else axis, VALUES | values
+    log = simulate(machine, known, REFERENCE, tuned_cascade(plant_of(axis, known), "qm"), seed=3).log
+    return diagnose(axis, log)
+
+
+@pytest.mark.parametrize(
+    "sensors",
+    [
+        (MOTOR_SCALE, CELL),
+        (MOTOR_SCALE, LOAD_SCALE, CELL),
+        (MOTOR_SCALE, TRANSDUCER),
+        (MOTOR_SCALE, SCALED),
+    ],
+)
+def test_a_clean_log_shows_no_gap(sensors: tuple[symid.Sensor, ...]) -> None:
+    found = diagnosed(celled(sensors), cq=1.02, oq=0.003)
+    assert found.verdict == "no_gap", found.sentence
+
+
+def test_friction_of_the_load_is_found_beside_a_load_cell() -> None:
+    found = diagnosed(celled((MOTOR_SCALE, LOAD_SCALE, CELL)), CoulombFriction(LOAD, "Fsl"), Fsl=6.0)
+    assert [(one.effect, one.at) for one in found.effects] == [("coulomb_friction", "load")]
+    assert found.effects[0].parameters["Fs"].value == pytest.approx(6.0, rel=0.05)
+
+
+def test_a_delay_of_the_drive_is_one_of_the_drive_and_not_of_its_transducer() -> None:
+    found = diagnosed(celled((MOTOR_SCALE, LOAD_SCALE, TRANSDUCER)), ActuatorDelay(2e-3))
+    assert [(one.effect, one.at) for one in found.effects] == [("delay", "actuator")]
+
+
+def test_a_gain_that_the_log_does_not_determine_is_asked_for() -> None:
+    axis = celled((Position("qm", MOTOR, gain="cq", noise=1e-8),))
+    with pytest.raises(SettingError, match=r"--nominal P\.json"):
+        diagnosed(axis, cq=1.02)
+
+
+def test_a_spring_whose_force_is_read_bends_no_law_that_the_sensor_lacks() -> None:
+    axis = celled()
+    with pytest.raises(symid.SymidError, match="in whose joint a law bends it"):
+        axis.with_effect(StiffnessNonlinearity(ELEMENTS[2].at, "k3"))
+    assert replace(axis, sensors=axis.sensors[:2]).with_effect(StiffnessNonlinearity(ELEMENTS[2].at, "k3"))

@@ -1,0 +1,68 @@
+"""Parameters from force sensors and scaled sensors, of simulated logs whose values are known."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import pytest
+from axes.force_sensors import CELL, ELEMENTS, LOAD, LOAD_SCALE, MOTOR, MOTOR_SCALE, SHAFT, VALUES, celled
+
+import symid
+from symid import Axis, Drive, Force, Log, Position
+from symid.simulation import chirp, plant_of, simulate, tuned_cascade
+
+REFERENCE = chirp(0.5, 20.0, 2.5, 0.002, sampling_period=5e-4)
+SCALES = {"cq": 1.02, "oq": 0.003, "cf": 2000.0, "of": 5.0, "Kt": 40.0}
+
+
+def logged(axis: Axis) -> Log:
+    values = VALUES | SCALES
+    return simulate(axis, values, REFERENCE, tuned_cascade(plant_of(axis, values), "qm"), seed=4).log
+
+
+def close(found: symid.Identification, names: tuple[str, ...], share: float) -> None:
+    assert found.status == "ok", found.message
+    for name in names:
+        assert found.physical_parameters[name] == pytest.approx((VALUES | SCALES)[name], rel=share), name
+
+
+@pytest.mark.parametrize(
+    ("sensors", "method"),
+    [
+        ((MOTOR_SCALE, CELL), "wls"),
+        ((MOTOR_SCALE, LOAD_SCALE, CELL), "wls"),
+        ((MOTOR_SCALE, LOAD_SCALE, CELL), "oe"),
+    ],
+)
+def test_a_load_cell(sensors: tuple[symid.Sensor, ...], method: Literal["wls", "oe"]) -> None:
+    axis = celled(sensors)
+    found = symid.identify(axis, logged(axis), method=method)
+    close(found, ("Mm", "K", "Ml"), 1e-3)
+    close(found, ("D", "Fvl", "Fvm"), 0.02)
+
+
+def test_a_transducer_determines_the_constant_of_a_drive() -> None:
+    drive = Drive("iq", MOTOR, gain="Kt", unit="A", held=True, noise=0.002)
+    sensors = (MOTOR_SCALE, LOAD_SCALE, Force("fd", drive, noise=0.1))
+    axis = Axis("t", ELEMENTS, drive, sensors)
+    close(symid.identify(axis, logged(axis)), ("Kt", "Mm", "Ml", "K"), 2e-3)
+
+
+def test_the_scale_of_a_second_encoder() -> None:
+    scaled = Position("ql", LOAD, gain="cq", offset="oq", noise=1e-8)
+    axis = celled((MOTOR_SCALE, scaled))
+    close(symid.identify(axis, logged(axis), method="oe"), ("cq", "oq", "K", "Ml", "Mm"), 1e-3)
+
+
+def test_gain_and_offset_of_a_load_cell() -> None:
+    cell = Force("cell", SHAFT, gain="cf", offset="of", unit="V", noise=1e-4)
+    axis = celled((MOTOR_SCALE, LOAD_SCALE, cell))
+    close(symid.identify(axis, logged(axis)), ("cf", "of", "K", "Ml", "Mm"), 2e-3)
+
+
+def test_a_scale_that_nothing_determines_is_named() -> None:
+    scaled = Position("qm", MOTOR, gain="cq", noise=1e-8)
+    axis = celled((scaled,))
+    found = symid.identify(axis, logged(axis))
+    assert found.status == "no_physical_parameters"
+    assert "give what is known with --fix" in found.message
