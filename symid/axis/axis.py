@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import combinations
 from typing import TypeAlias
 
+from symid.axis.drive_imperfections import DriveImperfection
 from symid.axis.elements import Body, Damper, Drive, Joint, PendulumWeight, Spring, Weight
 from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
@@ -132,6 +133,11 @@ class Axis(Shown):
     def imperfections(self) -> tuple[Imperfection, ...]:
         """Effects with given numbers that no regressor contains, in the order of their declaration."""
         return tuple(element for element in self.elements if isinstance(element, Imperfection))
+
+    def imperfections_of(self, drive: Drive) -> tuple[DriveImperfection, ...]:
+        """Effects with given numbers that are in a drive, in the order of their declaration."""
+        items = (item for item in self.imperfections if isinstance(item, DriveImperfection))
+        return tuple(item for item in items if item.is_in(drive.signal))
 
     @cached_property
     def physical_parameters(self) -> dict[str, Unit]:

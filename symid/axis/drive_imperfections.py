@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 from symid.axis.imperfections import Imperfection
@@ -20,7 +20,33 @@ __all__ = [
 
 @dataclass(frozen=True)
 class DriveImperfection(Imperfection):
-    """Element between the force F that a controller sends, and a log records, and the force f that acts."""
+    """Element between the force F that a controller sends, and a log records, and the force f that acts.
+
+    Parameters
+    ----------
+    drive : str, optional
+        Signal of the drive in which it is; it is in each drive of the axis by default.
+
+    Examples
+    --------
+    >>> ActuatorDelay(0.001, drive="F2").formula
+    'f(t) = F(t - 0.001 s), of F2'
+    """
+
+    drive: str | None = field(default=None, kw_only=True)
+
+    def is_in(self, signal: str) -> bool:
+        """Whether it is in the drive of a signal."""
+        return self.drive is None or self.drive == signal
+
+    @property
+    def formula(self) -> str:
+        """Formula of the element with its numbers, and its drive if it is in one of several."""
+        return self._formula if self.drive is None else f"{self._formula}, of {self.drive}"
+
+    @property
+    def _formula(self) -> str:
+        return super().formula
 
 
 @dataclass(frozen=True)
@@ -90,8 +116,7 @@ class GainNonlinearity(DriveImperfection):
     law: ClassVar = "F - bend*F*abs(F)**(power - 1)"
 
     @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
+    def _formula(self) -> str:
         return f"f = F - {self.bend:.4g} F abs(F)^{self.power - 1}"
 
 

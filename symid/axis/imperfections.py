@@ -28,7 +28,7 @@ __all__ = [
     "PreslidingFriction",
 ]
 
-_PLACES = ("at", "body", "signal")
+_PLACES = ("at", "body", "signal", "drive")
 """Fields that are not numbers."""
 _TURN = repr(math.tau)
 

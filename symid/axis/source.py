@@ -197,7 +197,7 @@ def _call(value: object, variables: Mapping[object, str]) -> _Call:
     """The call that makes a record: its first fields without their names, no field that has its default."""
     arguments: list[tuple[str, _Call | str]] = []
     named = False
-    for field in sorted(fields(value), key=lambda field: field.kw_only):  # type: ignore[arg-type]  # all are dataclasses
+    for field in sorted(fields(value), key=lambda field: bool(field.kw_only)):  # type: ignore[arg-type]  # a dataclass
         content = getattr(value, field.name)
         if _is_default(field, content):
             named = True

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
+from symid.axis.drive_imperfections import DriveImperfection
 from symid.axis.elements import (
     PARAMETER_FIELDS,
     Between,
@@ -56,6 +57,7 @@ def declaration_faults(
         *_drive_faults(checked_drives),
         *_sensor_faults(elements, checked_drives, checked_sensors),
         *_ripple_faults(elements, checked_drives),
+        *_place_faults(elements, checked_drives),
         *_joint_faults((*elements, *checked_drives)),
         *_connection_faults(bodies, elements, checked_drives),
         *_signal_faults(elements, checked_sensors),
@@ -245,6 +247,15 @@ def _ripple_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Itera
                 f"ForceConstantRipple at {joint_label(element.at)!r}: a force constant is of the drive: "
                 f"put it at {joint_label(drives[0].at)!r}"
             )
+
+
+def _place_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[str]:
+    """Imperfections in a drive that the axis does not have."""
+    signals = [drive.signal for drive in drives]
+    for element in elements:
+        if isinstance(element, DriveImperfection) and element.drive not in (None, *signals):
+            kind = type(element).__name__
+            yield f"{kind}: drive={element.drive!r} is not a drive: choose from {', '.join(signals)}"
 
 
 def _joint_faults(holders: Sequence[object]) -> Iterator[str]:

@@ -250,8 +250,11 @@ def delays_of(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, fl
     """
     sensors = axis.sensors if measured is None else axis.measured(tuple(measured))
     late = {sensor.signal: sensor.delay for sensor in sensors if sensor.delay}
-    acting = sum(item.seconds for item in axis.imperfections if isinstance(item, ActuatorDelay))
-    return late | ({drive.signal: -acting for drive in axis.drives} if acting else {})
+    acting = {
+        drive.signal: sum(e.seconds for e in axis.imperfections_of(drive) if isinstance(e, ActuatorDelay))
+        for drive in axis.drives
+    }
+    return late | {signal: -seconds for signal, seconds in acting.items() if seconds}
 
 
 def passed_over(axis: Axis) -> tuple[str, ...]:

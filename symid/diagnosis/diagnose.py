@@ -138,15 +138,15 @@ def diagnose(
     for each in (*logs, *others):
         require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
     whole = recovered(axis, [*logs, *others])
-    plain, read, scales = with_quantities(axis, whole.logs, nominal)
-    moved, every, said = with_positions(plain, read)
+    plain = with_quantities(axis, whole.logs, nominal)
+    moved, every, said = with_positions(plain.axis, plain.logs)
     logs, others = every[: len(logs)], every[len(logs) :]
     runs = _one_run(moved, logs), _one_run(moved, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
         found = _either_way(moved, runs, nominal, recorded, library)
-    assumed = (*found.assumptions, *scales, *said)
-    return replace(found, axis=axis, faults=(*whole.notes, *found.faults), assumptions=assumed)
+    assumed = (*found.assumptions, *plain.said, *said)
+    return replace(found, axis=plain.declared, faults=(*whole.notes, *found.faults), assumptions=assumed)
 
 
 def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:

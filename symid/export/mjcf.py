@@ -194,9 +194,10 @@ class _Writer:
         axis, (where, ratio) = self.axis, self._transmission(path)
         name = quoteattr(drive.command or drive.signal)
         words = f'name={name} {where} gear="{_written(ratio * gain)}"'
-        lags = [e.seconds for e in axis.imperfections if isinstance(e, ActuatorLag)]
-        limits = [e.force / abs(drive.factor) for e in axis.imperfections if isinstance(e, ForceLimit)]
-        delay = sum(e.seconds for e in axis.imperfections if isinstance(e, ActuatorDelay))
+        own = axis.imperfections_of(drive)
+        lags = [e.seconds for e in own if isinstance(e, ActuatorLag)]
+        limits = [e.force / abs(drive.factor) for e in own if isinstance(e, ForceLimit)]
+        delay = sum(e.seconds for e in own if isinstance(e, ActuatorDelay))
         if limits:
             edge = _written(min(limits))
             words += f' ctrllimited="true" ctrlrange="-{edge} {edge}"'

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.axis import Axis, DriveImperfection
+from symid.axis import Axis
 from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
@@ -119,8 +119,10 @@ def simulate(
         SensorChannel(sensor, plant, n_samples, period, random, misread_code(axis, sensor.signal))
         for sensor in axis.sensors
     ]
-    if chain := [element for element in axis.elements if isinstance(element, DriveImperfection)]:
-        controllers = tuple(ThroughDrive(one, chain, np.zeros(n_samples), period) for one in controllers)
+    controllers = tuple(
+        ThroughDrive(one, chain, np.zeros(n_samples), period) if chain else one
+        for one, chain in zip(controllers, map(axis.imperfections_of, axis.drives), strict=True)
+    )
     steps = max(steps, steps_for(axis, plant, parameters, period))
     loop = Loop(plant, paths, controllers, readers, steps, moment)
     record = MotionRecord.empty(n_samples, len(loop.plant.bodies), loop.n_drives, len(loop.between))

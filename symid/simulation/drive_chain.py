@@ -35,7 +35,7 @@ class ThroughDrive(Controller):
     """
 
     inner: Controller  # controller that commands the force
-    drive: Sequence[DriveImperfection]  # imperfections of the drive of the axis
+    drive: Sequence[DriveImperfection]  # imperfections of the drive
     # shape (n_samples,): receives the commanded force, unless the loop is linear: then `sent_along` has it
     sent: FloatArray
     period: float  # time between two samples, s

@@ -10,6 +10,7 @@ from axes.force_sensors import CELL, DRIVE, ELEMENTS, LOAD, LOAD_SCALE, MOTOR, M
 import symid
 from symid import ActuatorDelay, Axis, CoulombFriction, Force, Position, StiffnessNonlinearity
 from symid.diagnosis import Diagnosis, diagnose
+from symid.diagnosis.in_motion.declared import explained_axis
 from symid.errors import SettingError
 from symid.simulation import chirp, plant_of, simulate, tuned_cascade
 
@@ -42,6 +43,15 @@ def test_friction_of_the_load_is_found_beside_a_load_cell() -> None:
     found = diagnosed(celled((MOTOR_SCALE, LOAD_SCALE, CELL)), CoulombFriction(LOAD, "Fsl"), Fsl=6.0)
     assert [(one.effect, one.at) for one in found.effects] == [("coulomb_friction", "load")]
     assert found.effects[0].parameters["Fs"].value == pytest.approx(6.0, rel=0.05)
+
+
+def test_an_axis_is_written_with_the_scale_that_was_identified() -> None:
+    found = diagnosed(celled((MOTOR_SCALE, SCALED)), CoulombFriction(LOAD, "Fsl"), Fsl=6.0, cq=1.02, oq=0.003)
+    assert [(one.effect, one.at) for one in found.effects] == [("coulomb_friction", "load")]
+    assert any(said.startswith("ql is taken with gain 1.02") for said in found.assumptions)
+    written = explained_axis(found)
+    assert written.axis.sensors[1] == SCALED
+    assert written.axis.known == {"cq": pytest.approx(1.02, rel=1e-4), "oq": pytest.approx(0.003, rel=1e-3)}
 
 
 def test_a_delay_of_the_drive_is_one_of_the_drive_and_not_of_its_transducer() -> None:

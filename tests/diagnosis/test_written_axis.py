@@ -192,7 +192,7 @@ def test_a_flexible_mode_too(tmp_path: Path) -> None:
     ids=lambda element: type(element).__name__,
 )
 def test_what_is_declared_is_identified_and_not_found(element: Imperfection) -> None:
-    places = {"at", "body", "signal", "power", "frequency", "pitch"}
+    places = {"at", "body", "signal", "drive", "power", "frequency", "pitch"}
     own = {field.name: getattr(element, field.name) for field in fields(element) if field.name not in places}
     declared = replace(element, **{name: 1.1 * value for name, value in own.items()})
     nominal = {name: 1.05 * VALUES[name] for name in RIGID.physical_parameters}

@@ -8,6 +8,7 @@ from symid.axis import (
     ActuatorDelay,
     ActuatorLag,
     Axis,
+    DriveImperfection,
     EncoderRipple,
     ForceConstantRipple,
     ForceLimit,
@@ -34,7 +35,6 @@ from symid.diagnosis.effects.repeating import EncoderRippleEffect, ForceConstant
 from symid.diagnosis.effects.signals import (
     ActuatorLagEffect,
     DelayEffect,
-    DriveEffect,
     GainAsymmetryEffect,
     GainNonlinearityEffect,
     SaturationEffect,
@@ -46,20 +46,19 @@ from symid.diagnosis.prediction.prediction import Prediction
 def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
     """An effect in the drive, in a reading or in time as an element; None if it is none, or acts before its cause."""
     effect, shape, amplitudes = item.effect, item.shape, item.amplitudes
-    if isinstance(effect, DriveEffect) and item.at != ACTUATOR:
-        return None  # an element acts in all drives alike
+    drive = None if item.at == ACTUATOR else item.at
     match effect:
         case DelayEffect():
-            return ActuatorDelay(shape[0]) if shape[0] > 0 else None
+            return ActuatorDelay(shape[0], drive=drive) if shape[0] > 0 else None
         case ActuatorLagEffect():
-            return ActuatorLag(amplitudes[0])
+            return ActuatorLag(amplitudes[0], drive=drive)
         case SaturationEffect():
-            return ForceLimit(shape[0])
+            return ForceLimit(shape[0], drive=drive)
         case GainNonlinearityEffect():
-            return GainNonlinearity(amplitudes[0], power=effect.power)
+            return GainNonlinearity(amplitudes[0], power=effect.power, drive=drive)
         case GainAsymmetryEffect():
-            return GainAsymmetry(amplitudes[0])
-        case ForceConstantRippleEffect():
+            return GainAsymmetry(amplitudes[0], drive=drive)
+        case ForceConstantRippleEffect() if drive is None:
             return ForceConstantRipple(axis.drives[0].at, *amplitudes, *shape)
         case EncoderRippleEffect():
             return EncoderRipple(item.at, *amplitudes, *shape)
@@ -98,6 +97,8 @@ def effects_of_element(prediction: Prediction, element: Imperfection) -> tuple[P
             places: Iterable[str] = (element.signal,)
         case PayloadChange():
             places = (element.body.name,)
+        case DriveImperfection(drive=str(signal)) if len(prediction.axis.drives) > 1:
+            places = (signal,)
         case JointImperfection():
             named = prediction.joints
             places = [name for name in named if place_named(prediction.axis, name) == element.at]

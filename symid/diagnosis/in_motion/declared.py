@@ -13,6 +13,7 @@ from symid.axis import (
     CoulombFriction,
     EncoderRipple,
     PreslidingFriction,
+    Sensor,
     Spring,
 )
 from symid.diagnosis.effects import (
@@ -80,15 +81,25 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
 
 
 def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:
-    """The same with the declared sensors in place of those whose integral was taken; a ripple is of a position."""
+    """The same with the declared sensors in place of those whose integral or quantity was taken.
+
+    A ripple is of a position.
+    """
+    found = {sensor.signal: sensor for sensor in explained.axis.sensors}
     rippled = {item.signal for item in explained.axis.imperfections if isinstance(item, EncoderRipple)}
     sensors = tuple(
-        found
-        if found.quantity == sensor.quantity or found.signal in rippled
-        else replace(sensor, delay=found.delay)
-        for sensor, found in zip(declared.sensors, explained.axis.sensors, strict=True)
+        found[sensor.signal]
+        if sensor.signal in rippled or (_alike(sensor, found.get(sensor.signal)))
+        else replace(sensor, delay=found.get(sensor.signal, sensor).delay)
+        for sensor in declared.sensors
     )
-    return replace(explained, axis=replace(explained.axis, sensors=sensors))
+    known = {**explained.axis.known, **declared.known}
+    return replace(explained, axis=replace(explained.axis, sensors=sensors, known=known))
+
+
+def _alike(declared: Sensor, found: Sensor | None) -> bool:
+    """Whether a sensor of a model reads as it is declared."""
+    return found is not None and not declared.is_scaled and found.quantity == declared.quantity
 
 
 def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,10 +15,17 @@ from symid.errors import SettingError, SymidError
 from symid.identification import identify
 
 
-def with_quantities(
-    axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None = None
-) -> tuple[Axis, list[Log], tuple[str, ...]]:
-    """The axis and its logs with quantities in place of the signals of scaled sensors; and what was done.
+class Unscaled(NamedTuple):
+    """An axis and its logs with quantities in place of the signals of scaled sensors."""
+
+    axis: Axis
+    logs: list[Log]
+    declared: Axis  # with the gains and offsets that were taken as known
+    said: tuple[str, ...]  # what was done
+
+
+def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None = None) -> Unscaled:
+    """The axis and its logs with quantities in place of the signals of scaled sensors.
 
     Gains and offsets are those of `nominal`, else those identified from the first log.
 
@@ -32,13 +40,13 @@ def with_quantities(
     >>> table = Body("table", mass="M")
     >>> axis = Axis("t", (table,), Drive("F", table), (Position("q", table, gain="c", offset="o"),))
     >>> log = Log.from_arrays({"q": np.ones(3), "F": np.ones(3)}, sampling_period=0.1)
-    >>> plain, logs, said = with_quantities(axis, [log], {"M": 1.0, "c": 2.0, "o": 0.5})
-    >>> plain.sensors[0].gain, logs[0]["q"].tolist(), said[0]
+    >>> plain = with_quantities(axis, [log], {"M": 1.0, "c": 2.0, "o": 0.5})
+    >>> plain.axis.sensors[0].gain, plain.logs[0]["q"].tolist(), plain.said[0]
     (None, [2.5, 2.5, 2.5], 'q is taken with gain 2 and offset 0.5.')
     """
     scaled = [sensor for sensor in axis.sensors if sensor.is_scaled]
     if not scaled:
-        return axis, list(logs), ()
+        return Unscaled(axis, list(logs), axis, ())
     read = [sensor for sensor in scaled if all(sensor.signal in log.signals for log in logs)]
     values = _values(axis, read, logs[0], nominal or {})
     said, changed = [], list(logs)
@@ -57,7 +65,8 @@ def with_quantities(
     )
     own = {sensor.named(field) for sensor in scaled for field in ("gain", "offset")}
     known = {name: value for name, value in axis.known.items() if name not in own}
-    return replace(axis, sensors=plain, known=known), changed, tuple(said)
+    taken = {name: values[name] for name in own if name in values and name in axis.physical_parameters}
+    return Unscaled(replace(axis, sensors=plain, known=known), changed, axis.with_known(taken), tuple(said))
 
 
 def _values(axis: Axis, read: Sequence[Sensor], log: Log, nominal: Mapping[str, float]) -> dict[str, float]:

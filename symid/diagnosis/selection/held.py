@@ -14,29 +14,34 @@ HELD = (
 
 
 def shows_hold(fit: Fit) -> bool:
-    """Whether a delay of each force by half a sample explains a part of what a model leaves that has none declared."""
+    """Whether a delay of every force by half a sample explains a part of what a model leaves that has none declared."""
     if any(item.effect.name in LATE_FORCES for item in fit.state.placed):
         return False
-    return all(_shows_hold(fit, place) for place in DelayEffect().places(fit.state.prediction))
-
-
-def _shows_hold(fit: Fit, place: str) -> bool:
-    """The same of one drive."""
-    period = fit.state.prediction.record.log.sampling_period
-    found = confirmed_from(fit, Start.of(fit, Placed(DelayEffect(), place, (period / 2,), (1.0,))))
-    if (
-        found is None
-        or found.penalised_gain < THRESHOLDS.least_penalised_gain
-        or found.certainty < THRESHOLDS.least_certainty
-    ):
-        return False
-    return is_held(found.fit)
+    period, places = (
+        fit.state.prediction.record.log.sampling_period,
+        DelayEffect().places(fit.state.prediction),
+    )
+    n_before = len(fit.state.placed)
+    for place in places:
+        found = confirmed_from(fit, Start.of(fit, Placed(DelayEffect(), place, (period / 2,), (1.0,))))
+        if (
+            found is None
+            or found.penalised_gain < THRESHOLDS.least_penalised_gain
+            or found.certainty < THRESHOLDS.least_certainty
+        ):
+            return False
+        fit = found.fit
+    return all(_is_half_a_sample(item, period) for item in fit.state.placed[n_before:])
 
 
 def is_held(fit: Fit) -> bool:
     """Whether the last effect of a model is a delay or a lag of the only force by half a sample."""
-    item = fit.state.placed[-1]
-    if item.effect.name not in LATE_FORCES or fit.state.prediction.record.n_drives > 1:
+    record = fit.state.prediction.record
+    return record.n_drives == 1 and _is_half_a_sample(fit.state.placed[-1], record.log.sampling_period)
+
+
+def _is_half_a_sample(item: Placed, period: float) -> bool:
+    if item.effect.name not in LATE_FORCES:
         return False
     (time,) = item.shape or item.amplitudes
-    return abs(time / fit.state.prediction.record.log.sampling_period - 0.5) < THRESHOLDS.half_sample
+    return abs(time / period - 0.5) < THRESHOLDS.half_sample

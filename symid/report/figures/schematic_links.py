@@ -14,7 +14,6 @@ from symid.axis import (
     Body,
     CoulombFriction,
     Damper,
-    DriveImperfection,
     Imperfection,
     Joint,
     JointImperfection,
@@ -80,8 +79,8 @@ def links_of(axis: Axis) -> Iterator[Link]:
             case JointImperfection():
                 marks = marks_of(axis, element)
                 yield Link.in_joint(element.at, symbols.law, marks, type(element).__name__)
-    marks = marks_of(axis, *(e for e in axis.imperfections if isinstance(e, DriveImperfection)))
     for drive in axis.drives:
+        marks = marks_of(axis, *axis.imperfections_of(drive))
         name = "drive" if len(axis.drives) == 1 else f"drive {drive.signal}"
         label = marked(drive.command or drive.signal, marks)
         yield Link.in_joint(drive.at, symbols.drive, label, name)
