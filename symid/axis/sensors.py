@@ -88,12 +88,16 @@ class MotionSensor(Sensor):
         The body measured.
     relative_to : Body or Ground, optional
         The body it is measured from. By default the body it is on, so that the sensor reads the body's coordinate.
+    ratio : float, optional
+        Displacement of the body per displacement of `relative_to`, of which the sensor reads the difference: of a
+        deflection behind a gear or a ball screw. 1 by default.
     gain, offset, unit, noise, resolution, delay
         As of any `Sensor`.
     """
 
     body: Body
     relative_to: Body | Ground | None = None
+    ratio: float | None = field(default=None, kw_only=True)
     derivative: ClassVar[int]
     """Which derivative of the displacement is read: 0, 1 or 2."""
 
@@ -110,7 +114,10 @@ class MotionSensor(Sensor):
     @property
     def joint(self) -> Joint:
         """The joint whose displacement it reads."""
-        return self.body if self.relative_to is None else Between(first=self.relative_to, second=self.body)
+        if self.relative_to is None:
+            return self.body
+        ratio = 1 if self.ratio is None else self.ratio
+        return Between(first=self.relative_to, second=self.body, ratio=ratio)
 
     @property
     def parts(self) -> tuple[ReadingPart, ...]:

@@ -12,7 +12,7 @@ from symid.axis.sensors import Sensor
 
 _OF_SIGNALS = ("noise", "resolution", "delay")
 """Fields that do not count: no regressor depends on the imperfections of signals."""
-_OPTIONAL = ("gain", "offset", "unit", "drive")
+_OPTIONAL = ("gain", "offset", "unit", "ratio", "drive")
 """Fields of sensors and imperfections that count where they are given."""
 
 

@@ -179,11 +179,16 @@ def _number_faults(
                 yield f"{label_of(holder)}: {field} is {value!r}: it must be a finite number of at least 0"
     for sensor in sensors:
         of, to = getattr(sensor, "body", None), getattr(sensor, "relative_to", None)
-        if isinstance(of, Body) and isinstance(to, Body) and of.turns != to.turns:
+        ratio = getattr(sensor, "ratio", None)
+        if ratio is not None and to is None:
+            yield f"{label_of(sensor)}: ratio is that of what it is measured from: give relative_to= too"
+        elif ratio is not None:
+            numbers.append((f"{label_of(sensor)}: ratio", ratio))
+        if ratio is None and isinstance(of, Body) and isinstance(to, Body) and of.turns != to.turns:
             yield (
                 f"{label_of(sensor)} subtracts {'an angle' if to.turns else 'a displacement'} from "
                 f"{'an angle' if of.turns else 'a displacement'}: measure {of.name!r} alone, "
-                f"or relative to a body that {'turns' if of.turns else 'slides'}"
+                f"relative to a body that {'turns' if of.turns else 'slides'}, or with the ratio= of a deflection"
             )
     numbers += [(f"{label_of(d)}: gain", d.gain) for d in drives if d.gain is not None and d.constant is None]
     for what, value in numbers:

@@ -9,6 +9,7 @@ from axes.force_sensors import DRIVE, ELEMENTS, LOAD, MOTOR, SHAFT, VALUES, cell
 from symid import (
     Acceleration,
     Axis,
+    Between,
     Body,
     CoulombFriction,
     Drive,
@@ -22,7 +23,7 @@ from symid import (
     derive,
 )
 from symid.codegen.generate import compiled
-from symid.errors import EliminationError
+from symid.errors import DeclarationError, EliminationError
 from symid.signal_names import split_derivative
 
 SCALES = {"cq": 1.25, "oq": 0.003, "cf": 2000.0, "of": 5.0, "Kt": 40.0}
@@ -87,6 +88,26 @@ def test_gain_and_offset_beside_another_sensor(sensor: Sensor, phasor: complex) 
     axis = celled((Position("qm", MOTOR), sensor))
     assert residual(axis, ("qm", "r"), {"r": (SCALES["cq"], SCALES["oq"], phasor)}) < 1e-12
     assert derive(axis, ("qm", "r")).parameter_map.identifiability["cq"] == "unique"
+
+
+def test_a_deflection_behind_a_gear() -> None:
+    vibration = phasors(40.0)
+    sensor = Position("d", LOAD, relative_to=MOTOR, ratio=0.25)
+    axis = celled((Position("qm", MOTOR), sensor))
+    deflection = vibration["ql"] - 0.25 * vibration["qm"]
+    assert residual(axis, ("qm", "d"), {"d": (1.0, 0.0, deflection)}) < 1e-12
+
+
+def test_a_ratio_is_that_of_a_reference() -> None:
+    screw, nut = Body("screw", inertia="J"), Body("nut", mass="M")
+    spring = Spring("nut_spring", Between(first=screw, second=nut, ratio=0.002), stiffness="K")
+    turning = (screw, spring, nut), Drive("T", screw)
+    read = Axis("s", *turning, (Position("q", screw), Position("d", nut, relative_to=screw, ratio=0.002)))
+    assert str(read.signal_units["d"]) == "m"
+    with pytest.raises(DeclarationError, match="or with the ratio= of a deflection"):
+        Axis("s", *turning, (Position("q", screw), Position("d", nut, relative_to=screw)))
+    with pytest.raises(DeclarationError, match="give relative_to= too"):
+        Axis("s", *turning, (Position("q", screw), Position("d", nut, ratio=0.002)))
 
 
 def test_gain_and_offset_of_a_force_sensor() -> None:
