@@ -89,6 +89,7 @@ class Kinematics:
     def __init__(self, axis: Axis) -> None:
         self.coordinates = {body: f"q_{body.name}" for body in axis.free_bodies}
         self.constants: dict[str, float] = {}
+        self._values = _ratios(axis)
         self._absent = {name for name, value in axis.known_parameters.items() if value == 0}
 
     def symbol(self, body: Body, order: int = 0) -> sp.Symbol:
@@ -103,6 +104,8 @@ class Kinematics:
         """Exact number if it is whole, else a symbol that stands for it."""
         if float(value).is_integer():
             return sp.Integer(int(value))
+        # Other ratios between the same bodies have names of their own, the same in every process.
+        name += "_" * self._values.get(name, [value]).index(value)
         self.constants[name] = float(value)
         return sp.Symbol(name)
 
@@ -145,6 +148,23 @@ class Kinematics:
         )
 
 
+def _ratios(axis: Axis) -> dict[str, list[float]]:
+    """Different ratios between two bodies, by the name of their constant."""
+    joints = (getattr(holder, "at", None) for holder in (*axis.elements, *axis.drives))
+    pairs = [(gear.to.name, body.name, gear.ratio) for body in axis.bodies for gear in body.gears]
+    pairs += [
+        (joint.first.name, joint.second.name, joint.ratio)
+        for joint in (*joints, *(sensor.joint for sensor in axis.sensors))
+        if isinstance(joint, Between)
+    ]
+    found: dict[str, list[float]] = {}
+    for first, second, ratio in pairs:
+        values = found.setdefault(f"ratio_{first}_{second}", [])
+        if ratio not in values:
+            values.append(ratio)
+    return found
+
+
 def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
     """Lagrange's equations of an axis: the paper's [3] and [4], for any axis.
 
@@ -157,6 +177,8 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
     kinetic = sp.Add(*(kinematics.parameter(name) * speed**2 for name, speed in speeds)) / 2
     potential = _quadratic(axis, kinematics, "q") + _weights(axis, kinematics)
     dissipation = _quadratic(axis, kinematics, "v")
+    for sensor in axis.sensors:
+        kinematics.displacement(sensor.joint)  # its ratio is a constant of the axis
     inputs, work = _virtual_power(axis, kinematics)
     balances = []
     for body in axis.free_bodies:

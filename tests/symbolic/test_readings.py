@@ -98,6 +98,14 @@ def test_a_deflection_behind_a_gear() -> None:
     assert residual(axis, ("qm", "d"), {"d": (1.0, 0.0, deflection)}) < 1e-12
 
 
+def test_two_ratios_between_the_same_bodies_are_two_constants() -> None:
+    screw, nut = Body("screw", inertia="J"), Body("nut", mass="M")
+    spring = Spring("nut_spring", Between(first=screw, second=nut, ratio=0.0021), stiffness="K")
+    sensors = (Position("q", screw), Position("d", nut, relative_to=screw, ratio=0.0019))
+    model = derive(Axis("s", (screw, spring, nut), Drive("T", screw), sensors), ("q", "d"))
+    assert sorted(model.minimal.source.source.constants.values()) == [0.0019, 0.0021]
+
+
 def test_a_ratio_is_that_of_a_reference() -> None:
     screw, nut = Body("screw", inertia="J"), Body("nut", mass="M")
     spring = Spring("nut_spring", Between(first=screw, second=nut, ratio=0.002), stiffness="K")
