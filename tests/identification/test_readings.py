@@ -65,4 +65,4 @@ def test_a_scale_that_nothing_determines_is_named() -> None:
     axis = celled((scaled,))
     found = symid.identify(axis, logged(axis))
     assert found.status == "no_physical_parameters"
-    assert "give what is known with --fix" in found.message
+    assert "give what is known with `fixed`" in found.message

@@ -83,12 +83,10 @@ def _values(axis: Axis, read: Sequence[Sensor], log: Log, nominal: Mapping[str, 
         try:
             found = identify(model_of(axis, measured), log, examine=False).physical_parameters
         except SymidError as error:
-            raise SettingError(
-                f"no gains of sensors can be identified ({error}): give --nominal P.json"
-            ) from error
+            raise SettingError(f"no gains of sensors can be identified ({error}): give `nominal`") from error
         values = {**found, **values}
     if lacking := [name for name in names if not np.isfinite(values.get(name, np.nan))]:
         raise SettingError(
-            f"the log does not determine {', '.join(lacking)}: give what is known with --fix, or --nominal P.json"
+            f"the log does not determine {', '.join(lacking)}: give what is known with `fixed`, or `nominal`"
         )
     return values
