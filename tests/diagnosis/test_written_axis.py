@@ -1,20 +1,18 @@
 """Every effect: a machine that has it is diagnosed, the axis written, read again and simulated under the controller."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from machine_runs import COUPLING, ELASTIC, FRICTION, LOOP, MOTOR, RIGID, SENSORS, VALUES, machine, path
 
 from symid import (
     ActuatorDelay,
     ActuatorLag,
     Axis,
     Backlash,
-    Body,
     Cogging,
-    CoulombFriction,
-    Drive,
     EncoderRipple,
     ForceConstantRipple,
     ForceLimit,
@@ -25,58 +23,25 @@ from symid import (
     GainNonlinearity,
     Imperfection,
     LoadDependentFriction,
-    Log,
     OffsetForce,
     PayloadChange,
     PeriodicForce,
     PeriodicFriction,
-    Position,
     PositionStiffness,
     PreslidingFriction,
     QuadraticDrag,
-    Spring,
     StiffnessNonlinearity,
     StribeckFriction,
-    ViscousFriction,
     derive,
     load_axis,
     write_axis,
 )
-from symid.axis import Between
 from symid.diagnosis import LIBRARY, diagnose, explained_axis
 from symid.diagnosis.in_motion.declared import impossible_values
 from symid.diagnosis.in_motion.replayed import without_noise
 from symid.export import c_source, mjcf
 from symid.report.tables.derivation import derivation_record
-from symid.simulation import Cascade, Trajectory, simulate, trapezoids
-
-MOTOR, LOAD = Body("motor", mass="M"), Body("load", mass="Ml")
-FRICTION = (ViscousFriction(MOTOR, "Fv"), CoulombFriction(MOTOR, "Fs"))
-SENSORS = (Position("q", MOTOR, noise=1e-7),)
-RIGID = Axis("rigid", (MOTOR, *FRICTION), Drive("F", MOTOR, noise=0.3), SENSORS)
-COUPLING = Between(first=MOTOR, second=LOAD)
-ELASTIC = Axis(
-    "elastic",
-    (*RIGID.elements, LOAD, Spring("coupling", COUPLING, "K", damping="C")),
-    RIGID.drive,
-    (*SENSORS, Position("ql", LOAD, noise=1e-7)),
-)
-VALUES = {"M": 40.0, "Fv": 120.0, "Fs": 12.0, "Ml": 25.0, "K": 6e5, "C": 300.0}
-LOOP = Cascade("q", position_gain=20.0, velocity_gain=2500.0, integral_gain=4.0)
-PERIOD = 1e-3
-
-
-def path(seed: int) -> Trajectory:
-    """Strokes of two lengths at several speeds."""
-    levels, speeds = {1: ([0.12, 0.04], [0.06, 0.2, 0.4]), 2: ([0.15, 0.05], [0.08, 0.3])}[seed]
-    return trapezoids(levels, speeds, acceleration=2.5, jerk=50.0, dwell=0.1, sampling_period=PERIOD)
-
-
-def machine(axis: Axis, values: dict[str, float], seed: int) -> Log:
-    """A log of an axis under `LOOP`."""
-    run = simulate(axis, values, path(seed), LOOP, seed=seed)
-    return replace(run.log, source=f"run {seed}")
-
+from symid.simulation import simulate
 
 RIGID_KINDS = {
     "viscous_friction": (FRICTION[0], {}),
@@ -175,44 +140,6 @@ def test_a_flexible_mode_too(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "element",
-    [
-        ActuatorDelay(8e-4),
-        ActuatorLag(0.004),
-        GainNonlinearity(4e-4, power=2),
-        GainAsymmetry(0.05),
-        EncoderRipple("q", 2e-6, 1e-6, 0.02),
-        PeriodicForce(MOTOR, 4.0, 3.0, frequency=17.0),
-        PayloadChange(MOTOR, 5.0, time=1.5),
-        FrictionDrift(MOTOR, 5.0, 30.0, time_constant=2.0),
-        FrictionTrend(MOTOR, 2.0, 0.0),
-        PreslidingFriction(MOTOR, 12.0, reach=3e-4),
-        LoadDependentFriction(MOTOR, 0.05),
-    ],
-    ids=lambda element: type(element).__name__,
-)
-def test_what_is_declared_is_identified_and_not_found(element: Imperfection) -> None:
-    places = {"at", "body", "signal", "drive", "power", "frequency", "pitch"}
-    own = {field.name: getattr(element, field.name) for field in fields(element) if field.name not in places}
-    declared = replace(element, **{name: 1.1 * value for name, value in own.items()})
-    nominal = {name: 1.05 * VALUES[name] for name in RIGID.physical_parameters}
-    logs = [machine(RIGID.with_effect(element), VALUES, seed) for seed in (1, 2)]
-    found = diagnose(
-        RIGID.with_effect(declared), logs[0], validation=logs[1], nominal=nominal, held=True, controller=LOOP
-    )
-    assert found.verdict in ("no_gap", "parameters")
-    assert not found.effects
-    assert "Declared, and identified with the parameters" in found.assumptions[-1]
-    changes = [change for change in found.parameters if "." in change.name]
-    assert changes
-    for change in changes:
-        if not change.name.endswith("t0"):  # a moment lies anywhere between two accelerations
-            scaled = not change.name.endswith((".pitch", ".f"))
-            off = abs(change.reidentified - change.nominal / (1.1 if scaled else 1.0))
-            assert off < 4 * change.reidentified_std + 0.02 * abs(change.nominal)
-
-
-@pytest.mark.parametrize(
     ("kind", "here", "there"),
     [
         ("payload_change", PayloadChange(MOTOR, 8.0, time=9.0), PayloadChange(MOTOR, 8.0, time=4.0)),
@@ -232,15 +159,6 @@ def test_moments_and_phases_are_written_as_the_validation_log_has_them(
         for model in (RIGID, explained.axis)
     )
     assert written < 0.02 * without
-
-
-def test_a_declared_limit_is_identified() -> None:
-    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
-    log = machine(RIGID.with_effect(ForceLimit(110.0)), VALUES, 1)
-    found = diagnose(RIGID.with_effect(ForceLimit(118.0)), log, nominal=nominal, held=True, controller=LOOP)
-    limit = next(change for change in found.parameters if change.name == "saturation.limit")
-    assert limit.reidentified == pytest.approx(110.0, rel=0.01)
-    assert all(one.effect != "saturation" for one in found.effects)
 
 
 def test_a_written_axis_leaves_no_gap_on_another_log(tmp_path: Path) -> None:
@@ -298,24 +216,3 @@ def test_a_value_that_no_axis_has_is_named() -> None:
     assert impossible_values(ELASTIC, VALUES) == ()
     told = impossible_values(ELASTIC, VALUES | {"K": -6e5, "Ml": -1.0, "Fv": -3.0})
     assert [sentence.split(" is impossible")[0] for sentence in told] == ["Ml = -1", "K = -6e+05"]
-
-
-def test_several_declared_imperfections_of_a_kind_keep_their_values_apart() -> None:
-    declared = RIGID.with_effect(
-        PeriodicForce(MOTOR, 4.0, 3.0, frequency=17.0), PeriodicForce(MOTOR, 2.0, 1.0, frequency=29.0)
-    )
-    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
-    found = diagnose(declared, machine(declared, VALUES, 1), nominal=nominal, held=True, library=())
-    names = [change.name for change in found.parameters]
-    assert len(set(names)) == len(names)
-    values = {change.name: change.reidentified for change in found.parameters}
-    assert values["periodic_disturbance.f"] == pytest.approx(17.0, rel=1e-3)
-    assert values["periodic_disturbance_2.f"] == pytest.approx(29.0, rel=1e-3)
-
-
-def test_an_imperfection_that_no_effect_stands_for_is_passed_over() -> None:
-    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
-    idle = RIGID.with_effect(FrictionTrend(MOTOR, 0.0, 0.0))
-    found = diagnose(idle, machine(RIGID, VALUES, 1), nominal=nominal, held=True, library=(), controller=LOOP)
-    assert found.verdict in ("no_gap", "parameters")
-    assert "1 declared imperfections are passed over" in found.assumptions[-1]
