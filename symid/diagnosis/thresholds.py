@@ -26,6 +26,9 @@ class Thresholds:
     # away (second effects in drawn cases with one)
     least_power: float = 0.06
     least_of_first: float = 0.006
+    # share of what is clearly left that an effect must take away where it takes less than that of the first model: a
+    # gap of a hundred floors would hide one of several floors (drawn worldly cases; what wanders lost 0.2)
+    least_of_rest: float = 0.3
     # mean square below which no effect takes a model: the level of the noise is known to some percent
     noise: float = 0.8
     most_effects: int = 4  # effects sought: a worldly case has four
@@ -34,7 +37,7 @@ class Thresholds:
     hardly: float = 0.05
     # share of the best candidate's gain by projection from which on another is fitted
     promising: float = 0.15
-    # mean square from which on candidates are fitted whatever a projection says of them
+    # mean square from which on candidates are fitted whatever a projection says of them, and more than noise is left
     clear_gap: float = 9.0
     # multiple of the least mean square beyond which another candidate is not fitted to the end
     hopeless: float = 4.0

@@ -144,13 +144,14 @@ def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) ->
         at = (
             len(whole.state.placed) - n
         )  # an effect done with goes to the end: the next one is the first of the last n
-        own, before = whole.state.placed[at], _without(whole, at)
+        begun = _without(whole, at)
+        own, before = begun.placed, fitted(begun.state, begun.weighting, _ITERATIONS).after(whole)
         simpler = [member for member in dropped if own.contains(member.placed.key)]
         sought = library if not any(is_part(item, own) for item in before.state.placed) else ()
-        found = _chosen(first, before, own, step, sought if i == 0 else (), simpler)
+        found = _chosen(first, before, begun, step, sought if i == 0 else (), simpler)
         matters = takes(before, whole, first)
         if found is None and matters and i > 0:
-            found = _chosen(first, before, own, step, sought)
+            found = _chosen(first, before, begun, step, sought)
         if found is not None and not _stands_in(found, before, whole):
             found = None
         if found is None and matters:
@@ -175,16 +176,18 @@ def _stands_in(found: SelectionStep, before: Fit, whole: Fit) -> bool:
 def _chosen(
     first: Fit,
     before: Fit,
-    own: Placed,
+    begun: Start,
     step: SelectionStep,
     library: Sequence[Effect],
     simpler: Sequence[Member] = (),
 ) -> SelectionStep | None:
     """The step of an effect beside all others; None if nothing is worth its place.
 
-    What is `simpler`, and was dropped as the effect contains it, is a rival again.
+    It begins with all values of the whole model: where a large effect is missing, small ones are led astray. What is
+    `simpler`, and was dropped as the effect contains it, is a rival again.
     """
-    starts = [Start.of(before, item) for item in (own, *(member.placed for member in simpler))]
+    own = begun.placed
+    starts = [begun, *(Start.of(before, member.placed) for member in simpler)]
     if library:
         present = {item.key for item in before.state.placed}
         rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS] if c.key not in present}
@@ -254,12 +257,11 @@ def _chain(
     return tuple(chain) if chain and before.mean_square < most else None
 
 
-def _without(whole: Fit, at: int) -> Fit:
-    """The model without one of its effects, fitted again."""
+def _without(whole: Fit, at: int) -> Start:
+    """The model without one of its effects, all else as it is, and that effect."""
     placed = list(whole.state.placed)
-    del placed[at]
-    found = fitted(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, _ITERATIONS)
-    return found.after(whole)
+    own = placed.pop(at)
+    return Start(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, own)
 
 
 def _in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> SelectionStep:

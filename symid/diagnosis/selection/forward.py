@@ -14,7 +14,7 @@ from symid.diagnosis.fitting.state import can_integrate, with_effects
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.screening import Candidate, screened
-from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep
+from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, is_clear
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _INTEGRATED = 2
@@ -65,11 +65,8 @@ def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tup
     steps, last = [first], first
     while last.accepts and len(steps) < THRESHOLDS.most_effects:
         current = refitted(settled(last.confirmed[0].fit)).after(fit)
-        if (
-            current.mean_square
-            - max(THRESHOLDS.least_power, THRESHOLDS.least_of_first * float(fit.squares.min()))
-            < THRESHOLDS.noise
-        ):
+        counts = max(THRESHOLDS.least_power, THRESHOLDS.least_of_first * float(fit.squares.min()))
+        if current.mean_square - counts < THRESHOLDS.noise and not is_clear(current):
             break
         last = _selection_step(current, library, None)
         if not last.justifies_another(fit):

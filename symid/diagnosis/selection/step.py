@@ -136,7 +136,14 @@ class SelectionStep:
 def takes(before: Fit, after: Fit, first: Fit) -> bool:
     """Whether an effect beside others takes away what counts, where `first` was to be explained."""
     most = float(np.max(before.squares - after.squares)) / before.squares.size
-    return most > THRESHOLDS.least_power and _taken(before, after, first) > THRESHOLDS.least_of_first
+    of_first, of_rest = _taken(before, after, first), _taken(before, after, before)
+    counts = of_first > THRESHOLDS.least_of_first or (is_clear(before) and of_rest > THRESHOLDS.least_of_rest)
+    return most > THRESHOLDS.least_power and counts
+
+
+def is_clear(left: Fit) -> bool:
+    """Whether a model leaves much more than noise."""
+    return left.mean_square > THRESHOLDS.clear_gap
 
 
 def _taken(before: Fit, after: Fit, first: Fit) -> float:

@@ -1,0 +1,45 @@
+"""A small effect beside a large one is found where it takes away much of what is left."""
+
+import numpy as np
+import pytest
+
+from symid import Cogging, QuadraticDrag, load_axis
+from symid.data import Log
+from symid.diagnosis import Diagnosis, diagnose
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+RIGID = load_axis("rigid_1m")
+BODY = RIGID.bodies[0]
+VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+HIDDEN = {"D": 900.0, "As": 2.0, "Ac": 0.0}
+
+
+def slide(seed: int) -> Log:
+    """A log of a slide with strong drag and weak cogging."""
+    axis = RIGID.with_signal("q", noise=1e-7).with_signal("F", noise=0.3)
+    axis = axis.with_effect(Cogging(BODY, "As", "Ac", pitch=0.03), QuadraticDrag(BODY, "D"))
+    speeds = [0.3, 0.7, 1.0] if seed % 2 else [0.4, 0.6, 0.9]
+    reference = trapezoids(0.4, speeds, acceleration=5.0, jerk=100.0, dwell=0.1, sampling_period=1e-3)
+    loop = tuned_cascade(plant_of(RIGID, VALUES), "q")
+    return simulate(axis, VALUES | HIDDEN, reference, loop, seed=seed).log
+
+
+@pytest.fixture(scope="module")
+def found() -> Diagnosis:
+    return diagnose(RIGID, slide(1), validation=slide(2), nominal=VALUES, held=True)
+
+
+def test_a_small_effect_that_takes_away_most_of_a_clear_rest_is_found(found: Diagnosis) -> None:
+    assert [effect.effect for effect in found.effects] == ["quadratic_drag", "cogging"]
+    first, second = (step for step in found.search if step.accepts)
+    rest = second.before.mean_square
+    taken = rest - second.confirmed[0].fit.mean_square
+    assert taken > 0.9 * rest
+    assert taken < 0.006 * first.before.mean_square
+    amplitudes = found.effects[1].parameters
+    assert np.hypot(amplitudes["As"].value, amplitudes["Ac"].value) == pytest.approx(2.0, rel=0.1)
+
+
+def test_beside_the_first_effect_the_second_is_left(found: Diagnosis) -> None:
+    left = found.effects[0].gap_after.rms ** 2 - found.gap.explained.rms**2
+    assert left == pytest.approx(2.0**2 / 2, rel=0.2)  # of a sine; a part of it lies above the band
