@@ -106,7 +106,7 @@ def _with_signal(
         return known
     said = click.prompt(
         f"Unit of {column.header!r} ({_EXAMPLES[quantity]})",
-        default=column.unit or str(unit),
+        default=None if column.scaled else column.unit or str(unit),
         value_proc=lambda text: _unit_of(text, quantity, unit, column),
     )
     return replace(known, units={**known.units, signal: said})

@@ -81,7 +81,7 @@ def command(log: str, **options: Any) -> None:
     look = _look(Path(log))
     known = Known.of(options)
     if declared and _asks(options):
-        _show_columns(log, look)
+        _show_columns(log, look, numbered=True)
         known = asked(declared, look.columns, lambda known: _mapping(look, declared, known), known)
         options["output"] = options["output"] or asked_file(Path(log))
     elif options["json_file"] != "-":
@@ -147,7 +147,7 @@ def _mapping(look: ForeignFile, axis: Axis, known: Known) -> LogMapping:
     )
 
 
-def _show_columns(log: str, look: ForeignFile) -> None:
+def _show_columns(log: str, look: ForeignFile, *, numbered: bool = False) -> None:
     console = report_console()
     if look.layout:
         of = look.layout
@@ -158,11 +158,11 @@ def _show_columns(log: str, look: ForeignFile) -> None:
         )
         layout = f"{of.encoding}, separator {of.separator!r}, decimal {of.decimal!r}"
         console.print(f"{log}: {layout}, {header}", markup=False)
-    shown = TextTable("", "column", "seems to be", "unit", "because")
-    for column in look.columns:
+    shown = TextTable("", *[""] * numbered, "column", "seems to be", "unit", "because")
+    for place, column in enumerate(look.columns, start=1):
         what = f"{'commanded ' * column.setpoint}{column.quantity or '?'}"
         unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
-        shown.add(column.header, what, unit, column.reason)
+        shown.add(*[str(place)] * numbered, column.header, what, unit, column.reason)
     console.print(shown)
 
 

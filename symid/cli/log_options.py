@@ -124,7 +124,9 @@ def mapping_of(options: dict[str, Any]) -> LogMapping:
     """The mapping of ``--mapping``, an empty one without it."""
     if not options.get("mapping"):
         return LogMapping()
-    given = ([entry.partition("=")[0].strip() for entry in options.get(n, ())] for n in ("column", "gain"))
+    given = (
+        [entry.partition("=")[0].strip() for entry in options.get(n, ())] for n in ("column", "gain", "unit")
+    )
     return read_mapping(options["mapping"], *given)
 
 

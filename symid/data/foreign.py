@@ -30,12 +30,14 @@ _WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     ("time", r"t|time|timestamp|zeit|temps|sec|ms"),
     ("acceleration", r"acc\w*|beschl\w*|ddq\w*"),
     ("velocity", r"vel\w*|speed|geschw\w*|drehzahl|v"),
-    ("force", r"torque|trq|effort|moment|drehmoment|force|kraft|fm?|tau"),
+    ("force", r"torque|trq|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|fm?|tau"),
     ("current", r"current|cur|iq|i|strom|amps?"),
     ("voltage", r"voltage|volts?|spannung"),
-    ("position", r"pos\w*|lage|weg|angle|winkel|encoder|scale|q\w?|x|y|z"),
+    ("position", r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|encoder|scale|q\w?|x|y|z"),
 )
-_SETPOINT: Final = r"set\w*|soll\w*|cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg"
+_SETPOINT: Final = (
+    r"set\w*|soll\w*|\w*soll(?:wert)?|cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg"
+)
 _NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 _WRITTEN: Final = {
     "Nm": "N*m",
@@ -78,6 +80,8 @@ class ForeignColumn:
         Whether the unit stands in the file; otherwise it is guessed, or unknown.
     doubt : str
         What the values seem to be other than numbers of a quantity; empty without such evidence.
+    scaled : bool
+        Whether the values cannot be in SI while nothing tells their unit, as counts of an encoder.
     """
 
     header: str
@@ -87,6 +91,7 @@ class ForeignColumn:
     reason: str
     stated: bool
     doubt: str = ""
+    scaled: bool = False
 
 
 def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
@@ -222,8 +227,10 @@ def _without_unit(
             return ForeignColumn(header, "time", fits[0], setpoint, reason, False)
         return ForeignColumn(header, "time", None, setpoint, f"{said}; steps of {step:g} fit no unit", False)
     if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
-        counts = "; whole numbers may be counts, in '4096 counts/rev'" if np.all(values % 1 == 0) else ""
-        reason = f"{said}; a stroke of {np.ptp(values):.3g} is too long for metres{counts}"
+        reason = f"{said}; a stroke of {np.ptp(values):.3g} is too long for metres"
+        if written or np.all(values % 1 == 0):
+            what = f"{written!r} is no unit" if written else "whole numbers may be counts"
+            return ForeignColumn(header, "position", None, setpoint, f"{reason}; {what}", False, scaled=True)
         return ForeignColumn(header, "position", "mm", setpoint, reason, False)
     lacking = f"{written!r} is not a unit" if written else "no unit"
     return ForeignColumn(header, quantity, None, setpoint, f"{said}; {lacking}, so SI is assumed", False)

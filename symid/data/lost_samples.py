@@ -101,8 +101,12 @@ def step_of(x: FloatArray) -> float:
     if values.size < 2:
         return 0.0
     gaps = np.diff(values)
-    counts = gaps / gaps.min()
-    whole = counts.sum() < _COUNTS and bool(np.all(np.abs(counts - np.round(counts)) < _ROUNDING))
+    with np.errstate(
+        over="ignore", invalid="ignore"
+    ):  # beside the least numbers there are, gaps count too many
+        counts = gaps / gaps.min()
+    few = bool(np.all(np.isfinite(counts))) and counts.sum() < _COUNTS
+    whole = few and bool(np.all(np.abs(counts - np.round(counts)) < _ROUNDING))
     return float(gaps.min()) if values.size < _COARSE * x.size or whole else 0.0
 
 

@@ -136,6 +136,10 @@ class _Guess:
         written = unit or column.unit
         if written:
             self.units[signal] = written
+        elif column.scaled and signal not in self.given:
+            self.missing.append(
+                f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as '5000 counts/mm'"
+            )
         if column.doubt:
             self.guesses.append(f"{signal} is column {column.header!r}, whose values {column.doubt}")
         if signal not in self.named or not column.stated:
@@ -178,7 +182,7 @@ class _Guess:
                 self.guesses.append(f"{signal} may as well be column {' or '.join(others)}")
         elif needed:
             self.missing.append(
-                f"no column seems to be the {quantity} {signal}: name it, `columns` {signal}=NAME"
+                f"no column seems to be the {quantity} {signal}: name it with `columns` {signal}=NAME"
             )
 
     def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
@@ -193,7 +197,9 @@ class _Guess:
         alike = [measured[q] for q in (own, "percent", "current") if q in measured]
         column = self.chosen(signal, alike or self.called(signal))
         if column is None:
-            self.missing.append(f"no column seems to be the force {signal}: name it, `columns` {signal}=NAME")
+            self.missing.append(
+                f"no column seems to be the force {signal}: name it with `columns` {signal}=NAME"
+            )
             return
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")

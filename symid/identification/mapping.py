@@ -49,16 +49,21 @@ class LogMapping:
         return asdict(self)
 
 
-def read_mapping(file: str | Path, columns: Collection[str] = (), gains: Collection[str] = ()) -> LogMapping:
+def read_mapping(
+    file: str | Path,
+    columns: Collection[str] = (),
+    gains: Collection[str] = (),
+    units: Collection[str] = (),
+) -> LogMapping:
     """A mapping from its JSON file.
 
     Parameters
     ----------
     file : path-like
         Written by ``symid import``.
-    columns, gains : collection of str
-        Signals of which column or factor are given beside it: what it lacks of them is not a fault, and what it guesses
-        of them is not used.
+    columns, gains, units : collection of str
+        Signals of which column, factor or unit are given beside it: what it lacks of them is not a fault, and what it
+        guesses of them is not used.
 
     Raises
     ------
@@ -73,7 +78,9 @@ def read_mapping(file: str | Path, columns: Collection[str] = (), gains: Collect
             f"{file} holds no mapping of columns: write one with symid import ({error})"
         ) from error
     missing = [
-        line for line in mapping.missing if not any(_is_about(line, name) for name in (*columns, *gains))
+        line
+        for line in mapping.missing
+        if not any(_is_about(line, name) for name in (units if "has no unit" in line else (*columns, *gains)))
     ]
     if missing:
         raise SettingError(

@@ -123,3 +123,21 @@ def test_columns_called_as_signals_and_an_angle_without_a_unit(
     capsys.readouterr()
     run("identify", "motor.py", "lab.csv", "lab.csv", "--mapping", "m.json")
     assert capsys.readouterr().err.count("m.json guesses: ") == 1  # of two logs
+
+
+def test_counts_are_never_taken_for_millimetres(
+    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = counted(recorded, folder)
+    given = ("--unit", "t=ms", "--rated", "400")
+    assert run("import", file, "--axis", "rigid_1m", *given, "-o", "m.json") == 0
+    mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
+    assert "q" not in mapping["units"]
+    assert [line.partition(",")[0] for line in mapping["missing"]] == ["q has no unit"]
+    capsys.readouterr()
+    mapped = ("rigid_1m", file, "--mapping", "m.json", "--held", "F")
+    assert run("identify", *mapped, "--column", "q=Lage [Inkr]") == 2
+    assert "--unit q=UNIT" in capsys.readouterr().err
+    assert run("identify", *mapped, "--unit", "q=5000 counts/mm", "--json", "f.json") == 0
+    found = json.loads(Path("f.json").read_text(encoding="utf-8"))["physical"]
+    assert found["M"]["value"] == pytest.approx(TRUE["M"], rel=0.02)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from symid.data import inspect_spans, inspect_values, read_log
+from symid.data.lost_samples import step_of
 from symid.units import Unit
 
 DATA = Path(__file__).parents[2] / "data"
@@ -129,3 +130,8 @@ def test_the_pendulum_has_a_jittering_clock_and_nothing_else(method):
     )
     assert len(log.notes) == 1
     assert log.notes[0].startswith("t jitters by 0.0")
+
+
+def test_steps_beside_the_least_numbers_are_no_counts() -> None:
+    values = np.concatenate([[0.0, 5e-324], np.linspace(1.0, 2.0, 298)])
+    assert step_of(values) == 0.0

@@ -140,7 +140,7 @@ def _seconds(time: FloatArray, stated: str) -> FloatArray:
         return factor * time
     since = _STAMP * (time - time[0])
     even = step * np.round(since / step)
-    return even if np.abs(even - since).max() < _ROUNDED * _STAMP else since
+    return np.asarray(even if np.abs(even - since).max() < _ROUNDED * _STAMP else since)
 
 
 def _dspace(path: Path, above: Sequence[Sequence[str]], values: Table) -> Table:
