@@ -9,10 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray
+from symid.errors import LogError
 from symid.text import counted
+from symid.units import Unit, to_si
 
 MINIMUM_SAMPLES: Final = 25
 """Fewest samples of a log: one more than the decimation filter continues a signal at its ends."""
+
+PLAUSIBLE_PERIODS: Final = (2e-5, 0.05)
+"""Between which sampling periods of machines lie, s: 20 Hz to 50 kHz."""
 
 _CLOCK_DIFFERENCE: Final = 0.002  # relative; real clocks differ by 0.0001, changed settings by more
 _LARGEST_TIME: Final = 1e12  # s, 30 000 years: a larger number is damaged
@@ -49,6 +54,25 @@ class _Rate:
     before: float
     after: float
     change: int | None
+
+
+def require_seconds(time: FloatArray) -> None:
+    """LogError for times without a unit that are hardly seconds: their steps are too long, and fit in another unit.
+
+    >>> require_seconds(np.arange(9) / 250.0)
+    >>> require_seconds(np.arange(9) * 4.0)
+    Traceback (most recent call last):
+    ...
+    symid.errors.LogError: t has no unit and steps of 4, which may be 4 ms: write t [ms], or give `units` t=ms, or t=s
+    """
+    step = float(np.median(np.diff(time))) if time.size > 1 else 0.0
+    low, high = PLAUSIBLE_PERIODS
+    fitting = (unit for unit in ("ms", "us", "ns") if low <= step * to_si(unit, Unit.of("s")) <= high)
+    if step > high and (unit := next(fitting, None)):
+        raise LogError(
+            f"t has no unit and steps of {step:g}, which may be {step:g} {unit}: write t [{unit}], or give "
+            f"`units` t={unit}, or t=s"
+        )
 
 
 def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: int = 0) -> Clock:

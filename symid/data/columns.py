@@ -36,11 +36,12 @@ _HEADER: Final = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*")
 
 @dataclass(frozen=True)
 class Source:
-    """Where a signal comes from: position of its column and the factor that makes it SI."""
+    """Where a signal comes from: position of its column, the factor that makes it SI, whether its unit is known."""
 
     signal: str
     position: int
     factor: float
+    stated: bool = True
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
         text = given.units.get(signal, split_unit(given.headers[position])[1])
         if unit is None and text is not None and "count" in text:  # a reference is in counts of the positions
             unit = next((own for own in given.expected.values() if own in _POSITIONS), None)
-        return Source(signal, position, _factor(given, signal, position, unit))
+        return Source(signal, position, _factor(given, signal, position, unit), text is not None)
     if must:
         what = "time" if signal == TIME else f"signal {signal!r}"
         hint = "map it with" if signal == TIME else "correct"

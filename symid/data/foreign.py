@@ -10,6 +10,7 @@ from typing import Final, Literal
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.data.clock import PLAUSIBLE_PERIODS
 from symid.data.memory import require_room
 from symid.data.table import Table
 from symid.errors import LogError
@@ -52,7 +53,6 @@ _BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*"
 _TRAILING: Final = re.compile(
     r"(?P<name>.*?\S)[ _/](?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|ms|us|deg|kN|Nm|rpm|A|V|N|s|m)"
 )
-_PLAUSIBLE_PERIODS: Final = (2e-5, 0.05)
 _SIGN_BITS: Final = (10, 11, 15)
 _MOST_OF_BIT, _CHANGES = 0.75, 3
 """Of what a sign bit stands for, that the magnitude must not exceed, and changes of sign that must be seen."""
@@ -220,7 +220,7 @@ def _without_unit(
     said = f"{word!r} in its name" if word in header else f"it {word}"
     if quantity == "time":
         step = float(np.median(np.diff(values))) if values.size > 1 else 0.0
-        low, high = _PLAUSIBLE_PERIODS
+        low, high = PLAUSIBLE_PERIODS
         fits = [unit for unit in _CLOCKS if low <= step * to_si(unit) <= high]
         if fits:
             reason = f"{said}; steps of {step:g} are a plausible sampling period in {fits[0]}"

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray
-from symid.data.clock import Clock, inspect_clock
+from symid.data.clock import Clock, inspect_clock, require_seconds
 from symid.data.columns import REFERENCE, TIME, split_unit
-from symid.data.table import Table
+from symid.data.table import Table, said_of
 from symid.errors import LogError
 from symid.units import Unit, to_si
 
@@ -32,7 +32,8 @@ _CONTEXTS: Final = tuple(map(Unit.of, ("rad", "rad/s", "rad/s^2", "m/s^2")))
 def table_of(frame: Frame) -> Table:
     """A data frame, or arrays by name, as a table; a column of moments or durations is seconds from its first value.
 
-    An index of pandas that is called ``t`` is a column too. LogError if columns differ in length, or it is not a frame.
+    An index of pandas that is called ``t``, or holds moments, is the column ``t``. LogError if columns differ in
+    length, or it is not a frame.
 
     >>> table = table_of({"t": [0.0, 0.1], "q [mm]": [1, 2]})
     >>> table.headers, table.read([1])[0].tolist()
@@ -44,7 +45,12 @@ def table_of(frame: Frame) -> Table:
         listed = ", ".join(f"{name} {size[0] if size else 'a number'}" for name, size in lengths.items())
         raise LogError(f"{SOURCE}: the columns differ in length ({listed}): give as many samples of each")
     headers = tuple(columns)
-    return Table(headers, lambda positions: [_values(columns[headers[position]]) for position in positions])
+    moments = frozenset(place for place, values in enumerate(columns.values()) if _are_moments(values))
+    return Table(
+        headers,
+        lambda positions: [_values(columns[headers[position]]) for position in positions],
+        stamps=moments,
+    )
 
 
 def uniform(
@@ -61,6 +67,7 @@ def uniform(
     signals_by_column = {column: signal for signal, column in given.items()}
     values: dict[str, FloatArray] = {}
     notes: list[str] = []
+    stated = True
     for header, column in zip(table.headers, table.read(range(len(table.headers))), strict=True):
         name, written = split_unit(header)
         signal = signals_by_column.get(header, signals_by_column.get(name, name))
@@ -74,12 +81,18 @@ def uniform(
             factor = 1.0 if unit is None else _factor(unit, is_time=signal == TIME)
         except LogError as error:
             raise LogError(f"{source}: column {header!r}: {error}") from error
+        stated = stated and (
+            signal != TIME or unit is not None or table.headers.index(header) in table.stamps
+        )
         values[signal] = (gains or {}).get(signal, 1.0) * factor * column
     if lacking := [signal for signal in given if signal not in values]:
         raise LogError(
             f"{source}: there is no column {given[lacking[0]]!r} of numbers for {lacking[0]!r}: it has "
             f"{', '.join(table.headers)}"
         )
+    if TIME in values and not stated:
+        with said_of(Path(source)):
+            require_seconds(values[TIME])
     clock = _clock(values.pop(TIME, None), sampling_period, source)
     missing = [n for n, x in values.items() if n.startswith(REFERENCE) and not np.isfinite(x).all()]
     signals = {name: x for name, x in values.items() if name not in missing}
@@ -91,8 +104,12 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
         return {str(name): np.asarray(values) for name, values in frame.items()}
     given: Any = frame
     index = getattr(given, "index", None)
-    if getattr(index, "name", None) == TIME and TIME not in getattr(given, "columns", ()):
-        given = given.reset_index()
+    of_times = getattr(index, "name", None) == TIME or getattr(getattr(index, "dtype", None), "kind", "") in (
+        "m",
+        "M",
+    )
+    if of_times and TIME not in getattr(given, "columns", ()):
+        given = given.rename_axis(TIME).reset_index()
     import narwhals.stable.v2 as nw  # only frames need it
 
     try:
@@ -103,6 +120,11 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
             "pyarrow, or columns by name"
         ) from error
     return {str(name): native[name] for name in native.columns}
+
+
+def _are_moments(column: Any) -> bool:
+    """Whether a column holds moments or durations, which are read in seconds."""
+    return column.dtype.kind in "mM" if isinstance(column, np.ndarray) else bool(column.dtype.is_temporal())
 
 
 def _values(column: Any) -> FloatArray | str:

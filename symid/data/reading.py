@@ -9,7 +9,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.checks import inspect_steps, inspect_values
-from symid.data.clock import inspect_clock
+from symid.data.clock import inspect_clock, require_seconds
 from symid.data.columns import TIME, Source, references_of
 from symid.data.log import Log
 from symid.data.lost_samples import restored
@@ -42,6 +42,9 @@ def read_table(
         optional=set(references_of(expected)) - set(named) - expected.keys(),
         whole=not resample,
     )
+    of_time = next(source for source in sources if source.signal == TIME)
+    if not (of_time.stated or of_time.position in table.stamps or of_time.position in table.clocks.values()):
+        require_seconds(values[TIME])
     clocks = _clocks(table, sources, values)
     if resample is None:
         if other := [name for name in clocks if clocks[name] is not values[TIME]]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.checks import inspect_finite, inspect_steps, said_range
-from symid.data.clock import MINIMUM_SAMPLES, ClockOfBlocks
+from symid.data.clock import MINIMUM_SAMPLES, ClockOfBlocks, require_seconds
 from symid.data.columns import TIME, Source
 from symid.data.long_log import LongLog, spans
 from symid.data.reading import in_si, positions_of
@@ -62,6 +62,8 @@ def scanned(
     for first, stop in spans(slices.n_rows, max(block, MINIMUM_SAMPLES)):
         values = values_of(first, stop)
         time = values.pop(TIME)
+        if not first and not all(source.stated for source in sources if source.signal == TIME):
+            require_seconds(time)
         faults = (*clock.add(time), *inspect_finite(time, values, first))
         if not faults:
             faults = inspect_steps(time, {n: values[n] for n in positions_of(expected, values)}, first)

@@ -135,7 +135,8 @@ class JointIdentification(EstimatedParameters):
 
     def to_frame(self) -> pl.DataFrame:
         """Parameters as a polars data frame, as those of an `Identification`."""
-        return self._as_frame(self.covariance)
+        physical = self.physical[0].propagated_deviations(self.covariance) if self.physical else np.empty(0)
+        return self._as_frame(self.standard_deviations, physical)
 
     @property
     def standard_deviations(self) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,21 +43,26 @@ class EstimatedParameters:
             return {}
         return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
 
-    def _as_frame(self, covariance: FloatArray) -> pl.DataFrame:
-        """Rows of `to_frame`, by a covariance of the minimal parameters."""
-        rows = [
-            ("minimal", name, value, float(np.sqrt(variance)), str(self.model.minimal_units[name]))
-            for (name, value), variance in zip(
-                self.minimal_parameters.items(), np.diag(covariance), strict=True
-            )
-        ]
-        if self.physical:
-            deviations = self.physical[0].propagated_deviations(covariance)
-            rows += [
-                ("physical", name, value, float(std), str(self.model.physical_units[name]))
-                for (name, value), std in zip(self.physical_parameters.items(), deviations, strict=True)
-            ]
-        return pl.DataFrame(rows, schema=["kind", "name", "value", "std", "unit"], orient="row")
+    def _as_frame(self, deviations: FloatArray, of_physical: FloatArray) -> pl.DataFrame:
+        """Rows of `to_frame`, with the deviations of the minimal and of the physical parameters."""
+        every = (
+            ("minimal", self.minimal_parameters, deviations, self.model.minimal_units),
+            ("physical", self.physical_parameters, of_physical, self.model.physical_units),
+        )
+        return frame_of(every)
+
+
+def frame_of(
+    every: Iterable[tuple[str, Mapping[str, float], FloatArray, Mapping[str, str]]],
+) -> pl.DataFrame:
+    """Rows of a kind, name, value, deviation and unit, by the values, deviations and units of each kind."""
+    rows = [
+        (kind, name, value, float(std), str(units[name]))
+        for kind, values, deviations, units in every
+        for (name, value), std in zip(values.items(), deviations, strict=True)
+    ]
+    schema = {"kind": pl.String, "name": pl.String, "value": pl.Float64, "std": pl.Float64, "unit": pl.String}
+    return pl.DataFrame(rows, schema=schema, orient="row")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,9 +139,9 @@ class Identification(EstimatedParameters, Shown):
     def to_frame(self) -> pl.DataFrame:
         """A polars data frame with a row for each minimal and physical parameter: kind, name, value, std, unit (SI).
 
-        Its ``to_pandas`` and ``to_arrow`` give those of other libraries.
+        Deviations are those that are printed. Its ``to_pandas`` and ``to_arrow`` give frames of other libraries.
         """
-        return self._as_frame(self.covariance)
+        return self._as_frame(self.standard_deviations, self.physical_deviations)
 
     @property
     def standard_deviations(self) -> FloatArray:

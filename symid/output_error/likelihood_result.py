@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import polars as pl
 
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification.identification_result import headline_of
+from symid.identification.identification_result import frame_of, headline_of
 from symid.identification.physical import jacobian
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.likelihood_fit import LikelihoodFit
@@ -65,6 +66,14 @@ class OutputErrorIdentification(Shown):
         values, units = self.physical_parameters, self.model.physical_units
         deviations = self.physical_deviations if values else np.empty(0)
         return headline_of(self.model, self.status, values, deviations, units)
+
+    def to_frame(self) -> pl.DataFrame:
+        """A polars data frame of the parameters, as that of an `Identification`."""
+        every = (
+            ("minimal", self.minimal_parameters, self.standard_deviations, self.model.minimal_units),
+            ("physical", self.physical_parameters, self.physical_deviations, self.model.physical_units),
+        )
+        return frame_of(every if self.fit is not None else ())
 
     @property
     def physical_parameters(self) -> dict[str, float]:

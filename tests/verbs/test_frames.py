@@ -42,6 +42,26 @@ def test_moments_durations_and_an_index_are_clocks() -> None:
     assert symid.Log.from_frame(lengths).sampling_period == pytest.approx(0.005)
 
 
+def test_an_index_of_moments_is_the_clock_whatever_its_name() -> None:
+    moments = pd.Timestamp("2026-11-21") + pd.to_timedelta(1e3 * T, unit="ms")
+    for index in (moments, pd.Index(moments, name="when"), pd.to_timedelta(T, unit="s")):
+        log = symid.Log.from_frame(pd.DataFrame({"q": np.sin(T)}, index=index))
+        assert (list(log.signals), log.sampling_period) == (["q"], pytest.approx(0.005))
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1e3, "ms"), (1e6, "us"), (1e9, "ns")])
+def test_times_without_a_unit_are_never_taken_for_seconds(scale: float, unit: str) -> None:
+    frame = {**COLUMNS, "t": scale * T}
+    for read in (
+        symid.Log.from_frame,
+        lambda frame, **given: symid.read_axis_log("rigid_1m", frame, **given),
+    ):
+        with pytest.raises(LogError, match=f"may be 5\\S* {unit}: write t"):
+            read(frame)
+        assert read(frame, units={"t": unit}).sampling_period == pytest.approx(0.005)
+        assert read(frame, units={"t": "s"}).sampling_period == pytest.approx(0.005 * scale)
+
+
 def test_texts_are_left_out_with_a_note() -> None:
     log = symid.Log.from_frame({**COLUMNS, "mode": ["auto"] * N})
     assert list(log.signals) == ["q", "F"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -23,14 +24,15 @@ def open_parquet(path: Path, memory: int | None = None) -> Table:
 def open_feather(path: Path, memory: int | None = None) -> Table:
     """Table in a Feather file (Arrow IPC), always read as a whole; LogError if it is damaged."""
     table = _opened(path, "Feather", pl.scan_ipc)
-    return Table(table.headers, table.read, n_rows=table.n_rows)
+    return replace(table, slices=None)
 
 
 def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
     with parsing(path, kind, *POLARS_FAILURES):
         scanned = scan(source_of(path))
         whole = scanned.collect() if path.stat().st_size <= _SMALL else None
-        headers = tuple(scanned.collect_schema().names() if whole is None else whole.columns)
+        schema = scanned.collect_schema() if whole is None else whole.schema
+        headers = tuple(schema)
         n_rows = int(scanned.select(pl.len()).collect().item()) if whole is None else whole.height
 
     def read(positions: Sequence[int], first: int = 0, stop: int | None = None) -> list[FloatArray | str]:
@@ -40,7 +42,10 @@ def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
             frame = wanted.slice(first, None if stop is None else stop - first).collect()
         return [numbers_of(frame[name], first) for name in names]
 
-    return Table(headers, read, lambda positions: Slices(n_rows, partial(read, positions)), n_rows)
+    moments = frozenset(place for place, kind in enumerate(schema.values()) if kind.is_temporal())
+    return Table(
+        headers, read, lambda positions: Slices(n_rows, partial(read, positions)), n_rows, stamps=moments
+    )
 
 
 def numbers_of(column: pl.Series, first: int = 0) -> FloatArray | str:

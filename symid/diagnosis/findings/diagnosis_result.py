@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import polars as pl
+
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis, Drive
 from symid.diagnosis.findings.found_effects import Alternative, EffectParameter, FoundEffect, ParameterChange
@@ -223,6 +225,20 @@ class Diagnosis(Shown):
     def headline(self) -> str:
         """The verdict, and the sentence that says it."""
         return f"{self.axis.name} from {', '.join(self.measured)}, {self.verdict}: {self.sentence}"
+
+    def to_frame(self) -> pl.DataFrame:
+        """A polars data frame of kind, name, value, std, unit (SI): the parameters of the axis and of the effects.
+
+        Those of the axis are the ones with the effects found; the kind is "physical", or the effect and its place.
+        ``to_pandas`` and ``to_arrow`` give frames of other libraries.
+        """
+        rows = [("physical", p.name, p.explained, p.explained_std, p.unit) for p in self.parameters]
+        rows += [
+            (f"{found.effect} at {found.at}", name, one.value, one.std, one.unit)
+            for found in self.effects
+            for name, one in found.parameters.items()
+        ]
+        return pl.DataFrame(rows, schema=["kind", "name", "value", "std", "unit"], orient="row")
 
     @property
     def drive(self) -> Drive:
