@@ -35,10 +35,15 @@ _FALSE_OUTLIERS = 0.05
 
 @dataclass(frozen=True)
 class Outlier:
-    """A log of which a parameter is far from those of the other logs: z robust standard deviations off their median."""
+    """A log of which a parameter is far from those of the other logs.
+
+    It is z robust standard deviations off their `level`: the median, or that of its segment where the parameter steps
+    or drifts, so that a change is one finding and not an outlier for each log behind it.
+    """
 
     log: str
     value: float
+    level: float
     z: float
 
 
@@ -230,22 +235,27 @@ def _parameter_review(rows: pl.DataFrame, name: str, units: Mapping[str, str]) -
         spread=spread_between(values[counted], deviations[counted]),
         within=chart.between,
         chart=chart,
-        outliers=_outliers(logs, values, deviations),
+        outliers=_outliers(logs, values, deviations, chart),
         unit=units.get(name, ""),
     )
 
 
-def _outliers(logs: Sequence[str], values: FloatArray, deviations: FloatArray) -> tuple[Outlier, ...]:
-    """Values far from the median, measured by the scatter of the others and by their own interval."""
+def _outliers(
+    logs: Sequence[str], values: FloatArray, deviations: FloatArray, chart: ControlChart
+) -> tuple[Outlier, ...]:
+    """Values far from their level, measured by the scatter of the others and by their own interval."""
     if values.size < 5:
         return ()
-    away = values - np.median(values)
-    scale = np.fmax(robust_deviation(values), deviations)
+    level = np.full(values.size, np.median(values))
+    if chart.changes:
+        level[chart.order] = chart.centre
+    away = values - level
+    scale = np.fmax(robust_deviation(away), deviations)
     with np.errstate(divide="ignore", invalid="ignore"):
         z = away / scale
     limit = max(_LEAST_OUTLYING, -float(scipy.special.ndtri(_FALSE_OUTLIERS / 2 / values.size)))
     far = [i for i in np.argsort(-np.abs(z)) if abs(z[i]) > limit]
-    return tuple(Outlier(logs[i], float(values[i]), float(z[i])) for i in far)
+    return tuple(Outlier(logs[i], float(values[i]), float(level[i]), float(z[i])) for i in far)
 
 
 def _counts(rows: pl.DataFrame, column: str) -> dict[str, int]:

@@ -176,3 +176,16 @@ def test_a_file_that_is_no_result_is_refused_in_one_line(name, content, message,
         read_results(file)
     assert run("fleet", str(file)) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_step_is_one_finding_and_not_an_outlier_for_each_log_behind_it() -> None:
+    noise = np.random.default_rng(8).standard_normal(14)
+    friction = np.where(np.arange(14) < 8, 60.0, 66.0) + 0.05 * noise
+    friction[3] = 62.0  # one log that does stand off
+    rows = {"Fs": friction, "Fs_std": np.full(14, 0.05)}
+    logs = [f"{place:02}.parquet" for place in range(14)]
+    (axis,) = review_fleet(pl.DataFrame({"log": logs, "axis": "rigid_1m", "status": "ok", **rows})).axes
+    (found,) = axis.parameters
+    assert [change.kind for change in found.chart.changes] == ["step"]
+    (far,) = found.outliers
+    assert (far.log, far.level) == ("03.parquet", pytest.approx(60.0, abs=0.1))

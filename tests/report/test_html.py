@@ -10,7 +10,9 @@ from diagnosis_example import FLOOR, KINDS, diagnosis_example, without_nominal
 from diagnosis_page import page_of, written
 
 from symid.diagnosis import EffectParameter
+from symid.diagnosis.effects import LIBRARY
 from symid.errors import SettingError
+from symid.report.pages.effect_catalogue import effect_catalogue
 from symid.report.pages.page import html_path
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
@@ -170,3 +172,23 @@ def test_an_accepted_effect_is_never_among_those_that_are_folded_away():
     assert "<td>13</td>" in before
     assert "accepted" not in folded
     assert "<summary>4 more</summary>" in folded
+
+
+def test_a_card_says_what_its_parameters_mean_and_what_to_do_on_the_machine():
+    found = diagnosis_example("effect")
+    text = Content(written(found)).text
+    assert found.effects
+    for one in found.effects:
+        entry = effect_catalogue()[one.effect]
+        assert f"Law. {entry.law}" in text
+        assert f"On the machine. {entry.remedy}" in text
+
+
+@pytest.mark.parametrize("effect", LIBRARY, ids=lambda effect: effect.name)
+def test_the_catalogue_knows_every_effect_as_plain_text(effect):
+    entry = effect_catalogue()[effect.name]
+    for text in (entry.law, entry.remedy):
+        assert text.endswith((".", ")"))
+        assert "](" not in text
+        assert "**" not in text
+        assert "`" not in text

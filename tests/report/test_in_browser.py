@@ -130,7 +130,7 @@ def test_print_is_light(page, tmp_path):
 
 def test_the_error_is_drawn_over_velocity_and_position(page, tmp_path):
     opened(page, page_of("effect"), tmp_path)
-    for place in ("#over-motion .plot:first-child", "#over-motion .plot:last-child"):
+    for place in ("#over-motion .beside > :first-child .plot", "#over-motion .beside > :last-child .plot"):
         model, explained = pixels(page, place, MODEL, EXPLAINED)
         assert min(model, explained) > 2 * LEGEND
 
@@ -180,3 +180,21 @@ def test_hostile_names_run_nothing(page, tmp_path):
     opened(page, written(replace(found, sentence=hostile, logs=(hostile,), gap=gap)), tmp_path)
     assert page.evaluate("typeof window.hostile") == "undefined"
     assert page.evaluate("document.querySelector('h1').textContent").endswith(hostile)
+
+
+def test_the_data_behind_a_plot_are_saved(page, tmp_path):
+    found = diagnosis_example("effect")
+    opened(page, page_of("effect"), tmp_path)
+    page.evaluate("URL.createObjectURL = blob => { window.saved = blob; return '#'; }")
+    saved = {}
+    for section in ("signals", "over-motion", "spectrum"):
+        page.evaluate(f"document.querySelector('#{section} button.save').click()")
+        saved[section] = page.evaluate("window.saved.text()")
+    names, *rows = (line.split(",") for line in saved["signals"].splitlines())
+    assert {"time", "measured", "reidentified", "position"} <= set(names)
+    force = [float(row[names.index("measured")]) for row in rows if row[names.index("measured")]]
+    measured = found.signals.measured  # of long logs, lowest and highest value of each bundle of samples
+    assert len(force) == 20_000 < measured.size
+    assert [min(force), max(force)] == pytest.approx([measured.min(), measured.max()], rel=1e-6)
+    assert saved["spectrum"].startswith("frequency,")
+    assert len(saved["over-motion"].split("\n\n")) > 2  # dots and means

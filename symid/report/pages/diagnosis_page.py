@@ -10,6 +10,7 @@ from symid import __version__
 from symid.diagnosis import Diagnosis
 from symid.files import write_whole
 from symid.report.pages.bar_scale import scale_of
+from symid.report.pages.effect_catalogue import effect_catalogue
 from symid.report.pages.page import as_it_is, html_path, page_templates
 from symid.report.tables.diagnosis import diagnosis_record
 
@@ -57,6 +58,7 @@ def write_html(found: Diagnosis, file: str | Path, said: Callable[[Any], Any] = 
         shown=shown,
         more=[one for one in ranked if one not in shown],
         plots=plots_of(found),
+        catalogue=effect_catalogue(),
         schematic=schematic_svg(found.axis),
         version=__version__,
     )

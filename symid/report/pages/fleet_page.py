@@ -114,7 +114,7 @@ def _sections(found: FleetReview, record: dict[str, Any], places: dict[str, int]
 def _outliers(record: dict[str, Any]) -> list[dict[str, Any]]:
     """Outliers of all axes, the farthest first."""
     every = [
-        {"axis": axis["name"], "parameter": name, "median": one["median"], "unit": one["unit"], **far}
+        {"axis": axis["name"], "parameter": name, "unit": one["unit"], **far}
         for axis in record["axes"]
         for name, one in axis["parameters"].items()
         for far in one["outliers"]

@@ -91,7 +91,9 @@ def _parameter(one: ParameterReview, axis: AxisReview) -> dict[str, Any]:
         "probability_adjusted": axis.verdict.probabilities.get(one.name, math.nan),
         "differs": one.name in axis.verdict.parameters,
         "changes": [change_record(change) for change in one.chart.changes],
-        "outliers": [{"log": far.log, "value": far.value, "z": far.z} for far in one.outliers],
+        "outliers": [
+            {"log": far.log, "value": far.value, "level": far.level, "z": far.z} for far in one.outliers
+        ],
         "outside_limits": [one.logs[place] for place in one.chart.order[one.chart.outside]],
     }
 
