@@ -10,8 +10,9 @@ from typing import Any, Final
 
 import click
 from click import option
+from click.shell_completion import CompletionItem
 
-from symid.axis import axis_file
+from symid.axis import axis_file, axis_names
 from symid.errors import SettingError, SymidError
 from symid.files import read_json
 
@@ -82,12 +83,26 @@ class _Wanted:
         return f"{self.option} {str(self.path)!r}"
 
 
+class AxisName(click.types.StringParamType):
+    """An axis by its name or the path of its file; a shell completes the names."""
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Names of the axes that can be loaded, and files."""
+        names = [CompletionItem(name) for name in axis_names() if name.startswith(incomplete)]
+        return names or [CompletionItem(incomplete, type="file")]
+
+
 class SafeCommand(click.Command):
     """A command whose help shows defaults, and whose outputs are checked before it does anything."""
 
     def __init__(self, name: str | None, **settings: Any) -> None:
         settings["context_settings"] = {"show_default": True, **(settings.get("context_settings") or {})}
         super().__init__(name, **settings)
+        for parameter in self.params:
+            if parameter.name in _AXES and type(parameter.type) is click.types.StringParamType:
+                parameter.type = AxisName()
 
     def invoke(self, ctx: click.Context) -> Any:
         """Refuse outputs that are inputs, exist as something else, or cannot be written; then do the work."""
