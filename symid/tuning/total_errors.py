@@ -38,6 +38,8 @@ class TotalErrors:
         True physical parameters.
     draws : int
         How many times noise is drawn, for one run after the other; all settings see the same noise.
+    first_seed : int
+        Seed of the first draw; the next ones follow.
     """
 
     model: GeneratedModel
@@ -45,6 +47,7 @@ class TotalErrors:
     noise: Mapping[str, float]
     parameters: Mapping[str, float]
     draws: int
+    first_seed: int = 0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -54,7 +57,8 @@ class TotalErrors:
     @cached_property
     def noisy(self) -> tuple[Log, ...]:
         """The logs with drawn noise."""
-        pairs = zip(cycle(self.runs), range(self.draws), strict=False)
+        seeds = range(self.first_seed, self.first_seed + self.draws)
+        pairs = zip(cycle(self.runs), seeds, strict=False)
         return tuple(with_noise(log, self.noise, seed) for log, seed in pairs)
 
     @property
