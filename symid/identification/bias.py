@@ -34,7 +34,7 @@ _COUNTS = 0.1
 _NOWHERE = -1
 _MOST_NOISE = 0.9
 """Share of a column's power up to which its noise is taken off again."""
-_TAKEN = 0.5
+MOST_TAKEN = 0.5
 """Such a share up to which the bias by it is taken off the estimate: with more a log says nothing of it."""
 _LEFT = 0.1
 """Part of the bias by noise that may remain once it is taken off; 5 to 8 % on seed 501 of benchmarks.intervals, where
@@ -114,7 +114,7 @@ class NoiseBias:
         # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue
         shares, directions = np.linalg.eigh(root.T @ noise[:, :p] @ root)
         growth = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))
-        taken, steps = shares < _TAKEN, root @ directions
+        taken, steps = shares < MOST_TAKEN, root @ directions
         moves = growth * (steps.T @ (noise[:, p] - noise[:, :p] @ fit.solution))
         grown = steps @ np.diag(np.where(taken, growth, 1.0)) @ np.linalg.pinv(steps)
         return cls(steps @ moves, steps @ np.where(taken, moves, 0.0), grown)

@@ -177,10 +177,10 @@ def least_uncertain(
     few = sum(log.n_samples for log in estimation.logs) <= _MANY_ROWS
     is_open = estimation.preparation.cutoff_hz is None and in_memory and few
     if is_open and best.status == "too_few_rows":  # half a period of the cutoff is lost at each reversal
-        highest = estimation.highest(first, is_coherent=False)
-        others = (estimation.scaled(first, factor) for factor in _upward(highest))
-        wider = (widened(other) for other in others if other is not None)
-        return next((one for one in wider if one.status != "too_few_rows"), best)
+        others = (estimation.scaled(first, f) for f in _upward(estimation.highest(first, is_coherent=False)))
+        enough = ((one, widened(one)) for one in others if one is not None)
+        first, best = next((pair for pair in enough if pair[1].status != "too_few_rows"), (first, best))
+        sizes = _relative_deviations(best)
     if not is_open or best.status != "ok" or np.max(sizes, initial=0.0) <= CRITERIA.precise:
         return best
     # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at

@@ -30,6 +30,7 @@ from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import judged
 from symid.identification.cutoff import CutoffTrial, Estimation, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
+from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification, trusted_covariance
 from symid.identification.lagging import lag_of
 from symid.identification.misfit import misfit_of, noiseless_misfit
@@ -258,6 +259,7 @@ def _faults(
     return Faults(
         recording=fault_of(model, parts, fit)
         or smoothing_of(model, parts)
+        or folding_of(model, parts)
         or disagreement_of(model, parts)
         or ("" if drift else more.sensor_gain()),  # a lag changes gains too
         misfit=misfit_of(model, parts, fit)

@@ -119,6 +119,25 @@ def noise_of_rows(
     return covariance
 
 
+def response_of_rows(
+    model: GeneratedModel,
+    log: Log,
+    chosen: Preparation,
+    name: str,
+    combination: FloatArray,
+    frequency: FloatArray,
+) -> ComplexArray:
+    """Response of a combination of the columns and y to the noise of a signal, of shape (n_equations, n_frequencies).
+
+    It is interpolated between the frequencies of `noise_of_rows`, and that of all rows before some are left out.
+    """
+    known = (np.arange(_LINES) + 0.5) * log.sampling_frequency / (2 * _LINES)
+    gains = _signal_gains(model, known, log.sampling_period, chosen)
+    own = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
+    response = np.einsum("a,jas->js", combination, coefficients(model)[:, :, own]) @ gains[own]
+    return np.stack([np.interp(frequency, known, one) for one in response])
+
+
 def quiet_widening(
     model: GeneratedModel, log: Log, cutoff_hz: float, levels: Mapping[str, float], widest: float
 ) -> float:

@@ -13,6 +13,11 @@ from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.sampling import filtered
 
+_LEAST_LATE = 0.5
+"""Samples that two sensors may be apart: a converter takes less."""
+_LEFT = 0.5
+"""Part of the power of a difference that a delay must leave at most to be its cause."""
+
 
 def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Criteria = CRITERIA) -> str:
     """Which sensors differ in their gain or their course, in words; empty if none does.
@@ -35,6 +40,12 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
                 f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
                 f"({what}): correct its unit, sign or gain (`units`, `gains`)"
             )
+        if late := _late(own, other):
+            shift = f"{1e3 * abs(late) * parts[0].log.sampling_period:.3g} ms {'later' if late > 0 else 'earlier'}"
+            return (
+                f"{name} is {shift} than what other sensors say ({what}): correct the time of one of them (--late), "
+                "or leave one out of --measured"
+            )
         differs = float(np.sqrt(np.sum((own - other) ** 2) / power))
         noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * own.size / power)
         if differs > max(criteria.worst_fit, criteria.noise_explains * float(noise)):
@@ -43,6 +54,15 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
                 "one of them is late or damaged; correct its time (`late`), or leave it out of `measured`"
             )
     return ""
+
+
+def _late(own: FloatArray, other: FloatArray) -> float:
+    """Samples by which a signal is later than what it should be; 0 if that does not explain most of the difference."""
+    slope, differs = np.gradient(other), own - other
+    late = -float(slope @ differs) / max(float(slope @ slope), 1e-300)
+    left = float(np.sum((differs + late * slope) ** 2))
+    is_late = abs(late) > _LEAST_LATE and left < _LEFT * float(differs @ differs)
+    return late if is_late else 0.0
 
 
 def _compared(

@@ -248,17 +248,23 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
     edge = min(math.ceil(3 * rate / cutoff) + reach, log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
     late = given.with_hold(model, log.sampling_period)
-    widening = given.widening or (_widening(log, model, cutoff) if given.filter_force else 1.0)
+    widening = given.widening or (widening_of(log, model, cutoff) if given.filter_force else 1.0)
     return replace(
         given, cutoff_hz=cutoff, decimation=decimation, trim=trim, late=late, held=False, widening=widening
     )
 
 
-def _widening(log: AnyLog, model: GeneratedModel, cutoff: float) -> float:
-    """As much as the noise in the middle of a log allows; laws of which the parameters are known are filtered alike."""
+def widening_of(
+    log: AnyLog, model: GeneratedModel, cutoff: float, levels: Mapping[str, float] | None = None
+) -> float:
+    """As much as the noise in the middle of a log allows; laws of which the parameters are known are filtered alike.
+
+    The levels of the noise of the sensors are read from the log if not given.
+    """
     if model.known_laws or not any(model.sliding):
         return 1.0
     first = max(0, (log.n_samples - _LAWS_SEEN) // 2)
     stop = min(first + _LAWS_SEEN, log.n_samples)
     part = log if isinstance(log, Log) and not first else log.window(first, stop)
-    return quiet_widening(model, part, cutoff, noise_levels(model, part, forces=False), _WIDEST)
+    own = noise_levels(model, part, forces=False) if levels is None else levels
+    return quiet_widening(model, part, cutoff, own, _WIDEST)

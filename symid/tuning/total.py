@@ -29,9 +29,11 @@ from symid.tuning.total_errors import TotalErrors
 TotalStatus = Literal["ok", "not_determined"]
 
 _CUTOFFS = 32
-_CANDIDATES = 10
-"""Settings of the scan that are judged by all draws."""
 _MOST_EVALUATIONS = 8
+_CANDIDATES = 5
+"""Settings of the scan whose expected errors are compared with drawn ones."""
+_MUCH_MORE = 1.5
+"""Times the expected error that a drawn one must not be: 12 draws of one parameter's error scatter by 20 %."""
 _HOPELESS = 0.8
 """A parameter whose error exceeds this at every cutoff does not decide."""
 
@@ -161,10 +163,7 @@ def tune_total(
     scan = _scan(errors, plain, track)
     decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS
     counted = decisive if decisive.any() else np.ones_like(decisive)
-    candidates = _ranked(scan, counted)[:_CANDIDATES]
-    judged = [_rms(errors.rms(settings)[counted]) for settings in candidates]
-    settings = _refined(errors, candidates[int(np.argmin(judged))], min(judged), counted)
-    total = errors.rms(settings)
+    settings, total = _confirmed(errors, _ranked(scan, counted), counted)
     lost = [name for name, kept in zip(errors.names, decisive & (total < _HOPELESS), strict=True) if not kept]
     cutoffs = np.unique([setting.cutoff_hz for setting, _ in scan])
     best = [min(_rms(rms[counted]) for s, rms in scan if s.cutoff_hz == cutoff) for cutoff in cutoffs]
@@ -186,19 +185,36 @@ def tune_total(
 
 
 def _scan(errors: TotalErrors, plain: Preparation, track: Track) -> list[tuple[Preparation, FloatArray]]:
-    """Rough errors of the parameters over cutoffs and decimations."""
+    """Expected errors of the parameters over cutoffs and decimations."""
     cutoffs = [float(f) for f in _cutoffs(errors.clean)]
     found = []
     for cutoff in track(cutoffs):
         usual = max(1, int(0.4 * errors.clean.sampling_frequency / cutoff))
         for factor in sorted({1, max(1, usual // 2), usual, 2 * usual}):
             settings = replace(plain, cutoff_hz=cutoff, decimation=factor)
-            found.append((settings, errors.estimate_of_rms(settings)))
+            found.append((settings, errors.expected(settings)))
     return found
 
 
+def _confirmed(
+    errors: TotalErrors, candidates: Sequence[Preparation], counted: FloatArray
+) -> tuple[Preparation, FloatArray]:
+    """The first candidate, refined, whose drawn errors are as expected, and these; else that of the smallest.
+
+    What is expected is of first order in the noise. Where noise decides which rows are near a reversal, errors are
+    larger.
+    """
+    tried: list[tuple[Preparation, FloatArray]] = []
+    for candidate in candidates:
+        settings = _refined(errors, candidate, counted)
+        tried.append((settings, errors.rms(settings)))
+        if _rms(tried[-1][1][counted]) <= _MUCH_MORE * _rms(errors.expected(settings)[counted]):
+            return tried[-1]
+    return min(tried, key=lambda one: _rms(one[1][counted]))
+
+
 def _ranked(scan: Sequence[tuple[Preparation, FloatArray]], counted: FloatArray) -> list[Preparation]:
-    """Settings by their total error, that of the cutoffs beside it included.
+    """Settings of the smallest total errors, one of each cutoff, those of the cutoffs beside it included.
 
     A narrow dip between two high neighbours is the luck of rows that fall well before a reversal of friction, not an
     optimum: a cutoff is judged with the best of the next lower and of the next higher one, a quarter of weight each.
@@ -221,7 +237,9 @@ def _ranked(scan: Sequence[tuple[Preparation, FloatArray]], counted: FloatArray)
         0.5 * square + 0.5 * smooth[setting.cutoff_hz or 0.0]
         for (setting, _), square in zip(scan, squares, strict=True)
     ]
-    return [scan[i][0] for i in np.argsort(total)]
+    ranked = [scan[i][0] for i in np.argsort(total)]
+    of_cutoff = {setting.cutoff_hz: setting for setting in reversed(ranked)}
+    return [setting for setting in ranked if of_cutoff[setting.cutoff_hz] is setting][:_CANDIDATES]
 
 
 def _checked(model: GeneratedModel, noise: Mapping[str, float]) -> dict[str, float]:
@@ -242,17 +260,17 @@ def _cutoffs(clean: Log) -> FloatArray:
     return np.geomspace(min(max(24.0 / duration, highest / 200), highest / 2), highest, _CUTOFFS)
 
 
-def _refined(errors: TotalErrors, start: Preparation, known: float, counted: FloatArray) -> Preparation:
+def _refined(errors: TotalErrors, start: Preparation, counted: FloatArray) -> Preparation:
     """The best setting of the scan with its cutoff refined by Nelder-Mead as far as the next cutoffs of the scan."""
     assert start.cutoff_hz is not None
     first, cutoffs = start.cutoff_hz, _cutoffs(errors.clean)
     span = math.log(cutoffs[1] / cutoffs[0])
-    seen = {first: known}
+    seen: dict[float, float] = {}
 
     def total(offset: FloatArray) -> float:
         cutoff = min(first * math.exp(np.clip(offset[0], -span, span)), cutoffs[-1])
         if cutoff not in seen:
-            seen[cutoff] = _rms(errors.rms(replace(start, cutoff_hz=cutoff))[counted])
+            seen[cutoff] = _rms(errors.expected(replace(start, cutoff_hz=cutoff))[counted])
         return seen[cutoff]
 
     scipy.optimize.minimize(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import cycle
 
@@ -15,9 +15,10 @@ from symid.data import Log
 from symid.identification import PhysicalEstimate, Preparation, excerpts, physical_estimates
 from symid.identification.bias import NoiseBias
 from symid.identification.cutoff import Estimation
+from symid.identification.observation import observe
+from symid.identification.settings import widening_of
+from symid.tuning.expected_errors import expected_errors
 
-_SCAN_DRAWS = 3
-"""Draws of noise in the scan."""
 _LOST = 1.0
 """A relative error from which on a parameter is lost: larger ones count as this."""
 
@@ -86,16 +87,31 @@ class TotalErrors:
 
     def rms(self, settings: Preparation) -> FloatArray:
         """Root mean square error of each parameter over the draws, bias included."""
-        return self._over(self.noisy, settings)
-
-    def estimate_of_rms(self, settings: Preparation) -> FloatArray:
-        """Root mean square errors from the first three draws."""
-        return self._over(self.noisy[:_SCAN_DRAWS], settings)
-
-    def _over(self, logs: Sequence[Log], settings: Preparation) -> FloatArray:
-        errors = np.array([self.relative(log, settings) for log in logs], dtype=np.float64)
+        errors = np.array([self.relative(log, settings) for log in self.noisy], dtype=np.float64)
         squares: FloatArray = np.square(errors).mean(axis=0)
         return np.asarray(np.sqrt(squares), dtype=np.float64)
+
+    def expected(self, settings: Preparation) -> FloatArray:
+        """The same without a draw, to first order in the noise: root mean square over the runs."""
+        squares = [self._expected_of(log, settings) for log in self.runs]
+        return np.asarray(np.sqrt(np.mean(squares, axis=0)), dtype=np.float64)
+
+    def _expected_of(self, log: Log, settings: Preparation) -> FloatArray:
+        """Mean square error of each parameter in one run."""
+        assert settings.cutoff_hz is not None
+        model, values = self.model, (self.parameters[name] for name in self.model.physical_units)
+        levels = {name: 2 * log.sampling_period * noise**2 for name, noise in self.noise.items()}
+        minimal = model.minimal_parameters(*values)
+        chosen = replace(
+            settings,
+            coulomb=tuple(float(minimal[parameter]) for _, parameter in model.coulomb_at_drive),
+            widening=settings.widening or widening_of(log, model, settings.cutoff_hz, levels),
+        )
+        found = expected_errors(model, log, observe(model, log, chosen), self.parameters, levels)
+        if found is None:
+            return np.full(len(self.names), _LOST**2)
+        bias, deviation = found
+        return np.minimum(bias**2 + deviation**2, _LOST**2)
 
 
 def with_noise(log: Log, levels: Mapping[str, float], seed: int) -> Log:
