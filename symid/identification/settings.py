@@ -65,8 +65,8 @@ class Preparation:
         derivatives of friction as zero, as the paper does.
     widening : float, optional
         Times the cutoff up to which motion enters nonlinear laws, which are filtered at the cutoff afterwards: the
-        reversals of friction then stay where they are. 1, as in the paper, filters both alike; if not given as much as
-        noise allows, up to 4, where the force is filtered.
+        reversals of friction then stay where they are. 1, as in the paper, filters both alike; if not given 2, and up
+        to 4 as noise allows, where the force is filtered.
     """
 
     cutoff_hz: float | None = None

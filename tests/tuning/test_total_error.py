@@ -55,17 +55,19 @@ def test_replayed_log_moves_as_the_log_did_under_a_controller_unknown_to_it(clea
 
 def test_tuned_setting_is_near_the_best_of_a_grid_on_noise_that_it_has_not_seen(clean, tuned):
     model, noise = load_generated("rigid_1m"), {name: NOISE[name] for name in ("F", "q")}
-    fresh = TotalErrors(model, (clean,), noise, VALUES, 12)
     late = {"F": -2.5e-4}
+    choice, judge = (TotalErrors(model, (clean,), noise, VALUES, *draws) for draws in ((12, 500), (60, 800)))
 
-    def total(settings: Preparation) -> float:
-        return float(np.sqrt(np.mean(fresh.rms(settings) ** 2)))
+    def total(errors: TotalErrors, settings: Preparation) -> float:
+        return float(np.sqrt(np.mean(errors.rms(settings) ** 2)))
 
     cutoff = tuned.preparation.cutoff_hz
-    chosen = total(Preparation(cutoff_hz=cutoff, decimation=tuned.preparation.decimation, late=late))
-    others = [total(Preparation(cutoff_hz=other, late=late)) for other in np.geomspace(6.0, 390.0, 16)]
-    assert chosen < 1.1 * min(others)
-    assert chosen < 0.6 * others[0]
+    chosen = Preparation(cutoff_hz=cutoff, decimation=tuned.preparation.decimation, late=late)
+    others = [Preparation(cutoff_hz=float(other), late=late) for other in np.geomspace(6.0, 390.0, 16)]
+    # The best is chosen on some draws and judged on others: the least of many errors is partly luck.
+    best = min(others, key=lambda settings: total(choice, settings))
+    assert total(judge, chosen) < 1.1 * total(judge, best)
+    assert total(judge, chosen) < 0.6 * total(judge, others[0])
 
 
 def test_more_noise_asks_for_a_lower_cutoff_or_leaves_more_error(clean, tuned):
