@@ -173,8 +173,9 @@ def plausible_parameters(
 ) -> dict[str, float]:
     """Physical parameters of a log, from the settings or else from nearby cutoffs, none negative that must not be.
 
-    Frictions and dampings that come out negative are taken as small; masses and springs must be positive. Where no
-    cutoff gives such values, the nominal ones are returned.
+    Masses and springs must be positive. Of what the log does not determine, as its deviation exceeds its value, the
+    nominal value is taken, or a small one for a negative friction. Where no cutoff gives positive masses and springs,
+    all values are nominal.
     """
     springs = [element.named("stiffness") for element in axis.elements if isinstance(element, Spring)]
     inertias = [body.inertial for body in axis.bodies]
@@ -188,9 +189,16 @@ def plausible_parameters(
         found = identify(model, log, preparation=chosen, nominal=nominal)
         parameters = found.physical_parameters
         if parameters and all(parameters[name] > 0.0 for name in positive):
+            deviations = dict(zip(parameters, found.physical_deviations, strict=True))
+            vague = [
+                name
+                for name in parameters
+                if name not in model.signed and not deviations[name] < parameters[name]
+            ]
+            known = {name: nominal[name] for name in vague if nominal and name in nominal}
             return {
                 name: value if name in model.signed else max(value, _LEAST_FRICTION)
-                for name, value in parameters.items()
+                for name, value in (parameters | known).items()
             }
     if nominal:
         return dict(nominal)

@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import cycle
 
 import numpy as np
+import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -21,6 +22,9 @@ from symid.tuning.expected_errors import expected_errors
 
 _LOST = 1.0
 """A relative error from which on a parameter is lost: larger ones count as this."""
+
+_LARGE = 1e3
+"""Relative deviation beyond which all errors are lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +114,21 @@ class TotalErrors:
         found = expected_errors(model, log, observe(model, log, chosen), self.parameters, levels)
         if found is None:
             return np.full(len(self.names), _LOST**2)
-        bias, deviation = found
-        return np.minimum(bias**2 + deviation**2, _LOST**2)
+        return _limited_squares(*found)
+
+
+def _limited_squares(mean: FloatArray, deviation: FloatArray) -> FloatArray:
+    """Mean of the square of normal errors of which none counts as more than `_LOST`.
+
+    >>> _limited_squares(np.array([0.0, 0.1, 0.0]), np.array([1e-3, 1e-9, 1e9])).round(3).tolist()
+    [0.0, 0.01, 0.999]
+    """
+    size = np.clip(deviation, np.finfo(float).tiny, _LARGE)
+    low, high = (-_LOST - mean) / size, (_LOST - mean) / size
+    inside = scipy.special.ndtr(high) - scipy.special.ndtr(low)
+    at_low, at_high = (np.exp(-0.5 * z**2) / np.sqrt(2 * np.pi) for z in (low, high))
+    ends = 2 * mean * size * (at_low - at_high) + size**2 * (low * at_low - high * at_high)
+    return np.asarray((mean**2 + size**2) * inside + ends + _LOST**2 * (1.0 - inside))
 
 
 def with_noise(log: Log, levels: Mapping[str, float], seed: int) -> Log:
