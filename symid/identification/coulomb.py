@@ -105,8 +105,13 @@ def take_off(model: GeneratedModel, W: FloatArray, y: FloatArray, levels: Sequen
 def direction(velocity: FloatArray) -> FloatArray:
     """Sign of a velocity, which changes once in a reversal; while the machine stands it stays what it was.
 
+    A slow span in which it changes twice at most is a reversal there and back, and is taken as it is: noise around
+    a standstill changes it more often.
+
     >>> direction(np.array([1.0, 0.001, -0.001, 0.001, -0.001, -1.0, 0.0, -0.001, -1.0])).tolist()
     [1.0, 1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0]
+    >>> direction(np.array([1.0, 0.001, -0.001, -0.001, 0.001, 1.0])).tolist()
+    [1.0, 1.0, -1.0, -1.0, 1.0, 1.0]
     """
     sign = np.sign(velocity)
     if not velocity.size:
@@ -117,10 +122,14 @@ def direction(velocity: FloatArray) -> FloatArray:
         return sign
     begins = np.flatnonzero(np.diff(slow, prepend=-2) > 1)  # of each span of slow samples
     lengths = np.diff(begins, append=slow.size)
+    last = np.minimum(slow[begins + lengths - 1] + 1, velocity.size - 1)
+    changed = (sign[slow] != sign[np.maximum(slow - 1, 0)]) + 3 * (sign[slow] == 0.0)
+    changes = np.add.reduceat(changed, begins) + (sign[last] != sign[last - 1])
     before = np.repeat(sign[np.maximum(slow[begins] - 1, 0)], lengths)
-    behind = np.repeat(sign[np.minimum(slow[begins + lengths - 1] + 1, velocity.size - 1)], lengths)
+    behind = np.repeat(sign[last], lengths)
     turned = (sign[slow] == behind) & (before != behind)
     # the first sample of a reversal that has the new direction, and all behind it
     since = np.maximum.accumulate(np.where(turned, np.arange(slow.size), -1)) >= np.repeat(begins, lengths)
-    sign[slow] = np.where(since, behind, before)
+    once = np.where(since, behind, before)
+    sign[slow] = np.where(np.repeat(changes <= 2, lengths), sign[slow], once)
     return sign
