@@ -56,10 +56,9 @@ def expected_errors(
     W, rest = (np.where(seen.valid[..., None], x, 0.0) for x in (seen.W, (seen.y - seen.W @ X)[..., None]))
     rows = seen.valid.sum(axis=1)
     noise, error = noise_of_rows(model, log, seen.preparation, levels), np.append(X, -1.0)
-    # as large as the residual of the fit will be
-    squares = np.einsum("a,jab,b->j", error, noise, error) + np.sum(rest[..., 0] ** 2, axis=1) / np.maximum(
-        rows, 1
-    )
+    # Equations are weighted by the residual that the fit will leave: noise, and what rows of a setting are off.
+    squares = np.einsum("a,jab,b->j", error, noise, error)
+    squares += np.sum(rest[..., 0] ** 2, axis=1) / np.maximum(rows, 1)
     weights = 1.0 / np.maximum(squares, np.finfo(float).tiny)
     size = np.sqrt(np.einsum("j,jta,jta->a", weights, W, W))
     if rows.sum() <= X.size or not np.all(size > 0.0):
@@ -70,12 +69,13 @@ def expected_errors(
     directions, shares = _directions(slopes @ W.reshape(-1, X.size), by_noise[:, :-1] / size)
     if directions is None:
         return None
+    # `identify` takes the bias by noise off where its share is not too large: there errors grow, elsewhere it stays.
     taken = shares < MOST_TAKEN
     growth = np.where(taken, 1.0 / (1.0 - np.where(taken, shares, 0.0)), 1.0)
     inverse = (directions * growth) @ directions.T / size[:, None]
     left = directions @ np.where(taken, 0.0, -directions.T @ (by_noise @ error)) / size
     bias = inverse @ (slopes @ rest.ravel()) + left
-    # products of noises, of W and of y, add as much variance again as the noise has a share in W
+    # Products of the noise of W with that of y add as much variance again as the noise has a share in W.
     G = (directions * growth**1.5) @ directions.T / size[:, None] @ slopes
     covariance = _covariance(model, log, seen, G.reshape(X.size, *seen.y.shape), X, levels)
     found = physical_estimates(model, X + bias, covariance, parameters)
