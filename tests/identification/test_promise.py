@@ -1,13 +1,12 @@
 """What keeps a result from being ok: faults of channels, clocks, gains and sensors, and what is not determined."""
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 import pytest
 import scipy
 
-from benchmarks.promise.machines import Case, draw_case, draw_machine, draw_noise, with_noise
+from benchmarks.promise.machines import Case, draw_case
 from symid import Log, Preparation, identify, load_generated
 from symid.data import central_difference, central_difference_gain, derivatives
 from symid.identification import Identification
@@ -260,35 +259,12 @@ def test_a_log_of_few_samples_is_estimated_at_a_cutoff_that_determines_it(number
     first = completed(Preparation(), log, model).cutoff_hz
     assert chosen.status == "ok", chosen.message
     assert greatest_error(chosen, case) < 0.1
-    assert greatest_error(identify(model, log, preparation=Preparation(cutoff_hz=first)), case) > 0.15
+    at_first = identify(model, log, preparation=Preparation(cutoff_hz=first))
+    assert greatest_error(at_first, case) > 1.5 * greatest_error(chosen, case)
 
 
 def greatest_error(found: Identification, case: Case) -> float:
     return max(abs(found.physical_parameters[name] / true - 1) for name, true in case.truth.items())
-
-
-def two_masses(number: int, measured: tuple[str, ...]) -> Case:
-    rng = np.random.default_rng([12, number])
-    case = draw_machine("direct_2m1s", measured, rng)
-    return replace(
-        case, signals={n: with_noise(x, draw_noise(case, n, rng), rng) for n, x in case.signals.items()}
-    )
-
-
-def said_of(case: Case, **changed: np.ndarray) -> str:
-    log = Log.from_arrays({**case.signals, **changed}, sampling_period=1 / case.rate)
-    return identify(load_generated(case.axis, case.measured), log).message
-
-
-def test_faults_of_single_sensors_are_named() -> None:
-    """An accelerometer in g, or late beside a scale that repeats it; a scale that is late against all others."""
-    case = two_masses(1, ("q2", "ddq1"))
-    assert "ddq1" not in said_of(case)
-    assert "ddq1 would have to be" in said_of(case, ddq1=case.signals["ddq1"] / 9.80665)
-    assert said_of(case, q2=shifted(case.signals["q2"], 7)).startswith("q2 acts as if")
-    case = two_masses(2, ("q2", "ddq2"))
-    assert "differs from what" not in said_of(case)
-    assert "differs from what other sensors say" in said_of(case, ddq2=shifted(case.signals["ddq2"], 40))
 
 
 @pytest.mark.parametrize("name", ["q", "F"])
