@@ -12,7 +12,7 @@ import numpy.typing as npt
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 
-_BLOCK: Final = 32_768  # samples of a block that stays in the cache between two operations on it
+_BLOCK: Final = 16_384  # samples of a block that stays in the cache between two operations on it
 _BISECTIONS: Final = 52  # to the last digit of a frequency
 
 
@@ -82,19 +82,28 @@ def difference_factors(order: int) -> tuple[float, ...]:
 def _difference_row(x: FloatArray, period: float, factors: tuple[float, ...], out: FloatArray) -> None:
     last, reach = x.size - 1, min(len(factors), (x.size - 1) // 2)
     factors = factors if reach == len(factors) else difference_factors(2 * max(reach, 1))
-    for first in range(reach, last + 1 - reach, _BLOCK) if reach else ():
-        stop = min(first + _BLOCK, last + 1 - reach)
-        block = out[first:stop]
-        np.subtract(x[first + 1 : stop + 1], x[first - 1 : stop - 1], out=block)
-        block *= factors[0] / period
-        for k, factor in enumerate(factors[1:], 2):
-            block += (x[first + k : stop + k] - x[first - k : stop - k]) * (factor / period)
+    _inner_differences(x, [factor / period for factor in factors], out)
     for i in range(1, reach):
         fewer = np.array(difference_factors(2 * i)) / period
         out[i] = fewer @ (x[i + 1 : 2 * i + 1] - x[:i][::-1])
         out[last - i] = fewer @ (x[last - i + 1 :] - x[last - 2 * i : last - i][::-1])
     out[0] = (x[1] - x[0]) / period
     out[last] = (x[last] - x[last - 1]) / period
+
+
+def _inner_differences(x: FloatArray, factors: list[float], out: FloatArray) -> None:
+    """Differences where a signal has as many samples on either side as there are factors."""
+    reach = len(factors)
+    product = np.empty(min(_BLOCK, x.size))
+    for first in range(reach, x.size - reach, _BLOCK):
+        stop = min(first + _BLOCK, x.size - reach)
+        block, more = out[first:stop], product[: stop - first]
+        np.subtract(x[first + 1 : stop + 1], x[first - 1 : stop - 1], out=block)
+        block *= factors[0]
+        for k, factor in enumerate(factors[1:], 2):
+            np.subtract(x[first + k : stop + k], x[first - k : stop - k], out=more)
+            more *= factor
+            block += more
 
 
 def derivatives(

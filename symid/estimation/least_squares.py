@@ -1,5 +1,6 @@
 """Ordinary and weighted least squares from triangular factors, equations [20] to [30] of the paper."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
@@ -263,7 +264,7 @@ def _solve(R: FloatArray, rank: RankAnalysis) -> FloatArray:
 
 def _residual_norms(factors: Sequence[TriangularFactor], solution: FloatArray) -> FloatArray:
     extended = np.append(solution, -1.0)
-    return np.array([float(np.linalg.norm(factor.R @ extended)) for factor in factors])
+    return np.array([math.hypot(*(factor.R @ extended).tolist()) for factor in factors])
 
 
 def _unscaled_condition(factors: Sequence[TriangularFactor]) -> float:

@@ -74,12 +74,13 @@ def analyse_rank(R: FloatArray, rows: int) -> RankAnalysis:
     """
     norms: FloatArray = np.linalg.norm(R, axis=0)
     scales = np.where(norms > 0.0, norms, 1.0)
-    _, values, Vt = np.linalg.svd(R / scales)
+    values = np.asarray(np.linalg.svd(R / scales, compute_uv=False), dtype=np.float64)
     tolerance = _EPS * max(rows, R.shape[1], 100)
     rank = int(np.count_nonzero(values > tolerance * values[0])) if values[0] > 0.0 else 0
     if rank == R.shape[1]:
         root = np.asarray(np.linalg.solve(R, np.eye(rank)))
         return _frozen(rank, values, root, (), np.zeros((rank, 0)), np.zeros((0, rank)))
+    Vt = np.linalg.svd(R / scales)[2]
     # a direction of the null space is known to about (what rounding leaves) / (smallest value that is not 0)
     noise = np.clip(10.0 * tolerance * values[0] / values[rank - 1], 1e-8, 0.1) if rank else 1e-8
     undetermined, null_space, combinations = _dependencies(Vt[rank:].T, scales, float(noise))

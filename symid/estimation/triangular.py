@@ -8,6 +8,7 @@ rows nor the number of logs is limited by memory, and the normal equations are n
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -76,7 +77,7 @@ class TriangularFactor:
         """Number of columns of W."""
         return len(self.R) - 1
 
-    @property
+    @cached_property
     def norms(self) -> FloatArray:
         """Euclidean norms of the columns of [W | y], shape (n_parameters + 1,)."""
         norms: FloatArray = np.linalg.norm(self.R, axis=0)

@@ -91,7 +91,8 @@ class ColumnTests:
         for force in self.model.forces:
             largest = max(float(np.max(np.abs(part.log[force]))) for part in self.parts) or 1.0
             relative = [part.log[force] / largest for part in self.parts]
-            cube, limit = [x**3 for x in relative], [np.sign(x) * (np.abs(x) > _AT_LIMIT) for x in relative]
+            cube = [x * x * x for x in relative]  # a power takes thirty times as long
+            limit = [np.sign(x) * (np.abs(x) > _AT_LIMIT) for x in relative]
             for words, shapes, share, size in (
                 ("its cube takes", cube, self.criteria.nonlinear, 0.0),
                 ("its largest values take", limit, self.criteria.cut, self.criteria.nonlinear_output),

@@ -37,9 +37,11 @@ def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
 
     def read(positions: Sequence[int], first: int = 0, stop: int | None = None) -> list[FloatArray | str]:
         names = [headers[position] for position in positions]
-        wanted = (scan(source_of(path)) if whole is None else whole.lazy()).select(sorted(set(names)))
+        count = None if stop is None else stop - first
+        if whole is not None:
+            return [numbers_of(whole[name].slice(first, count), first) for name in names]
         with parsing(path, kind, *POLARS_FAILURES):
-            frame = wanted.slice(first, None if stop is None else stop - first).collect()
+            frame = scan(source_of(path)).select(sorted(set(names))).slice(first, count).collect()
         return [numbers_of(frame[name], first) for name in names]
 
     moments = frozenset(place for place, kind in enumerate(schema.values()) if kind.is_temporal())
