@@ -11,11 +11,12 @@ than one window in memory.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, fast_length, read_only
+from symid.arrays import BoolArray, ComplexArray, FloatArray, fast_length, read_only
 from symid.errors import SettingError
 from symid.estimation.correlation import (
     ResidualCovariance,
@@ -257,7 +258,7 @@ def _positive(kernel: FloatArray) -> FloatArray:
     return np.concatenate([circular[..., size - 2 * reach :], circular[..., : 2 * reach + 1]], axis=2)
 
 
-def _spectrum(kernel: FloatArray, size: int) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
+def _spectrum(kernel: FloatArray, size: int) -> ComplexArray:
     reach = kernel.shape[2] // 2
     circular = np.zeros((*kernel.shape[:2], size))
     circular[..., : reach + 1] = kernel[..., reach:]
@@ -274,17 +275,17 @@ def _score_covariance(
     been counted by the window before and are taken off again.
     """
     total = np.zeros((fit.rank.rank, fit.rank.rank))
+    spectra = {first: _KernelSpectra(kernel) for first, kernel in kernels.items()}
     tails: dict[int, FloatArray] = {}
     for block in read():
-        kernel = kernels[block.equation]
-        reach = kernel.shape[2] // 2
+        kernel = spectra[block.equation]
         tail = np.zeros((len(block.W), fit.rank.rank, 0))
         if block.continues:
             tail = tails.get(block.equation, tail)
-        for U in _orthonormal_windows(block, fit, max(_WINDOW, 8 * reach)):
+        for U in _orthonormal_windows(block, fit, max(_WINDOW, 8 * kernel.reach)):
             window = np.concatenate([tail, U], axis=2)
             total += _pair_sum(window, kernel) - _pair_sum(tail, kernel)
-            tail = window[..., max(window.shape[2] - reach, 0) :]
+            tail = window[..., max(window.shape[2] - kernel.reach, 0) :]
         tails[block.equation] = tail
     values, vectors = np.linalg.eigh(0.5 * (total + total.T))
     return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
@@ -303,20 +304,32 @@ def _orthonormal_windows(block: ObservationBlock, fit: LeastSquares, step: int) 
         yield np.stack([T @ w for T, w in zip(transform, columns, strict=True)])
 
 
-def _pair_sum(U: FloatArray, kernel: FloatArray) -> FloatArray:
+class _KernelSpectra:
+    """Conjugate spectra of kernels for transforms of some lengths, each frequency standing for its negative too."""
+
+    def __init__(self, kernel: FloatArray) -> None:
+        self.reach = kernel.shape[2] // 2
+        self.of_size = cache(lambda size: self._of_size(kernel, size))
+
+    @staticmethod
+    def _of_size(kernel: FloatArray, size: int) -> ComplexArray:
+        G = np.conj(_spectrum(kernel, size)) * (2.0 / size)
+        G[..., 0] *= 0.5  # these have no negative
+        if size % 2 == 0:
+            G[..., -1] *= 0.5
+        return G
+
+
+def _pair_sum(U: FloatArray, kernel: _KernelSpectra) -> FloatArray:
     """Sum over i, j, k and t of kernel_ij(k) u_i(t) u_j(t+k)', by Parseval's theorem."""
-    reach = kernel.shape[2] // 2
     total = np.zeros((U.shape[1], U.shape[1]))
     if U.shape[2] == 0:
         return total
-    size = fast_length(U.shape[2] + reach)
+    size = fast_length(U.shape[2] + kernel.reach)
     X = np.fft.rfft(U, size, axis=2)
-    G = np.conj(_spectrum(kernel, size))
-    share = np.full(X.shape[2], 2.0 / size)  # each frequency stands for its negative too, but not these:
-    share[0] = 1.0 / size
-    if size % 2 == 0:
-        share[-1] = 1.0 / size
-    for i in range(len(U)):
-        filtered = np.sum(G[i][:, None, :] * X, axis=0) * share
-        total += np.real(np.conj(X[i]) @ filtered.T)
+    for own, G in zip(X, kernel.of_size(size), strict=True):
+        filtered = G[0] * X[0]
+        for other, g in zip(X[1:], G[1:], strict=True):
+            filtered += g * other
+        total += own.view(np.float64) @ filtered.view(np.float64).T  # the real part of conj(own) @ filtered.T
     return total

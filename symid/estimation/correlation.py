@@ -10,7 +10,7 @@ from math import ceil, log10, sqrt
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, fast_length
+from symid.arrays import BoolArray, ComplexArray, FloatArray, fast_length
 from symid.errors import SettingError
 
 
@@ -82,41 +82,42 @@ class ResidualCovariance:
         """
         mask = np.ones(residual.shape) if valid is None else np.asarray(valid, dtype=np.float64)
         clean = np.where(mask > 0.0, residual, 0.0)
-        old = (self.tail_residual, self.tail_valid) if continues else (np.zeros((len(clean), 0)),) * 2
-        products, pairs = self.products, self.pairs
+        nothing = np.zeros((len(clean), 0))
+        products, tail = self._added(clean, self.tail_residual if continues else nothing)
+        pairs, tail_valid = self._added(mask, self.tail_valid if continues else nothing)
+        return ResidualCovariance(self.products + products, np.rint(self.pairs + pairs), tail, tail_valid)
+
+    def _added(self, x: FloatArray, tail: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lagged products of a block with itself and the samples before it, and its last samples."""
         keep = self.max_lag
-        for start in range(0, clean.shape[1], step := max(16 * keep, 65_536)):
-            now = (clean[:, start : start + step], mask[:, start : start + step])
-            both = tuple(np.concatenate(pair, axis=1) for pair in zip(old, now, strict=True))
-            products = products + lagged_products(both[0], keep) - lagged_products(old[0], keep)
-            pairs = pairs + lagged_products(both[1], keep) - lagged_products(old[1], keep)
-            old = (
-                both[0][:, max(both[0].shape[1] - keep, 0) :],
-                both[1][:, max(both[1].shape[1] - keep, 0) :],
-            )
-        return ResidualCovariance(products, np.rint(pairs), *old)
+        step = max(16 * keep, 65_536)
+        sizes = fast_length(min(tail.shape[1] + x.shape[1], step + keep) + keep), fast_length(2 * keep + 1)
+        powers = [np.zeros((len(x), len(x), size // 2 + 1), dtype=complex) for size in sizes]
+        for start in range(0, x.shape[1], step):
+            window = np.concatenate([tail, x[:, start : start + step]], axis=1)
+            powers[0] += _power(window, sizes[0])
+            powers[1] += _power(tail, sizes[1])  # pairs within it have been counted
+            tail = window[:, max(window.shape[1] - keep, 0) :]
+        whole, counted = (_lags(power, size, keep) for power, size in zip(powers, sizes, strict=True))
+        return whole - counted, tail
 
     def covariance(self) -> FloatArray:
         """Return gamma_ij(k), the mean product over valid pairs (0 if there is none); shape of `products`."""
         return self.products / np.maximum(self.pairs, 1.0)
 
 
-def lagged_products(x: FloatArray, max_lag: int) -> FloatArray:
-    """Return sums over t of x_i(t) x_j(t+k), shape (n, n, 2 max_lag + 1), k from -max_lag; x is 0 outside.
-
-    >>> import numpy as np
-    >>> lagged_products(np.array([[1.0, 2.0]]), 1).round(12).tolist()
-    [[[2.0, 5.0, 2.0]]]
-    """
+def _power(x: FloatArray, size: int) -> ComplexArray:
+    """Spectra of the lagged products of rows, padded to a size: shape (n, n, size // 2 + 1)."""
     if x.shape[1] == 0:
-        return np.zeros((len(x), len(x), 2 * max_lag + 1))
-    size = fast_length(x.shape[1] + max_lag)
+        return np.zeros((len(x), len(x), size // 2 + 1), dtype=np.complex128)
     X = np.fft.rfft(x, size, axis=1)
-    circular = np.fft.irfft(np.conj(X)[:, None, :] * X[None, :, :], size, axis=2)
-    products: FloatArray = np.concatenate(
-        [circular[..., size - max_lag :], circular[..., : max_lag + 1]], axis=2
-    )
-    return products
+    return np.asarray(np.conj(X)[:, None, :] * X[None, :, :])
+
+
+def _lags(power: ComplexArray, size: int, max_lag: int) -> FloatArray:
+    """Sums over t of x_i(t) x_j(t + k), shape (n, n, 2 max_lag + 1), k from -max_lag; x is 0 outside."""
+    circular = np.fft.irfft(power, size, axis=2)
+    return np.concatenate([circular[..., size - max_lag :], circular[..., : max_lag + 1]], axis=2)
 
 
 def default_max_lag(samples: int) -> int:
