@@ -180,7 +180,9 @@ def runs_of(
     A log that is followed may hold a reference for each drive.
     """
     if options["open_loop"]:
-        from symid.identification import read_axis_log  # its package takes an eighth of the time of a simulation
+        from symid.identification import (
+            read_axis_log,
+        )  # its package takes an eighth of the time of a simulation
 
         log = read_axis_log(axis, options["open_loop"])
         path = from_log(log, next(iter(plant.sensors)))

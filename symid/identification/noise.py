@@ -108,17 +108,45 @@ def noise_of_rows(
 
     Columns of nonlinear laws count as free of noise; the levels of the signals are those of `noise_levels`.
     """
-    frequency = (np.arange(_LINES) + 0.5) * log.sampling_frequency / (2 * _LINES)
-    gains = _signal_gains(model, frequency, log.sampling_period, chosen)
-    factors = coefficients(model)
-    n_equations, n_columns, _ = factors.shape
-    covariance = np.zeros((n_equations, n_columns, n_columns))
-    for name, level in levels.items():
-        own = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
-        response = factors[:, :, own] @ gains[own]
-        product = (response @ response.conj().swapaxes(1, 2)).real
-        covariance += product * level * (log.sampling_frequency / (2 * _LINES))
-    return covariance
+    assert chosen.cutoff_hz is not None
+    low_pass = LowPass(chosen.cutoff_hz, chosen.order)
+    of_one = _noise_by_signal(
+        model,
+        log.sampling_period,
+        low_pass,
+        chosen.filter_force,
+        chosen.difference_order,
+        chosen.decimation or 1,
+    )
+    return np.asarray(sum(level * of_one[name] for name, level in levels.items()))
+
+
+@lru_cache(maxsize=64)  # logs of a batch are prepared alike
+def _noise_by_signal(
+    model: GeneratedModel,
+    period: float,
+    low_pass: LowPass,
+    filter_force: bool,
+    difference_order: int,
+    decimation: int,
+) -> dict[str, FloatArray]:
+    """What `noise_of_rows` returns for a level of 1 of each signal alone."""
+    frequency = (np.arange(_LINES) + 0.5) / (2 * _LINES * period)
+    difference = 2j * np.pi * frequency * _difference_gain(difference_order)
+    thinned = _decimation_gain(decimation) if decimation > 1 else np.ones_like(frequency)
+    passed = low_pass.sampled_gain(frequency, 1 / period)
+    factors, found = coefficients(model), {}
+    for name in model.highest_derivatives:
+        filtered = thinned * (passed if filter_force or name not in model.forces else 1.0)
+        own = {
+            i: split_derivative(flat)[1]
+            for i, flat in enumerate(model.signals)
+            if split_derivative(flat)[0] == name
+        }
+        gains = np.stack([difference**order * filtered for order in own.values()])
+        response = factors[:, :, list(own)] @ gains
+        found[name] = (response @ response.conj().swapaxes(1, 2)).real / (2 * _LINES * period)
+    return found
 
 
 def response_of_rows(
@@ -164,25 +192,6 @@ def quiet_widening(
     allowed = (_QUIET_SHARE * np.max(np.abs(model.sliding_velocities(*coarse)), axis=1)) ** 2
     cube = np.min(allowed / np.maximum(factors**2 @ np.array(noise), np.finfo(float).tiny))
     return min(max(float(np.cbrt(cube)) / cutoff_hz, _LEAST_WIDENING), widest)
-
-
-def _signal_gains(
-    model: GeneratedModel, frequency: FloatArray, period: float, chosen: Preparation
-) -> ComplexArray:
-    """Gain from each recorded signal to its flat name as it enters the rows, of shape (n_signals, n_frequencies)."""
-    assert chosen.cutoff_hz is not None
-    angle = 2 * np.pi * frequency * period
-    difference = 1j * angle / period * _difference_gain(chosen.difference_order)
-    low_pass = LowPass(chosen.cutoff_hz, chosen.order).sampled_gain(frequency, 1 / period)
-    thinned = np.ones_like(frequency)
-    if chosen.decimation is not None and chosen.decimation > 1:
-        thinned = _decimation_gain(chosen.decimation)
-    gains = np.empty((len(model.signals), frequency.size), dtype=np.complex128)
-    for i, flat in enumerate(model.signals):
-        name, order = split_derivative(flat)
-        filtered = chosen.filter_force or name not in model.forces
-        gains[i] = difference**order * thinned * (low_pass if filtered else 1.0)
-    return gains
 
 
 @lru_cache(maxsize=16)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -162,7 +162,8 @@ def low_pass_of(chosen: Preparation, widening: float, sampling_frequency: float)
     return LowPass(cutoff, chosen.order)
 
 
-def linear_part(model: GeneratedModel, columns: Sequence[int] | None = None) -> GeneratedModel:
+@lru_cache(maxsize=64)  # every signal of every log asks for it
+def linear_part(model: GeneratedModel, columns: tuple[int, ...] | None = None) -> GeneratedModel:
     """The model less what it is at rest: what is linear in the signals remains, of laws nothing as long as it rests.
 
     Of all columns of W, or of some.
