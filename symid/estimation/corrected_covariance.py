@@ -313,7 +313,7 @@ class _KernelSpectra:
 
     @staticmethod
     def _of_size(kernel: FloatArray, size: int) -> ComplexArray:
-        G = np.conj(_spectrum(kernel, size)) * (2.0 / size)
+        G = _spectrum(kernel, size).conj() * (2.0 / size)
         G[..., 0] *= 0.5  # these have no negative
         if size % 2 == 0:
             G[..., -1] *= 0.5

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -108,45 +108,51 @@ def noise_of_rows(
 
     Columns of nonlinear laws count as free of noise; the levels of the signals are those of `noise_levels`.
     """
-    assert chosen.cutoff_hz is not None
-    low_pass = LowPass(chosen.cutoff_hz, chosen.order)
-    of_one = _noise_by_signal(
-        model,
-        log.sampling_period,
-        low_pass,
-        chosen.filter_force,
-        chosen.difference_order,
-        chosen.decimation or 1,
-    )
+    of_one = _noise_by_signal(model, _row_filter(log, chosen))
     return np.asarray(sum(level * of_one[name] for name, level in levels.items()))
 
 
+class _RowFilter(NamedTuple):
+    """How the signals of a log become rows."""
+
+    period: float
+    low_pass: LowPass
+    filter_force: bool
+    difference_order: int
+    decimation: int
+
+
+def _row_filter(log: Log, chosen: Preparation) -> _RowFilter:
+    assert chosen.cutoff_hz is not None
+    low_pass = LowPass(chosen.cutoff_hz, chosen.order)
+    rest = chosen.filter_force, chosen.difference_order, chosen.decimation or 1
+    return _RowFilter(log.sampling_period, low_pass, *rest)
+
+
 @lru_cache(maxsize=64)  # logs of a batch are prepared alike
-def _noise_by_signal(
-    model: GeneratedModel,
-    period: float,
-    low_pass: LowPass,
-    filter_force: bool,
-    difference_order: int,
-    decimation: int,
-) -> dict[str, FloatArray]:
+def _noise_by_signal(model: GeneratedModel, rows: _RowFilter) -> dict[str, FloatArray]:
     """What `noise_of_rows` returns for a level of 1 of each signal alone."""
-    frequency = (np.arange(_LINES) + 0.5) / (2 * _LINES * period)
-    difference = 2j * np.pi * frequency * _difference_gain(difference_order)
-    thinned = _decimation_gain(decimation) if decimation > 1 else np.ones_like(frequency)
-    passed = low_pass.sampled_gain(frequency, 1 / period)
-    factors, found = coefficients(model), {}
+    found = {}
     for name in model.highest_derivatives:
-        filtered = thinned * (passed if filter_force or name not in model.forces else 1.0)
-        own = {
-            i: split_derivative(flat)[1]
-            for i, flat in enumerate(model.signals)
-            if split_derivative(flat)[0] == name
-        }
-        gains = np.stack([difference**order * filtered for order in own.values()])
-        response = factors[:, :, list(own)] @ gains
-        found[name] = (response @ response.conj().swapaxes(1, 2)).real / (2 * _LINES * period)
+        response = _response_to(model, rows, name)
+        found[name] = (response @ response.conj().swapaxes(1, 2)).real / (2 * _LINES * rows.period)
     return found
+
+
+def _response_to(model: GeneratedModel, rows: _RowFilter, name: str) -> ComplexArray:
+    """Response of all columns and of y to a signal, of shape (n_equations, n_columns + 1, n_lines)."""
+    frequency = (np.arange(_LINES) + 0.5) / (2 * _LINES * rows.period)
+    difference = 2j * np.pi * frequency * _difference_gain(rows.difference_order)
+    filtered = _decimation_gain(rows.decimation) if rows.decimation > 1 else np.ones_like(frequency)
+    if rows.filter_force or name not in model.forces:
+        filtered = filtered * rows.low_pass.sampled_gain(frequency, 1 / rows.period)
+    orders = {
+        i: split_derivative(flat)[1]
+        for i, flat in enumerate(model.signals)
+        if split_derivative(flat)[0] == name
+    }
+    gains = np.stack([difference**order * filtered for order in orders.values()])
+    return np.asarray(coefficients(model)[:, :, list(orders)] @ gains)
 
 
 def response_of_rows(
@@ -162,9 +168,7 @@ def response_of_rows(
     It is interpolated between the frequencies of `noise_of_rows`, and that of all rows before some are left out.
     """
     known = (np.arange(_LINES) + 0.5) * log.sampling_frequency / (2 * _LINES)
-    gains = _signal_gains(model, known, log.sampling_period, chosen)
-    own = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
-    response = np.einsum("a,jas->js", combination, coefficients(model)[:, :, own]) @ gains[own]
+    response = np.einsum("a,jaf->jf", combination, _response_to(model, _row_filter(log, chosen), name))
     return np.stack([np.interp(frequency, known, one) for one in response])
 
 

@@ -17,7 +17,7 @@ from sympy.polys.rings import PolyElement
 from symid.axis import Axis
 from symid.symbolic.lagrange import ONE_INPUT, Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, by_power, operator_model
-from symid.symbolic.readings import SensorTerms, sensor_terms
+from symid.symbolic.readings import ReadingTerms, sensor_terms
 
 Matrix: TypeAlias = tuple[tuple[PolyElement, ...], ...]
 """Polynomials of the physical parameters, by row."""
@@ -46,7 +46,7 @@ class ForwardTerms:
     drives: Matrix  # shape (n, n_drives): B
     constant: Matrix  # shape (n, 1): c
     laws: tuple[SymbolicLawTerm, ...]  # all nonlinear laws
-    readings: Mapping[str, SensorTerms]  # what each sensor reads
+    readings: Mapping[str, ReadingTerms]  # what each sensor reads
     # known numbers that stand in the terms as symbols: ratios, gravity, known parameters
     constants: Mapping[str, float]
 

@@ -20,7 +20,7 @@ from symid.symbolic.operators import OperatorModel, Row, add
 
 
 @dataclass(frozen=True)
-class SensorTerms:
+class ReadingTerms:
     """motion x + drives F = gain * signal + offset, polynomials in s and the parameters."""
 
     motion: Row  # by body
@@ -34,7 +34,7 @@ class SensorTerms:
         return frozenset(self.gain.as_expr().free_symbols | self.offset.as_expr().free_symbols)
 
 
-def sensor_terms(operators: OperatorModel, sensor: Sensor) -> SensorTerms:
+def sensor_terms(operators: OperatorModel, sensor: Sensor) -> ReadingTerms:
     """Terms of a sensor.
 
     >>> from symid.axis import load_axis
@@ -56,7 +56,7 @@ def sensor_terms(operators: OperatorModel, sensor: Sensor) -> SensorTerms:
             shares = operators.functional(kinematics.displacement(part.of))
             column = {body: (factor * s**part.derivative).mul_ground(share) for body, share in shares.items()}
             motion = add(motion, column, ring.one)
-    return SensorTerms(
+    return ReadingTerms(
         motion,
         drives,
         gain=ring.one if sensor.gain is None else _parameter(operators, sensor.named("gain")),
@@ -83,7 +83,7 @@ def with_readings(
     return operators, tuple(same)
 
 
-def _with_equation(operators: OperatorModel, sensor: Sensor, terms: SensorTerms) -> OperatorModel:
+def _with_equation(operators: OperatorModel, sensor: Sensor, terms: ReadingTerms) -> OperatorModel:
     """Operators with the equation motion x + drives F - gain * signal - offset = 0 of one more sensor."""
     own = add(terms.drives, {sensor.signal: terms.gain}, -1)
     constant = {str(ONE_INPUT): -terms.offset} if terms.offset else {}
