@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from itertools import compress
+from itertools import accumulate, compress
 from math import prod
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
@@ -117,10 +117,16 @@ class ForwardDynamics:
         """Values that the axis knows, once for all evaluations."""
         return self.axis.known_parameters
 
+    @cached_property
+    def _free_bodies(self) -> tuple[tuple[str, ...], BoolArray]:
+        """Names of the free bodies, and whether they have a mass."""
+        names = tuple(body.name for body in self.axis.free_bodies)
+        return names, np.array([name in self.bodies for name in names])
+
     def at(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, as `plant_of`."""
         plant = self.with_nodes(parameters)
-        heavy = np.array([name in self.bodies for name in plant.bodies])
+        heavy = self._free_bodies[1]
         return plant if heavy.all() else _without_nodes(plant, heavy)
 
     def with_nodes(self, parameters: Mapping[str, float]) -> Plant:
@@ -131,11 +137,11 @@ class ForwardDynamics:
                 f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
             )
         every = {**parameters, **self._known}
-        values = [float(every[name]) for name in self.generators]
-        stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
-        names = tuple(body.name for body in self.axis.free_bodies)
-        heavy = [name in self.bodies for name in names]
-        if not np.all(np.linalg.eigvalsh(mass[np.ix_(heavy, heavy)]) > 0):
+        stiffness, damping, mass, drives, constant, *levels = self._evaluated(
+            [float(every[name]) for name in self.generators]
+        )
+        names, heavy = self._free_bodies
+        if not np.all(np.linalg.eigvalsh(mass if heavy.all() else mass[np.ix_(heavy, heavy)]) > 0):
             raise SettingError(
                 f"the masses of axis {self.axis.name!r} are {np.diag(mass).tolist()}: they must be positive"
             )
@@ -144,14 +150,60 @@ class ForwardDynamics:
             mass=mass,
             damping=damping,
             stiffness=stiffness,
-            drives=np.array([[p.at(values) for p in row] for row in self.drives]),
-            constant=np.array([p.at(values) for p in self.constant]),
+            drives=drives,
+            constant=constant,
             laws=tuple(
-                JointLaw(direction, tuple(ScaledLaw(t.parameter.at(values), t.force, t.code) for t in terms))
-                for direction, terms in self.laws
+                JointLaw(
+                    direction,
+                    tuple(ScaledLaw(x, t.force, t.code) for x, t in zip(level.tolist(), terms, strict=True)),
+                )
+                for (direction, terms), level in zip(self.laws, levels, strict=True)
             ),
             sensors={name: sensor.at(values) for name, sensor in self.sensors.items()},
         )
+
+    def _evaluated(self, values: Sequence[float]) -> list[FloatArray]:
+        """All polynomials at parameter values, as arrays: stiffness, damping, mass, drives, constant, laws by joint.
+
+        Most entries are zero, and many share a product of powers, which is computed once.
+        """
+        products = [prod(values[i] ** p for i, p in factors) for factors in self._products]
+        flat = [0.0] * self._ends[-1]
+        for place, coefficient, product in self._terms:
+            flat[place] += coefficient * products[product]
+        whole, begins = np.array(flat), (0, *self._ends)
+        return [
+            whole[begin:end].reshape(shape)
+            for begin, end, shape in zip(begins, self._ends, self._shapes, strict=False)
+        ]
+
+    @cached_property
+    def _shapes(self) -> list[tuple[int, ...]]:
+        n_bodies, n_drives = len(self.constant), len(self.axis.drives)
+        shapes: list[tuple[int, ...]] = [(n_bodies, n_bodies)] * 3 + [(n_bodies, n_drives), (n_bodies,)]
+        return shapes + [(len(joint.terms),) for joint in self.laws]
+
+    @cached_property
+    def _ends(self) -> list[int]:
+        """Where each array ends, when all are written one after the other."""
+        return list(accumulate(prod(shape) for shape in self._shapes))
+
+    @cached_property
+    def _polynomials(self) -> list[Polynomial]:
+        """Entries of all arrays, one after the other."""
+        matrices = [p for matrix in (*self.motion, self.drives) for row in matrix for p in row]
+        return [*matrices, *self.constant, *(term.parameter for joint in self.laws for term in joint.terms)]
+
+    @cached_property
+    def _products(self) -> list[tuple[tuple[int, int], ...]]:
+        """Place and power of each parameter in the products of the polynomials, each product once."""
+        return list(dict.fromkeys(factors for p in self._polynomials for _, factors in p.factors))
+
+    @cached_property
+    def _terms(self) -> list[tuple[int, float, int]]:
+        """Place of the entry, coefficient and place of the product of each term."""
+        places = {factors: k for k, factors in enumerate(self._products)}
+        return [(i, c, places[factors]) for i, p in enumerate(self._polynomials) for c, factors in p.factors]
 
 
 def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
@@ -233,10 +285,10 @@ class Polynomial:
 
     def at(self, values: Sequence[float] | FloatArray) -> float:
         """Value at parameter values."""
-        return float(sum(c * prod(values[i] ** p for i, p in factors) for c, factors in self._factors))
+        return float(sum(c * prod(values[i] ** p for i, p in factors) for c, factors in self.factors))
 
     @cached_property
-    def _factors(self) -> tuple[tuple[float, tuple[tuple[int, int], ...]], ...]:
+    def factors(self) -> tuple[tuple[float, tuple[tuple[int, int], ...]], ...]:
         """Coefficient, and place and power of each parameter that stands in it, by term."""
         return tuple((c, tuple((i, p) for i, p in enumerate(powers) if p)) for c, powers in self.terms)
 

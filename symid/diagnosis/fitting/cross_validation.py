@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, IntArray
+from symid.arrays import BoolArray, FloatArray
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
 
@@ -41,7 +41,7 @@ class Blocks:
     columns: FloatArray
     scale: FloatArray  # shape (n_columns,): their norms before
     errors: FloatArray  # shape (n_outputs, n_kept): weighted errors
-    members: Sequence[IntArray]  # rows of each block
+    members: Sequence[slice]  # rows of each block
     # shape (n_columns,): values that are estimated again where a block is left out: not those in which the
     # prediction is far from linear
     free: BoolArray
@@ -60,12 +60,13 @@ class Blocks:
     def squares(self) -> FloatArray:
         """Sums of squares of the errors of each block when it is left out, of shape (n_outputs, n_blocks)."""
         whole, free = self._normal.sum(axis=0), np.flatnonzero(self.free)
+        columns = self.columns[free]
         found = np.zeros((len(self.errors), len(self.members)))
         for b, rows in enumerate(self.members):
             left = (whole - _LEFT_OUT * self._normal[b])[np.ix_(free, free)]
             moved = np.linalg.pinv(left, rcond=_RANK, hermitian=True) @ self._gradients[b][free]
             moved *= _LEFT_OUT
-            errors = self.errors[:, rows] + np.tensordot(moved, self.columns[free][:, :, rows], 1)
+            errors = self.errors[:, rows] + np.tensordot(moved, columns[:, :, rows], 1)
             found[:, b] = np.sum(errors**2, axis=1)
         return found
 
@@ -106,9 +107,16 @@ def blocks_of(state: State, weighting: Weighting, columns: FloatArray) -> Blocks
         (known / scale[:, None]).reshape(len(known), n_outputs, n_kept),
         scale,
         errors.reshape(n_outputs, n_kept),
-        np.array_split(np.arange(n_kept), N_BLOCKS),
+        _blocks(n_kept),
         _free(state),
     )
+
+
+def _blocks(n: int) -> list[slice]:
+    """Rows one after the other in blocks, the first of which have one row more where they cannot be equal."""
+    lengths = np.full(N_BLOCKS, n // N_BLOCKS) + (np.arange(N_BLOCKS) < n % N_BLOCKS)
+    ends = np.cumsum(lengths)
+    return [slice(int(end - length), int(end)) for length, end in zip(lengths, ends, strict=True)]
 
 
 def _free(state: State) -> BoolArray:
@@ -128,11 +136,8 @@ def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:
     rng = np.random.default_rng(0)
     n = before.shape[1]
     drawn = rng.integers(n, size=(_DRAWS, n))
-    gains = [
-        log_likelihood(after[:, blocks], n_rows) - log_likelihood(before[:, blocks], n_rows)
-        for blocks in drawn
-    ]
-    return float(np.mean(np.array(gains) > 0))
+    gains = _log_likelihoods(after[:, drawn], n_rows) - _log_likelihoods(before[:, drawn], n_rows)
+    return float(np.mean(gains > 0))
 
 
 def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
@@ -144,7 +149,13 @@ def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
 
 def log_likelihood(squares: FloatArray, n_rows: float) -> float:
     """Logarithm of the likelihood of errors of unknown level in each output, except for a constant; as `certainty`."""
-    return float(-0.5 * n_rows * np.sum(np.log(np.maximum(squares.sum(axis=1), np.finfo(float).tiny))))
+    return float(_log_likelihoods(squares, n_rows))
+
+
+def _log_likelihoods(squares: FloatArray, n_rows: float) -> FloatArray:
+    """The same for squares of any number of draws of the blocks, of shape (n_outputs, ..., n_blocks)."""
+    levels = np.maximum(squares.sum(axis=-1), np.finfo(float).tiny)
+    return np.asarray(-0.5 * n_rows * np.sum(np.log(levels), axis=0))
 
 
 def _gram(columns: FloatArray) -> FloatArray:

@@ -53,8 +53,14 @@ class Fit:
         return replace(self, begun=other.begun, nominal=other.nominal)
 
     def released(self) -> Fit:
-        """The same without what follows from it, which is computed again where it is needed: a search keeps many."""
-        return replace(self, state=replace(self.state, prediction=replace(self.state.prediction)))
+        """The same without what follows from it, which is computed again where it is needed: a search keeps many.
+
+        What they leave is asked of all of them, and kept.
+        """
+        state = replace(self.state, prediction=replace(self.state.prediction))
+        kept = replace(self, state=state, weighting=self.weighting.released())
+        vars(kept)["squares"] = self.squares
+        return kept
 
     @cached_property
     def spectra(self) -> ComplexArray:
@@ -72,14 +78,23 @@ class Fit:
         return self.state.prediction.parameters
 
     @cached_property
-    def left(self) -> FloatArray:
-        """Weighted rows without what unknown starts explain, zero where none are kept; shape (n_outputs, n_rows).
+    def error(self) -> FloatArray:
+        """Weighted rows, kept ones one after the other, without what unknown starts explain.
 
         What the columns could still explain stays in them: a value at its bound is not a perfect fit.
         """
+        return self.weighting.known(self.state.rows, self.state.beginning)
+
+    @cached_property
+    def cost(self) -> float:
+        """Sum of their squares."""
+        return float(self.error @ self.error)
+
+    @property
+    def left(self) -> FloatArray:
+        """The same as rows, zero where none are kept; shape (n_outputs, n_rows)."""
         rows = np.zeros_like(self.state.rows)
-        error = self.weighting.known(self.state.rows, self.state.beginning)
-        rows[:, self.weighting.kept] = error.reshape(len(rows), -1)
+        rows[:, self.weighting.kept] = self.error.reshape(len(rows), -1)
         return rows
 
     @cached_property
@@ -106,7 +121,8 @@ class Fit:
     def squares(self) -> FloatArray:
         """Mean square of the kept rows of each output, 1 if noise alone is left; shape (n_outputs,)."""
         floor = self.state.prediction.noise_through(self.weighting.density)
-        return np.asarray(np.mean(self.left[:, self.weighting.kept] ** 2, axis=1) / floor)
+        rows = self.error.reshape(len(self.state.rows), -1)
+        return np.asarray(np.mean(rows**2, axis=1) / floor)
 
     @property
     def mean_square(self) -> float:
@@ -133,14 +149,13 @@ def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
 
 def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolArray | None = None) -> Fit:
     """Gauss-Newton from a state, whose effects are fitted too; `free` are the columns of values that may move."""
-    fit, cost = Fit(state, weighting), cost_of(state, weighting)
+    fit = Fit(state, weighting)
     for _ in range(iterations):
-        found, after = _searched(fit, cost, free)
+        found = _searched(fit, free)
         if found is None:
             break
-        fit, settled = Fit(found, weighting), after > cost * (1 - _SETTLED)
-        cost = after
-        if settled:
+        before, fit = fit, found
+        if fit.cost > before.cost * (1 - _SETTLED):
             break
     return fit
 
@@ -219,23 +234,17 @@ def masses_and_stiffnesses(axis: Axis) -> list[str]:
     return [*(name for name in inertials if name in axis.physical_parameters), *stiffnesses(axis)]
 
 
-def cost_of(state: State, weighting: Weighting) -> float:
-    """Sum of squares that unknown starts do not explain."""
-    error = weighting.known(state.rows, state.beginning)
-    return float(error @ error)
-
-
-def _searched(fit: Fit, cost: float, free: BoolArray | None) -> tuple[State | None, float]:
+def _searched(fit: Fit, free: BoolArray | None) -> Fit | None:
     """The least damped step of Levenberg and Marquardt that lowers the cost; None if none does, or none could by much.
 
     Damping holds back directions that the rows hardly feel, such as a stiffness and the mass behind it in a fixed
     ratio; a shorter step would hold back all.
     """
-    state, weighting = fit.state, fit.weighting
+    state, weighting, error = fit.state, fit.weighting, fit.error
     moves = np.ones(len(fit.columns), dtype=bool) if free is None else free
-    flat, error = (weighting.known(x, state.beginning) for x in (fit.columns[moves], state.rows))
+    flat = weighting.known(fit.columns if free is None else fit.columns[free], state.beginning)
     if not (np.isfinite(flat).all() and np.isfinite(error).all()):
-        return None, cost
+        return None
     scale = np.linalg.norm(flat, axis=1)
     scale = np.where(scale > 0, scale, 1.0)
     unit = flat / scale[:, None]
@@ -244,21 +253,20 @@ def _searched(fit: Fit, cost: float, free: BoolArray | None) -> tuple[State | No
         undamped = solved(flat.T, error)
     except np.linalg.LinAlgError:
         undamped = np.zeros(len(flat))
-    if (flat @ error) @ undamped < _SETTLED * cost:
-        return None, cost
+    if (flat @ error) @ undamped < _SETTLED * fit.cost:
+        return None
     for damping in _DAMPINGS:
         try:
             left = normal + damping * np.eye(len(normal))
             step = np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else undamped
             whole = np.zeros(moves.size)
             whole[moves] = step
-            found = evaluated(state, weighting, *_moved(state, whole))
-            after = cost_of(found, weighting)
+            found = Fit(evaluated(state, weighting, *_moved(state, whole)), weighting)
+            if found.cost < fit.cost:
+                return found
         except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
-            after = np.inf
-        if after < cost:
-            return found, after
-    return None, cost
+            continue
+    return None
 
 
 def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Placed, ...]]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Placed
-from symid.diagnosis.fitting.fit import Fit, cost_of
+from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, can_integrate, first_state, with_effects
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
@@ -53,14 +53,14 @@ class Start:
         First amplitudes come from a projection. Where the effect acts back on the motion, or the parameters are far off
         without it, they may be many times too large, and a fit does not find back from there.
         """
-        plain, state = cost_of(self.state, self.weighting), None
+        plain, state = Fit(self.state, self.weighting).cost, None
         for share in (1.0,) if self.placed.effect.fixed else _SHARES:
             weaker = tuple(share * amplitude for amplitude in self.placed.amplitudes)
             tried = self._with(replace(self.placed, amplitudes=weaker))
             if not np.isfinite(tried.rows).all():
                 continue
             state = tried if state is None else state
-            if cost_of(tried, self.weighting) < plain:
+            if Fit(tried, self.weighting).cost < plain:
                 return tried
         return state
 
@@ -118,7 +118,7 @@ def _left(start: Start) -> float:
         return math.inf
     if not np.isfinite(state.rows).all():
         return math.inf
-    return cost_of(state, start.weighting)
+    return Fit(state, start.weighting).cost
 
 
 def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:

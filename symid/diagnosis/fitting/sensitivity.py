@@ -59,7 +59,7 @@ def _by_differences(state: State) -> ComplexArray:
         value = abs(parameters[name]) or 1.0
         moved = dict(parameters) | {name: parameters[name] + _INTEGRATED_STEP * value}
         if acts_on_hidden(
-            prediction.response.plant, prediction.record.dynamics.at(moved), prediction.driven_rows[0]
+            prediction.response.plant, prediction.record.dynamics.at(moved), prediction.record.driven_rows[0]
         ):
             columns[k] = column(value, moved, placed)
     for at, item in enumerate(placed):
@@ -125,24 +125,23 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
         displacements = np.asarray(displacements - prediction.response.displacements(misread, no_forces))
         driven = driven - prediction.response.of_motions(misread)[:n_drives]
     dynamics, plant, s = prediction.record.dynamics, prediction.response.plant, 1j * prediction.record.omega
+    kinds = (("mass", s**2), ("damping", s), ("stiffness", np.ones(1)))
     columns = np.zeros((len(dynamics.parameters), *prediction.record.measured.shape), dtype=complex)
     for k, name in enumerate(dynamics.parameters):
         step = _RELATIVE_STEP * (abs(prediction.parameters[name]) or 1.0)
         other = dynamics.with_nodes(dict(prediction.parameters) | {name: prediction.parameters[name] + step})
-        matrix = [
-            (getattr(other, kind) - getattr(plant, kind)) / step for kind in ("mass", "damping", "stiffness")
-        ]
-        if any(m.any() for m in matrix):
-            mass, damping, stiffness = (m @ displacements for m in matrix)
-            forces = -(s**2 * mass + s * damping + stiffness).T
-        else:
-            forces = np.zeros((s.size, len(plant.bodies)), dtype=complex)
+        forces = np.zeros((s.size, len(plant.bodies)), dtype=complex)
+        for kind, rates in kinds:
+            change = (getattr(other, kind) - getattr(plant, kind)) / step
+            if change.any():
+                forces -= (rates * (change @ displacements)).T
         for (direction, spectra), law, moved in zip(prediction.laws, plant.laws, other.laws, strict=True):
             for spectrum, now, after in zip(spectra, law.terms, moved.terms, strict=True):
                 if after.parameter != now.parameter:
                     change = (after.parameter - now.parameter) / step
                     forces -= np.multiply.outer(change * spectrum, direction)
-        forces += driven.T @ ((other.drives - plant.drives) / step).T
+        if not np.array_equal(other.drives, plant.drives):
+            forces += driven.T @ ((other.drives - plant.drives) / step).T
         forces[0] += (other.constant - plant.constant) / step * prediction.record.n_extended
         columns[k] = prediction.response.of_forces(forces)
         for i, signal in enumerate(prediction.record.readings, n_drives):

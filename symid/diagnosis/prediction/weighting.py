@@ -38,10 +38,10 @@ class Weighting:
     window: FloatArray
     kept: BoolArray  # shape (n_rows,): rows where the window is 1
     density: FloatArray  # shape (n_outputs, n_bins): 1 / sqrt(S), scaled for the band
-    # shape (n_restarts, n_outputs, n_rows): what unknown states at the beginning of each stretch of motion make
-    # of the rows
-    restarts: FloatArray
     allowed: BoolArray | None = None  # shape (n_fine,): parts of the log that may be used
+    # outputs, of shape (n_outputs, n_bins), for forces on motion of which the state is unknown whenever the axis
+    # begins to move
+    unknown: Sequence[ComplexArray] = ()
     _begun: dict[str, FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     def rows(self, errors: ComplexArray) -> FloatArray:
@@ -74,6 +74,16 @@ class Weighting:
         kept = rows.take(self._places, axis=-1)
         return kept.reshape(*rows.shape[:-2], kept.shape[-2] * kept.shape[-1])
 
+    def released(self) -> Weighting:
+        """The same without what follows from it, which is computed again where it is needed."""
+        return replace(self)
+
+    @cached_property
+    def restarts(self) -> FloatArray:
+        """What unknown states make of the rows, of shape (n_restarts, n_outputs, n_rows)."""
+        begins = np.flatnonzero(np.diff(self.kept.astype(np.int8)) == 1)[:_MOST_STARTS] + 1
+        return self.rows(starting_pulses(self.record, self.unknown, self.record.row_time[begins]))
+
     @cached_property
     def _places(self) -> IntArray:
         return np.flatnonzero(self.kept)
@@ -102,7 +112,7 @@ def weighting_of(
     moving[last - ends :] = False
     window = _window(moving, round(resolution / step), max(2, round(_TAPER / step)))[:: record.fine_per_row]
     kept = np.asarray(window > 1 - 1e-9)
-    return Weighting(record, window, kept, density, np.zeros((0, len(density), record.n_rows)), allowed)
+    return Weighting(record, window, kept, density, allowed)
 
 
 def with_restarts(weighting: Weighting, hidden: Sequence[ComplexArray]) -> Weighting:
@@ -110,24 +120,27 @@ def with_restarts(weighting: Weighting, hidden: Sequence[ComplexArray]) -> Weigh
 
     `hidden` are outputs, of shape (n_outputs, n_bins), for forces on unmeasured motion.
     """
-    begins = np.flatnonzero(np.diff(weighting.kept.astype(np.int8)) == 1)[:_MOST_STARTS] + 1
-    pulses = starting_pulses(weighting.record, hidden, weighting.record.row_time[begins])
-    return replace(weighting, restarts=weighting.rows(pulses))
+    return replace(weighting, unknown=tuple(hidden))
 
 
 def starting_pulses(
     record: Record, hidden: Sequence[ComplexArray], times: FloatArray | tuple[float, ...] = (0.0,)
 ) -> ComplexArray:
     """Outputs for short forces and their rates, which leave any state behind; shape (n, n_outputs, n_bins)."""
-    omega = record.omega
-    short = np.exp(-2 * (omega / omega[-1]) ** 2)
-    found = [
-        h * short * np.exp(-1j * omega * time) * (1j * omega) ** k
-        for h in hidden
-        for time in times
-        for k in (0, 1)
-    ]
-    return np.stack(found) if found else np.zeros((0, *record.measured.shape), dtype=complex)
+    moments = np.asarray(times, dtype=np.float64)
+    pulses = record.memory.of(("pulses", moments.size), moments.tobytes(), lambda: _pulses(record, moments))
+    found = np.zeros((len(hidden), len(pulses), *record.measured.shape), dtype=complex)
+    for i, outputs in enumerate(hidden):
+        np.multiply(pulses[:, None, :], outputs, out=found[i])
+    return found.reshape(-1, *record.measured.shape)
+
+
+def _pulses(record: Record, times: FloatArray) -> ComplexArray:
+    """Spectra of short forces and of their rates, one after the other, of shape (2 n_times, n_bins)."""
+    s = 1j * record.omega
+    short = np.exp(-2 * (record.omega / record.omega[-1]) ** 2)
+    forces = short * np.exp(np.multiply.outer(-times, s))
+    return np.stack([forces, s * forces], axis=1).reshape(-1, s.size)
 
 
 def _without(rows: FloatArray, basis: FloatArray) -> FloatArray:
@@ -166,16 +179,24 @@ class Autoregression:
 
     def apply(self, rows: FloatArray) -> FloatArray:
         """White rows, of shape (..., n_outputs * n_usable), from weighted ones of shape (..., n_outputs, n_rows)."""
-        left = rows.copy()
-        n_outputs = len(self.coefficients)
-        for i, k, j in np.argwhere(self.coefficients):
-            left[..., i, k + 1 :] -= self.coefficients[i, k, j] * rows[..., j, : -(k + 1)]
-        if n_outputs > 1:
-            left = np.matmul(self.whitening, left)
-        else:
-            left *= self.whitening[0, 0]
-        white = left[..., self.usable]
-        return np.asarray(white.reshape(*rows.shape[:-2], n_outputs * white.shape[-1]))
+        if not self.coefficients.any():  # the rows as they are, see `unweighted`
+            return rows[..., self.usable].reshape(*rows.shape[:-2], -1)
+        from symid.diagnosis.prediction.white_rows import white_rows  # numba takes 0.3 s
+
+        flat = np.ascontiguousarray(rows.reshape(-1, *rows.shape[-2:]))
+        white = white_rows(flat, self.coefficients, self.whitening, np.flatnonzero(self.usable))
+        return np.asarray(white.reshape(*rows.shape[:-2], -1))
+
+    def back(self, white: FloatArray) -> FloatArray:
+        """The adjoint of `apply`: rows of shape (..., n_outputs, n_rows) from white ones, (..., n_outputs * n_usable)."""
+        n_outputs, order, _ = self.coefficients.shape
+        whole = np.zeros((*white.shape[:-1], n_outputs, self.usable.size))
+        whole[..., self.usable] = white.reshape(*white.shape[:-1], n_outputs, -1)
+        whole = np.matmul(self.whitening.T, whole)
+        rows = whole.copy()
+        for k in range(order):
+            rows[..., : -(k + 1)] -= np.matmul(self.coefficients[:, k].T, whole[..., k + 1 :])
+        return rows
 
 
 def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
@@ -194,7 +215,7 @@ def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregress
     left = present - past @ solution
     covariance = left.T @ left / max(len(left), 1)
     root = np.linalg.cholesky(covariance + 1e-12 * np.trace(covariance) * np.eye(p))
-    return Autoregression(solution.T.reshape(p, order, p), np.linalg.inv(root), usable)
+    return Autoregression(np.ascontiguousarray(solution.T).reshape(p, order, p), np.linalg.inv(root), usable)
 
 
 def _with_past(kept: BoolArray, order: int) -> BoolArray:

@@ -15,8 +15,8 @@ from symid.diagnosis.fitting.state import passed_on
 from symid.diagnosis.prediction.weighting import Autoregression, autoregression, unweighted
 from symid.diagnosis.thresholds import THRESHOLDS
 
-_BATCH = 1_000_000
-"""Values of the columns of shapes that are tried at a time."""
+_BATCH = 200_000
+"""Values of the columns of shapes that are tried at a time: those that a processor's cache holds."""
 _BLIND = 1e-4
 
 
@@ -67,42 +67,55 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
 
 
 class _Projection:
-    """What columns explain of the error that the base columns leave, under a noise model."""
+    """What columns explain of the error that the base columns leave, under a noise model.
+
+    Products of white columns with the white base and the error are products of the columns themselves with what the
+    adjoint of the noise model makes of those, once.
+    """
 
     def __init__(self, fit: Fit, noise: Autoregression) -> None:
         self.noise = noise
         base = noise.apply(fit.base)
         norms = np.linalg.norm(base, axis=1, keepdims=True)
-        self.base = np.linalg.qr((base / np.where(norms > 0, norms, 1.0)).T)[0]
+        unit = np.linalg.qr((base / np.where(norms > 0, norms, 1.0)).T)[0].T
         error = noise.apply(fit.state.rows)
-        self.left = error - self.base @ (self.base.T @ error)
-        self.square = float(self.left @ self.left)
+        left = error - (unit @ error) @ unit
+        self.n_rows, self.square = left.size, float(left @ left)
+        self._base_and_left = noise.back(np.vstack([unit, left])).reshape(len(unit) + 1, -1).T
 
     def gains(self, rows: FloatArray, *, fixed: bool) -> list[tuple[float, FloatArray]]:
         """Gain and amplitudes for groups of columns of shape (n_groups, n_amplitudes, n_outputs, n_rows)."""
-        columns = self.noise.apply(rows)
-        whole = np.linalg.norm(columns, axis=-1)
-        columns -= (columns @ self.base) @ self.base.T
-        found = []
-        for group, sizes in zip(columns, whole, strict=True):
-            norms = np.linalg.norm(group, axis=1)
-            seen = norms > _BLIND * np.maximum(sizes, np.finfo(float).tiny)
-            if not (np.all(seen) and np.isfinite(norms).all()):
-                found.append((0.0, np.zeros(len(group))))
-                continue
-            unit = group / norms[:, None]
-            target = unit @ self.left
-            share = target if len(unit) == 1 else np.linalg.lstsq(unit @ unit.T, target, rcond=1e-8)[0]
-            if fixed:
-                share = norms
-                closed = float(2 * target @ share - share @ (unit @ unit.T) @ share) / self.square
-                found.append(
-                    (-0.5 * self.left.size * np.log1p(-min(max(closed, 0.0), 1 - 1e-12)), np.ones(1))
-                )
-                continue
-            closed = min(float(target @ share) / self.square, 1 - 1e-12)
-            found.append((-0.5 * self.left.size * np.log1p(-closed), share / norms))
-        return found
+        white = self.noise.apply(rows)
+        products = rows.reshape(rows.shape[0] * rows.shape[1], -1) @ self._base_and_left
+        products = products.reshape(*rows.shape[:2], -1)
+        explained, targets = products[..., :-1], products[..., -1]
+        whole = white @ white.swapaxes(1, 2)
+        left = whole - explained @ explained.swapaxes(1, 2)  # of the base: sums of squares and products
+        sizes, norms = (np.sqrt(np.maximum(np.diagonal(g, axis1=1, axis2=2), 0.0)) for g in (whole, left))
+        seen = np.all(norms > _BLIND * np.maximum(sizes, np.finfo(float).tiny), axis=1)
+        seen &= np.isfinite(norms).all(axis=1)
+        return [
+            self._gain(left[i], norms[i], targets[i], fixed=fixed)
+            if seen[i]
+            else (0.0, np.zeros(rows.shape[1]))
+            for i in range(len(rows))
+        ]
+
+    def _gain(
+        self, left: FloatArray, norms: FloatArray, target: FloatArray, *, fixed: bool
+    ) -> tuple[float, FloatArray]:
+        """Gain and amplitudes of one group."""
+        if fixed:
+            closed = float(2 * target.sum() - left.sum()) / self.square
+            return self._of(max(closed, 0.0)), np.ones(1)
+        share = target / norms
+        if len(norms) > 1:
+            share = np.linalg.lstsq(left / np.outer(norms, norms), share, rcond=1e-8)[0]
+        return self._of(float(target @ (share / norms)) / self.square), share / norms
+
+    def _of(self, closed: float) -> float:
+        """Gain of columns that close a share of the sum of squares."""
+        return float(-0.5 * self.n_rows * np.log1p(-min(closed, 1 - 1e-12)))
 
 
 def _best_shapes(
