@@ -68,6 +68,28 @@ def diagnose(folder: Path, timeout: float, jobs: int) -> None:
     print(f"{len(found)} answers, {sum(record['answer'] is None for record in found)} of them none")
 
 
+@blind.command()
+@click.argument("folders", type=click.Path(path_type=Path, exists=True), nargs=-1, required=True)
+@click.option("--beside", type=click.Path(path_type=Path, exists=True), help="A checkout of other code.")
+@click.option("--first", type=int, help="So many cases of each folder.")
+@click.option("--timeout", default=600.0, show_default=True, help="Seconds a case.")
+def costs(folders: tuple[Path, ...], beside: Path | None, first: int | None, timeout: float) -> None:
+    """Print processor time and peak memory of the diagnosis of each case of FOLDERS, with start-up.
+
+    Beside other code both run in turn, and the largest relative difference of their answers is printed.
+    """
+    cases = [case for folder in folders for case in answers.cases_of(folder)[:first]]
+    trees = [Path(__file__).parents[2], *([beside] if beside else [])]
+    for tree in trees:  # the first run after a change compiles
+        answers.diagnose(cases[0], timeout, tree=tree)
+    found = []
+    for case in cases:
+        own = [answers.diagnose(case, timeout, tree=tree) for tree in trees]
+        found.append(own)
+        print(table.cost_line(f"{case.parent.name}/{case.name}", own), flush=True)
+    print(table.cost_summary(found))
+
+
 @blind.command("score")
 @FOLDER
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Write the score here.")

@@ -3,53 +3,69 @@
 from __future__ import annotations
 
 import json
+import math
+import os
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
+import threading
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 LOGS = ("identification.parquet", "validation.parquet")
 COMMAND = (sys.executable, "-c", "from symid.cli import main; main()", "diagnose")
+_KILOBYTES = 1024.0
+"""Linux gives the peak of the memory in kilobytes."""
 
 
-def diagnose(case: Path, timeout: float, command: tuple[str, ...] = COMMAND) -> dict[str, Any]:
-    """What the process answered, how it ended and the seconds that it took; a crash is an answer too."""
+def diagnose(
+    case: Path, timeout: float, command: tuple[str, ...] = COMMAND, tree: Path | None = None
+) -> dict[str, Any]:
+    """What the process answered, how it ended, its processor time in s and its peak of memory in MB.
+
+    A crash is an answer too. The code is that of another checkout, `tree`, if one is given.
+    """
     record = json.loads((case / "case.json").read_text())
     with tempfile.TemporaryDirectory() as place:
         for log in LOGS:
             shutil.copy(case / log, place)
         (Path(place) / "nominal.json").write_text(json.dumps(record["nominal"]))
         options = ["--validation", LOGS[1], "--nominal", "nominal.json", "--json", "-"]
-        start = time.perf_counter()
-        try:
-            done = subprocess.run(
-                [*command, record["model"], LOGS[0], *options],
-                cwd=place,
-                check=False,
-                capture_output=True,
-                text=True,
-                timeout=timeout,
-            )
-        except subprocess.TimeoutExpired:
-            return {"answer": None, "ended": f"stopped after {timeout:g} s", "seconds": timeout}
-        seconds = time.perf_counter() - start
+        return _ran([*command, record["model"], LOGS[0], *options], Path(place), timeout, tree)
+
+
+def _ran(command: Sequence[str], place: Path, timeout: float, tree: Path | None) -> dict[str, Any]:
+    """Run a command in a folder; its bytecode is kept, as that of an installation is."""
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    if tree is not None:
+        environment["PYTHONPATH"] = str(tree.resolve())
+    out, err = place / "out", place / "err"
+    with out.open("wb") as stdout, err.open("wb") as stderr:
+        process = subprocess.Popen(command, cwd=place, stdout=stdout, stderr=stderr, env=environment)
+        stop = threading.Timer(timeout, process.kill)
+        stop.start()
+        _, status, usage = os.wait4(process.pid, 0)
+    in_time = stop.is_alive()
+    stop.cancel()
+    process.returncode = code = os.waitstatus_to_exitcode(status)
+    cost = {"seconds": usage.ru_utime + usage.ru_stime, "peak_mb": usage.ru_maxrss / _KILOBYTES}
+    if not in_time:
+        return {"answer": None, "ended": f"stopped after {timeout:g} s"} | cost
     try:
-        answer = json.loads(done.stdout) if done.returncode == 0 else None
+        answer = json.loads(out.read_text()) if code == 0 else None
     except json.JSONDecodeError:
         answer = None
-    ended = f"exit {done.returncode} {' '.join(done.stderr.split()[-40:])}".strip()
-    return {"answer": answer, "ended": ended, "seconds": seconds}
+    ended = f"exit {code} {' '.join(err.read_text().split()[-40:])}".strip()
+    return {"answer": answer, "ended": ended} | cost
 
 
 def diagnose_set(
     folder: Path, jobs: int, timeout: float, command: tuple[str, ...] = COMMAND
 ) -> list[dict[str, Any]]:
     """Answers of all cases, written to `answers/` as they come."""
-    cases = sorted(path for path in folder.glob("case*") if path.is_dir())
     target = folder / "answers"
     target.mkdir(exist_ok=True)
 
@@ -59,7 +75,12 @@ def diagnose_set(
         return found
 
     with ThreadPoolExecutor(jobs) as pool:
-        return list(pool.map(one, cases))
+        return list(pool.map(one, cases_of(folder)))
+
+
+def cases_of(folder: Path) -> list[Path]:
+    """Folders of the cases."""
+    return sorted(path for path in folder.glob("case*") if path.is_dir())
 
 
 def read(folder: Path) -> dict[str, dict[str, Any]]:
@@ -67,3 +88,27 @@ def read(folder: Path) -> dict[str, dict[str, Any]]:
     return {
         path.stem: json.loads(path.read_text()) for path in sorted((folder / "answers").glob("case*.json"))
     }
+
+
+def difference(one: Any, other: Any) -> float:
+    """Largest relative difference of the numbers of two answers; infinite if anything else differs.
+
+    >>> difference({"a": [1.0, "x"]}, {"a": [2.0, "x"]}), difference(["x"], ["y"])
+    (0.5, inf)
+    """
+    differing = [(a, b) for a, b in _pairs(one, other) if a != b]
+    if not all(isinstance(x, int | float) for pair in differing for x in pair):
+        return math.inf
+    return max((abs(a - b) / max(abs(a), abs(b)) for a, b in differing), default=0.0)
+
+
+def _pairs(one: Any, other: Any) -> Iterator[tuple[Any, Any]]:
+    """Leaves of two answers at the same places; what has no partner stands beside None."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        for key in one | other:
+            yield from _pairs(one.get(key), other.get(key))
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        for a, b in zip(one, other, strict=True):
+            yield from _pairs(a, b)
+    else:
+        yield one, other

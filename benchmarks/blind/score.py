@@ -280,8 +280,7 @@ def calibration(verdicts: list[Verdict]) -> list[tuple[float, float, int, float,
 
 
 def time_quantiles(verdicts: list[Verdict]) -> dict[str, float]:
-    """Seconds of a whole process."""
+    """Processor seconds of a whole process."""
     seconds = [v.seconds for v in verdicts]
-    return {
-        name: float(np.quantile(seconds, q)) for name, q in (("median", 0.5), ("90 %", 0.9), ("longest", 1.0))
-    }
+    shares = (("median", 0.5), ("90 %", 0.9), ("95 %", 0.95), ("longest", 1.0))
+    return {name: float(np.quantile(seconds, q)) for name, q in shares}

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
-from . import score
+import numpy as np
+
+from . import answers, score
 from .score import Verdict
 
 
@@ -97,4 +100,26 @@ def _calibration(verdicts: list[Verdict]) -> str:
 
 def _rest(verdicts: list[Verdict]) -> str:
     seconds = ", ".join(f"{name} {value:.1f}" for name, value in score.time_quantiles(verdicts).items())
-    return f"Seconds a case: {seconds}\nWithout an answer: {_silent(verdicts)} of {len(verdicts)}"
+    return f"Processor seconds a case: {seconds}\nWithout an answer: {_silent(verdicts)} of {len(verdicts)}"
+
+
+def cost_line(name: str, runs: Sequence[dict[str, Any]]) -> str:
+    """Processor time and peak memory of a case by this code and, if it ran, by another, and how the answers differ."""
+    cells = [f"{run['seconds']:7.2f} s {run['peak_mb']:5.0f} MB" for run in runs]
+    given = [run["answer"] for run in runs]
+    if len(runs) > 1:
+        differ = answers.difference(*given)
+        cells.append("the same" if differ == 0 else f"numbers within {differ:.0e}" if differ < 1 else "differs")
+    return "  ".join([f"{name:28}", *cells, *(["no answer"] if None in given else [])])
+
+
+def cost_summary(found: Sequence[Sequence[dict[str, Any]]]) -> str:
+    """Median, 95th percentile and largest value of each code."""
+    lines = []
+    for name, share in (("median", 0.5), ("95 %", 0.95), ("largest", 1.0)):
+        costs = [
+            [float(np.quantile([run[k] for run in code], share)) for k in ("seconds", "peak_mb")]
+            for code in zip(*found, strict=True)
+        ]
+        lines.append("  ".join([f"{name:28}", *(f"{s:7.2f} s {mb:5.0f} MB" for s, mb in costs)]))
+    return "\n".join(lines)
