@@ -14,8 +14,8 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis
-from symid.codegen.dynamics_store import stored_dynamics
 from symid.errors import SettingError
+from symid.simulation.added_laws import stored_with_laws
 from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow, condensed
 from symid.simulation.postfix import program
@@ -304,7 +304,7 @@ class _Declaration:
 @lru_cache(maxsize=_DERIVED)
 def _derived(declaration: _Declaration) -> ForwardDynamics:
     axis = declaration.axis
-    record = stored_dynamics(axis)
+    record = stored_with_laws(axis)
     if record is None:
         from symid.codegen.dynamics_record import dynamics_record  # sympy takes half a second to load
 

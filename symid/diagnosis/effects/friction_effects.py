@@ -7,7 +7,6 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
@@ -21,8 +20,7 @@ from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.units import Unit
 
-_SPEED, _COURSE, _STATE, _LOAD, _AMPLITUDE, _VISCOUS = sp.symbols("v _course _z _load amplitude viscous")
-_DRIFTING = _COURSE * (_AMPLITUDE * sp.sign(_SPEED) + _VISCOUS * _SPEED)
+_DRIFTING = "_course * (amplitude * np.sign(v) + viscous * v)"
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
 """Of a slide, m."""
 _GIVING = (0.03, 0.15)
@@ -93,7 +91,7 @@ class PreslidingFrictionEffect(JointEffect):
         return [((x * largest,), (y * stiffness * largest,)) for x, y in product(_GIVING, HOLDING)]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        return Pointwise(_AMPLITUDE * _STATE, {"amplitude": amplitudes[0]}, reach=shape[0])
+        return Pointwise("amplitude * _z", {"amplitude": amplitudes[0]}, reach=shape[0])
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
@@ -175,7 +173,7 @@ class LoadDependentFrictionEffect(JointEffect):
         return [((), (mu,)) for mu in _COEFFICIENTS]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        return Pointwise(_AMPLITUDE * sp.Abs(_LOAD), {"amplitude": amplitudes[0]}, dry=True)
+        return Pointwise("amplitude * np.abs(_load)", {"amplitude": amplitudes[0]}, dry=True)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return ("1",)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Hypothesis, Law, ShapeParameter, Term, laws
@@ -25,8 +25,8 @@ from symid.diagnosis.effects.effect import (
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.simulation.law_code import has_jumps, law_code, level_code
 from symid.simulation.law_functions import array_function
-from symid.symbolic.expressions import is_smooth, law_expression
 from symid.units import Unit
 
 _STRONG = (0.3, 1.0, 2.5, 5.0)
@@ -197,38 +197,37 @@ class LawFunctions:
     ----------
     arrays : tuple of callable
         Each term for arrays and a unit amplitude.
-    force : sympy expression
-        The whole force, in q, v and `names`.
+    force : str
+        The whole force as NumPy code, in q, v and `names`.
     names : tuple of str
         Names of shape parameters and amplitudes.
-    level : sympy expression, optional
+    level : str, optional
         Of dry friction what stands beside sign(v); it does not fall below 0 along the stroke.
     jumps : tuple of bool
         Whether each term jumps where the velocity changes its sign.
     """
 
     arrays: tuple[Callable[..., FloatArray], ...]
-    force: sp.Expr
+    force: str
     names: tuple[str, ...]
-    level: sp.Expr | None
+    level: str | None
     jumps: tuple[bool, ...]
 
 
 @cache
 def _functions(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFunctions:
-    terms = [law_expression(term.expression, numbers) for term in formula]
+    terms = [law_code(term.expression) for term in formula]
+    levels = [level_code(term.expression) for term in formula]
     amplitudes = tuple(f"amplitude_{i}" for i in range(len(terms)))
-    levels = [term / sp.sign(sp.Symbol("v")) for term in terms]
-    is_dry = not any(level.has(sp.sign) for level in levels) and all(term.has(sp.sign) for term in terms)
 
-    def whole(parts: list[sp.Expr]) -> sp.Expr:
-        return sp.Add(*(sp.Symbol(a) * part for a, part in zip(amplitudes, parts, strict=True)))
+    def whole(parts: Sequence[str | None]) -> str:
+        return " + ".join(f"{a} * ({part})" for a, part in zip(amplitudes, parts, strict=True))
 
-    level = whole(levels) if is_dry else None
-    if level is not None and level.has(sp.Symbol("q")):
-        level = sp.Max(level, 0)
+    level = None if None in levels else whole(levels)
+    if level is not None and re.search(r"\bq\b", level):
+        level = f"np.maximum({level}, 0.0)"
     arrays = tuple(array_function(term, numbers) for term in terms)
-    jumps = tuple(not is_smooth(term) for term in terms)
+    jumps = tuple(has_jumps(term.expression) for term in formula)
     return LawFunctions(arrays, whole(terms), (*numbers, *amplitudes), level, jumps)
 
 

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect, declared_effects
@@ -24,7 +23,6 @@ from symid.errors import LogError
 
 _TAKES_PART = 0.2
 _LEAST_ROWS, _LEAST_HELD_OUT = 20, 8
-_LEVEL = sp.Symbol("level")
 _BALANCED = 3
 """Further turns in which an implicit force finds its balance: friction of half the load is then within 6 %, and
 the next step begins there."""
@@ -201,7 +199,7 @@ def _acted_on(
     plant = record.dynamics.at(parameters) if nearby or dry else before.response.plant
     for i, k in dry:
         direction, level = plant.laws[i].direction, plant.laws[i].terms[k].parameter
-        integrated.append((direction, Pointwise(_LEVEL, {"level": level}, dry=True)))
+        integrated.append((direction, Pointwise("level", {"level": level}, dry=True)))
         if not nearby:
             joint = before.along(direction)
             impedances.append((direction, _equivalent(level * before.laws[i][1][k], joint)))

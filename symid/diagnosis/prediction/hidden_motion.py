@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
-import sympy as sp
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray, read_only
 from symid.diagnosis.prediction.record import Record
@@ -38,9 +37,9 @@ class Pointwise:
     The sign of dry friction follows from the motion, and it holds the joint where it can.
     """
 
-    # in displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, drive force `_load` and
-    # `values`
-    force: sp.Expr
+    # NumPy code in displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, drive force `_load`
+    # and `values`
+    force: str
     values: Mapping[str, float]  # numbers by their names in `force`
     course: FloatArray | None = None  # shape (n_fine,): a factor that follows the time, on the fine grid
     reach: float = math.inf  # displacement over which Dahl's state z(1) = (v - abs(v) z) / reach builds up
@@ -53,7 +52,7 @@ class Pointwise:
 
 
 @cache
-def _program(force: sp.Expr, names: tuple[str, ...]) -> Program:
+def _program(force: str, names: tuple[str, ...]) -> Program:
     return program(force, (*ARGUMENTS, *names))
 
 
