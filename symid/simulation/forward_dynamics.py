@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from itertools import accumulate, compress
-from math import prod
+from itertools import compress
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
@@ -18,6 +17,7 @@ from symid.errors import SettingError
 from symid.simulation.added_laws import stored_with_laws
 from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow, condensed
+from symid.simulation.polynomials import Polynomial, PolynomialArrays
 from symid.simulation.postfix import program
 
 _MATRICES = ("stiffness", "damping", "mass")
@@ -136,17 +136,40 @@ class ForwardDynamics:
             raise SettingError(
                 f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
             )
-        every = {**parameters, **self._known}
-        stiffness, damping, mass, drives, constant, *levels = self._evaluated(
-            [float(every[name]) for name in self.generators]
-        )
-        names, heavy = self._free_bodies
-        if not np.all(np.linalg.eigvalsh(mass if heavy.all() else mass[np.ix_(heavy, heavy)]) > 0):
+        plant = self._plant(self._arrays.at(self._values(parameters)))
+        _, heavy = self._free_bodies
+        moved = plant.mass if heavy.all() else plant.mass[np.ix_(heavy, heavy)]
+        if not np.all(np.linalg.eigvalsh(moved) > 0):
             raise SettingError(
-                f"the masses of axis {self.axis.name!r} are {np.diag(mass).tolist()}: they must be positive"
+                f"the masses of axis {self.axis.name!r} are {np.diag(plant.mass).tolist()}: they must be positive"
             )
+        return plant
+
+    def derivative(self, parameters: Mapping[str, float], name: str) -> Plant:
+        """Derivatives of all terms of `with_nodes` by a parameter, in the form of a plant."""
+        return self._plant(self._arrays.derivative(self._values(parameters), self.generators.index(name)))
+
+    def _values(self, parameters: Mapping[str, float]) -> list[float]:
+        """Values of the generators."""
+        every = {**parameters, **self._known}
+        return [float(every[name]) for name in self.generators]
+
+    @cached_property
+    def _arrays(self) -> PolynomialArrays:
+        """Polynomials of stiffness, damping, mass, drives and constant, and of the laws joint by joint."""
+        n_bodies, n_drives = len(self.constant), len(self.axis.drives)
+        shapes: list[tuple[int, ...]] = [(n_bodies, n_bodies)] * 3 + [(n_bodies, n_drives), (n_bodies,)]
+        matrices = [p for matrix in (*self.motion, self.drives) for row in matrix for p in row]
+        levels = [term.parameter for joint in self.laws for term in joint.terms]
+        return PolynomialArrays(
+            shapes + [(len(joint.terms),) for joint in self.laws], [*matrices, *self.constant, *levels]
+        )
+
+    def _plant(self, arrays: Sequence[FloatArray]) -> Plant:
+        """The plant that has these values of `_arrays`."""
+        stiffness, damping, mass, drives, constant, *levels = arrays
         return Plant(
-            bodies=names,
+            bodies=self._free_bodies[0],
             mass=mass,
             damping=damping,
             stiffness=stiffness,
@@ -161,49 +184,6 @@ class ForwardDynamics:
             ),
             sensors={name: sensor.at(values) for name, sensor in self.sensors.items()},
         )
-
-    def _evaluated(self, values: Sequence[float]) -> list[FloatArray]:
-        """All polynomials at parameter values, as arrays: stiffness, damping, mass, drives, constant, laws by joint.
-
-        Most entries are zero, and many share a product of powers, which is computed once.
-        """
-        products = [prod(values[i] ** p for i, p in factors) for factors in self._products]
-        flat = [0.0] * self._ends[-1]
-        for place, coefficient, product in self._terms:
-            flat[place] += coefficient * products[product]
-        whole, begins = np.array(flat), (0, *self._ends)
-        return [
-            whole[begin:end].reshape(shape)
-            for begin, end, shape in zip(begins, self._ends, self._shapes, strict=False)
-        ]
-
-    @cached_property
-    def _shapes(self) -> list[tuple[int, ...]]:
-        n_bodies, n_drives = len(self.constant), len(self.axis.drives)
-        shapes: list[tuple[int, ...]] = [(n_bodies, n_bodies)] * 3 + [(n_bodies, n_drives), (n_bodies,)]
-        return shapes + [(len(joint.terms),) for joint in self.laws]
-
-    @cached_property
-    def _ends(self) -> list[int]:
-        """Where each array ends, when all are written one after the other."""
-        return list(accumulate(prod(shape) for shape in self._shapes))
-
-    @cached_property
-    def _polynomials(self) -> list[Polynomial]:
-        """Entries of all arrays, one after the other."""
-        matrices = [p for matrix in (*self.motion, self.drives) for row in matrix for p in row]
-        return [*matrices, *self.constant, *(term.parameter for joint in self.laws for term in joint.terms)]
-
-    @cached_property
-    def _products(self) -> list[tuple[tuple[int, int], ...]]:
-        """Place and power of each parameter in the products of the polynomials, each product once."""
-        return list(dict.fromkeys(factors for p in self._polynomials for _, factors in p.factors))
-
-    @cached_property
-    def _terms(self) -> list[tuple[int, float, int]]:
-        """Place of the entry, coefficient and place of the product of each term."""
-        places = {factors: k for k, factors in enumerate(self._products)}
-        return [(i, c, places[factors]) for i, p in enumerate(self._polynomials) for c, factors in p.factors]
 
 
 def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
@@ -275,22 +255,6 @@ class JointTerms(NamedTuple):
 
     direction: FloatArray
     terms: tuple[LawTerm, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Polynomial:
-    """A polynomial of the physical parameters: coefficient and exponents of each term."""
-
-    terms: tuple[tuple[float, tuple[int, ...]], ...]
-
-    def at(self, values: Sequence[float] | FloatArray) -> float:
-        """Value at parameter values."""
-        return float(sum(c * prod(values[i] ** p for i, p in factors) for c, factors in self.factors))
-
-    @cached_property
-    def factors(self) -> tuple[tuple[float, tuple[tuple[int, int], ...]], ...]:
-        """Coefficient, and place and power of each parameter that stands in it, by term."""
-        return tuple((c, tuple((i, p) for i, p in enumerate(powers) if p)) for c, powers in self.terms)
 
 
 @dataclass(frozen=True)

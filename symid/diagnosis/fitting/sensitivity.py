@@ -13,7 +13,6 @@ from symid.diagnosis.fitting.state import State, as_read, passed_on, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
 
-_RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
 _INTEGRATED_STEP = 1e-3
 """Relative step where dry friction holds a body at times: the moments at which it lets go move in whole steps."""
@@ -124,25 +123,23 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
         no_forces = np.zeros((prediction.record.n_bins, 0), dtype=complex)
         displacements = np.asarray(displacements - prediction.response.displacements(misread, no_forces))
         driven = driven - prediction.response.of_motions(misread)[:n_drives]
-    dynamics, plant, s = prediction.record.dynamics, prediction.response.plant, 1j * prediction.record.omega
+    dynamics, s = prediction.record.dynamics, 1j * prediction.record.omega
     kinds = (("mass", s**2), ("damping", s), ("stiffness", np.ones(1)))
     columns = np.zeros((len(dynamics.parameters), *prediction.record.measured.shape), dtype=complex)
     for k, name in enumerate(dynamics.parameters):
-        step = _RELATIVE_STEP * (abs(prediction.parameters[name]) or 1.0)
-        other = dynamics.with_nodes(dict(prediction.parameters) | {name: prediction.parameters[name] + step})
-        forces = np.zeros((s.size, len(plant.bodies)), dtype=complex)
+        change = dynamics.derivative(prediction.parameters, name)
+        forces = np.zeros((s.size, len(change.bodies)), dtype=complex)
         for kind, rates in kinds:
-            change = (getattr(other, kind) - getattr(plant, kind)) / step
-            if change.any():
-                forces -= (rates * (change @ displacements)).T
-        for (direction, spectra), law, moved in zip(prediction.laws, plant.laws, other.laws, strict=True):
-            for spectrum, now, after in zip(spectra, law.terms, moved.terms, strict=True):
-                if after.parameter != now.parameter:
-                    change = (after.parameter - now.parameter) / step
-                    forces -= np.multiply.outer(change * spectrum, direction)
-        if not np.array_equal(other.drives, plant.drives):
-            forces += driven.T @ ((other.drives - plant.drives) / step).T
-        forces[0] += (other.constant - plant.constant) / step * prediction.record.n_extended
+            matrix = getattr(change, kind)
+            if matrix.any():
+                forces -= (rates * (matrix @ displacements)).T
+        for (direction, spectra), law in zip(prediction.laws, change.laws, strict=True):
+            for spectrum, term in zip(spectra, law.terms, strict=True):
+                if term.parameter:
+                    forces -= np.multiply.outer(term.parameter * spectrum, direction)
+        if change.drives.any():
+            forces += driven.T @ change.drives.T
+        forces[0] += change.constant * prediction.record.n_extended
         columns[k] = prediction.response.of_forces(forces)
         for i, signal in enumerate(prediction.record.readings, n_drives):
             read, changed = plant.sensors[signal], other.sensors[signal]

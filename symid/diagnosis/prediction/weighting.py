@@ -46,8 +46,21 @@ class Weighting:
 
     def rows(self, errors: ComplexArray) -> FloatArray:
         """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
-        windowed = self.record.from_grid(self.record.rows(errors * self.record.taper) * self.window)
-        return self.record.rows(windowed * self.density)
+        n, n_bins = self.record.n_rows, self.record.n_bins
+        spectra = np.zeros((*errors.shape[:-1], n // 2 + 1), dtype=complex)  # the length of a transform: no copies
+        np.multiply(errors, self.record.taper, out=spectra[..., :n_bins])
+        rows = scipy.fft.irfft(spectra, n, norm="forward")
+        rows *= self.window
+        spectra = scipy.fft.rfft(rows)
+        spectra *= self._scaled_density
+        return np.asarray(scipy.fft.irfft(spectra, n, norm="forward", overwrite_x=True))
+
+    @cached_property
+    def _scaled_density(self) -> FloatArray:
+        """The density up to half the rate of the rows, with the factors of the transforms between."""
+        scaled = np.zeros((len(self.density), self.record.n_rows // 2 + 1))
+        scaled[:, : self.record.n_bins] = self.density / (self.record.n_rows * self.record.n_extended)
+        return scaled
 
     def back(self, rows: FloatArray) -> ComplexArray:
         """The adjoint of `rows`, up to a factor: what weighted rows of shape (n_outputs, n_rows) ask of spectra."""
