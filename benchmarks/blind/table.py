@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from . import answers, score
+from . import score
+from .answers import difference
 from .score import Verdict
 
 
@@ -108,8 +109,10 @@ def cost_line(name: str, runs: Sequence[dict[str, Any]]) -> str:
     cells = [f"{run['seconds']:7.2f} s {run['peak_mb']:5.0f} MB" for run in runs]
     given = [run["answer"] for run in runs]
     if len(runs) > 1:
-        differ = answers.difference(*given)
-        cells.append("the same" if differ == 0 else f"numbers within {differ:.0e}" if differ < 1 else "differs")
+        differ = difference(*given)
+        cells.append(
+            "the same" if differ == 0 else f"numbers within {differ:.0e}" if differ < 1 else "differs"
+        )
     return "  ".join([f"{name:28}", *cells, *(["no answer"] if None in given else [])])
 
 

@@ -44,12 +44,8 @@ def _extended(record: dict[str, Any], laws: list[Law], bodies: list[str]) -> dic
     terms = [(direction_of(law.at, bodies), term) for law in laws for term in law.terms()]
     generators = list(dict.fromkeys([*record["generators"], *(term.parameter for _, term in terms)]))
     matrices = ("stiffness", "damping", "mass", "drives", "constant")
-    found = {
-        name: [[_padded(p, len(generators)) for p in row] for row in record[name]] for name in matrices
-    }
-    found_laws = [
-        {**law, "parameter": _padded(law["parameter"], len(generators))} for law in record["laws"]
-    ]
+    found = {name: [[_padded(p, len(generators)) for p in row] for row in record[name]] for name in matrices}
+    found_laws = [{**law, "parameter": _padded(law["parameter"], len(generators))} for law in record["laws"]]
     for direction, term in terms:
         powers = [int(name == term.parameter) for name in generators]
         if term.is_linear:

@@ -16,8 +16,8 @@ from symid.axis import Axis
 from symid.errors import SettingError
 from symid.simulation.added_laws import stored_with_laws
 from symid.simulation.law_functions import array_function, law_function
+from symid.simulation.parameter_polynomials import Polynomial, PolynomialArrays
 from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow, condensed
-from symid.simulation.polynomials import Polynomial, PolynomialArrays
 from symid.simulation.postfix import program
 
 _MATRICES = ("stiffness", "damping", "mass")

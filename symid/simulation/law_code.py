@@ -7,7 +7,7 @@ import ast
 from symid.axis.laws.law import FUNCTIONS
 from symid.errors import SymidError
 
-_ZERO = ast.Constant(0.0)
+_ZERO, _ONE = ast.Constant(0.0), ast.Constant(1.0)
 
 
 def law_code(formula: str) -> str:
@@ -29,9 +29,9 @@ def level_code(formula: str) -> str | None:
     >>> level_code("sign(v)*q**2"), level_code("-sign(v)"), level_code("v*abs(v)")
     ('q ** 2', '-1.0', None)
     """
-    taken = _WithoutSign()
-    level = taken.visit(_parsed(formula))
-    if taken.signs != 1 or _calls(level, "sign"):
+    whole = _parsed(formula)
+    level = _without_sign(whole)
+    if _calls(whole, "sign") != 1 or _calls(level, "sign"):
         return None
     return ast.unparse(_InNumPy().visit(level))
 
@@ -42,7 +42,7 @@ def has_jumps(formula: str) -> bool:
     >>> has_jumps("v*positive(v)"), has_jumps("v*abs(v)")
     (True, False)
     """
-    return _calls(_parsed(formula), "sign", "positive")
+    return _calls(_parsed(formula), "sign", "positive") > 0
 
 
 def moves(formula: str) -> bool:
@@ -63,16 +63,16 @@ def _parsed(formula: str) -> ast.expr:
         ) from error
 
 
-def _calls(node: ast.AST, *names: str) -> bool:
-    """Whether a function is called anywhere in an expression."""
+def _calls(node: ast.AST, *names: str) -> int:
+    """How often functions are called in an expression."""
     calls = (one.func for one in ast.walk(node) if isinstance(one, ast.Call))
-    return any(isinstance(function, ast.Name) and function.id in names for function in calls)
+    return sum(isinstance(function, ast.Name) and function.id in names for function in calls)
 
 
 class _InNumPy(ast.NodeTransformer):
     """Functions of the language as those of NumPy."""
 
-    def visit_Call(self, node: ast.Call) -> ast.Call:  # noqa: N802  the name that the parent asks for
+    def visit_Call(self, node: ast.Call) -> ast.Call:
         arguments = [self.visit(argument) for argument in node.args]
         name = getattr(node.func, "id", "")
         if name == "positive":
@@ -80,28 +80,16 @@ class _InNumPy(ast.NodeTransformer):
         return ast.Call(ast.Attribute(ast.Name("np"), name), arguments, [])
 
 
-class _WithoutSign(ast.NodeTransformer):
-    """A product without its factor sign(v), which is not looked for in sums and functions."""
-
-    def __init__(self) -> None:
-        self.signs = 0
-
-    def visit(self, node: ast.AST) -> ast.AST:
-        """The same with 1 in place of the factor."""
-        match node:
-            case ast.Call(func=ast.Name(id="sign"), args=[ast.Name(id="v")]):
-                self.signs += 1
-                return ast.Constant(1.0)
-            case ast.BinOp(left=left, op=ast.Mult(), right=right):
-                return self._product(self.visit(left), self.visit(right))
-            case ast.BinOp(left=left, op=ast.Div(), right=right):
-                return ast.BinOp(self.visit(left), ast.Div(), right)
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                return ast.UnaryOp(ast.USub(), self.visit(operand))
-        return node
-
-    @staticmethod
-    def _product(left: ast.expr, right: ast.expr) -> ast.expr:
-        """A product, of which a factor 1 is left out."""
-        factors = [one for one in (left, right) if getattr(one, "value", None) != 1.0]
-        return ast.BinOp(left, ast.Mult(), right) if len(factors) == 2 else (*factors, left)[0]
+def _without_sign(node: ast.expr) -> ast.expr:
+    """A product with 1 in place of its factors sign(v), which are not looked for in sums and functions."""
+    match node:
+        case ast.Call(func=ast.Name(id="sign"), args=[ast.Name(id="v")]):
+            return _ONE
+        case ast.BinOp(left=left, op=ast.Mult(), right=right):
+            left, right = _without_sign(left), _without_sign(right)
+            return right if left is _ONE else left if right is _ONE else ast.BinOp(left, ast.Mult(), right)
+        case ast.BinOp(left=left, op=ast.Div(), right=right):
+            return ast.BinOp(_without_sign(left), ast.Div(), right)
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return ast.UnaryOp(ast.USub(), _without_sign(operand))
+    return node

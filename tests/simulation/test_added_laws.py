@@ -47,7 +47,9 @@ def test_the_terms_are_those_that_sympy_derives(effect: LawEffect) -> None:
     found, derived = stored_with_laws(axis), dynamics_record(axis)
     assert found is not None
     assert sorted(found["generators"]) == sorted(derived["generators"])
-    at = dict(zip(sorted(derived["generators"]), np.linspace(0.5, 3.0, len(derived["generators"])), strict=True))
+    at = dict(
+        zip(sorted(derived["generators"]), np.linspace(0.5, 3.0, len(derived["generators"])), strict=True)
+    )
     (own, forces), (whole, all_forces) = numbers(found, at), numbers(derived, at)
     for one, other in zip(own, whole, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-13)

@@ -47,7 +47,9 @@ class Weighting:
     def rows(self, errors: ComplexArray) -> FloatArray:
         """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
         n, n_bins = self.record.n_rows, self.record.n_bins
-        spectra = np.zeros((*errors.shape[:-1], n // 2 + 1), dtype=complex)  # the length of a transform: no copies
+        spectra = np.zeros(
+            (*errors.shape[:-1], n // 2 + 1), dtype=complex
+        )  # the length of a transform: no copies
         np.multiply(errors, self.record.taper, out=spectra[..., :n_bins])
         rows = scipy.fft.irfft(spectra, n, norm="forward")
         rows *= self.window
@@ -201,7 +203,7 @@ class Autoregression:
         return np.asarray(white.reshape(*rows.shape[:-2], -1))
 
     def back(self, white: FloatArray) -> FloatArray:
-        """The adjoint of `apply`: rows of shape (..., n_outputs, n_rows) from white ones, (..., n_outputs * n_usable)."""
+        """The adjoint of `apply`: rows, (..., n_outputs, n_rows), from white ones, (..., n_outputs * n_usable)."""
         n_outputs, order, _ = self.coefficients.shape
         whole = np.zeros((*white.shape[:-1], n_outputs, self.usable.size))
         whole[..., self.usable] = white.reshape(*white.shape[:-1], n_outputs, -1)
@@ -209,7 +211,7 @@ class Autoregression:
         rows = whole.copy()
         for k in range(order):
             rows[..., : -(k + 1)] -= np.matmul(self.coefficients[:, k].T, whole[..., k + 1 :])
-        return rows
+        return np.asarray(rows)
 
 
 def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:

@@ -108,9 +108,9 @@ class _Projection:
         if fixed:
             closed = float(2 * target.sum() - left.sum()) / self.square
             return self._of(max(closed, 0.0)), np.ones(1)
-        share = target / norms
+        share = np.asarray(target / norms)
         if len(norms) > 1:
-            share = np.linalg.lstsq(left / np.outer(norms, norms), share, rcond=1e-8)[0]
+            share = np.asarray(np.linalg.lstsq(left / np.outer(norms, norms), share, rcond=1e-8)[0])
         return self._of(float(target @ (share / norms)) / self.square), share / norms
 
     def _of(self, closed: float) -> float:
