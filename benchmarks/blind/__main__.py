@@ -76,7 +76,8 @@ def diagnose(folder: Path, timeout: float, jobs: int) -> None:
 def costs(folders: tuple[Path, ...], beside: Path | None, first: int | None, timeout: float) -> None:
     """Print processor time and peak memory of the diagnosis of each case of FOLDERS, with start-up.
 
-    Beside other code both run in turn, and the largest relative difference of their answers is printed.
+    Beside other code both run in turn, and the largest relative difference of their answers is printed. A loop that
+    a case is the first to need is compiled in it, once for a checkout: the second run of this command counts.
     """
     cases = [case for folder in folders for case in answers.cases_of(folder)[:first]]
     trees = [Path(__file__).parents[2], *([beside] if beside else [])]

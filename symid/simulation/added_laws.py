@@ -10,6 +10,7 @@ import numpy as np
 
 from symid.axis import Axis, Imperfection, Law
 from symid.codegen.dynamics_store import stored_dynamics
+from symid.errors import DeclarationError
 from symid.simulation.law_code import law_code, moves
 from symid.simulation.law_functions import law_function
 from symid.simulation.plant import direction_of
@@ -36,7 +37,11 @@ def _without_last(axis: Axis) -> Iterator[tuple[Axis, Law | None]]:
         last = axis.elements[n]
         if not isinstance(last, Law | Imperfection):
             return
-        yield replace(axis, elements=axis.elements[:n]), last if isinstance(last, Law) else None
+        try:
+            base = replace(axis, elements=axis.elements[:n])
+        except DeclarationError:  # such as nothing left to identify
+            return
+        yield base, last if isinstance(last, Law) else None
 
 
 def _extended(record: dict[str, Any], laws: list[Law], bodies: list[str]) -> dict[str, Any]:
