@@ -26,6 +26,8 @@ def stored_with_laws(axis: Axis) -> dict[str, Any] | None:
         if law is not None:
             laws.insert(0, law)
         if (record := stored_dynamics(base)) is not None:
+            if laws and any("motion" in sensor for sensor in record["sensors"].values()):
+                return None  # what a force sensor reads may hold the laws
             return _extended(record, laws, [body.name for body in axis.free_bodies])
     return None
 

@@ -136,7 +136,8 @@ class ForwardDynamics:
             raise SettingError(
                 f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
             )
-        plant = self._plant(self._arrays.at(self._values(parameters)))
+        values = self._values(parameters)
+        plant = self._plant(self._arrays.at(values), values)
         _, heavy = self._free_bodies
         moved = plant.mass if heavy.all() else plant.mass[np.ix_(heavy, heavy)]
         if not np.all(np.linalg.eigvalsh(moved) > 0):
@@ -146,8 +147,13 @@ class ForwardDynamics:
         return plant
 
     def derivative(self, parameters: Mapping[str, float], name: str) -> Plant:
-        """Derivatives of all terms of `with_nodes` by a parameter, in the form of a plant."""
-        return self._plant(self._arrays.derivative(self._values(parameters), self.generators.index(name)))
+        """Derivatives of all terms of `with_nodes` by a parameter, in the form of a plant; sensors as they are."""
+        values = self._values(parameters)
+        return self._plant(self._arrays.derivative(values, self.generators.index(name)), values)
+
+    def reading(self, parameters: Mapping[str, float], signal: str) -> SensorRow:
+        """What a sensor reads at parameter values."""
+        return self.sensors[signal].at(self._values(parameters))
 
     def _values(self, parameters: Mapping[str, float]) -> list[float]:
         """Values of the generators."""
@@ -165,8 +171,8 @@ class ForwardDynamics:
             shapes + [(len(joint.terms),) for joint in self.laws], [*matrices, *self.constant, *levels]
         )
 
-    def _plant(self, arrays: Sequence[FloatArray]) -> Plant:
-        """The plant that has these values of `_arrays`."""
+    def _plant(self, arrays: Sequence[FloatArray], values: Sequence[float]) -> Plant:
+        """The plant that has these values of `_arrays`, and sensors at parameter values."""
         stiffness, damping, mass, drives, constant, *levels = arrays
         return Plant(
             bodies=self._free_bodies[0],

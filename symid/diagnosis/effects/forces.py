@@ -194,7 +194,7 @@ class PayloadChangeEffect(Effect):
         record = prediction.record
         inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
         other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
-        hidden = [other.of_force(free) for free in prediction.record.free_directions]
+        hidden = [other.of_force(free) for free in prediction.free_directions]
         return other.of_force(direction), starting_pulses(record, hidden, (record.duration,))
 
     def _ended(

@@ -13,6 +13,7 @@ from symid.diagnosis.fitting.state import State, as_read, passed_on, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
 
+_RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
 _INTEGRATED_STEP = 1e-3
 """Relative step where dry friction holds a body at times: the moments at which it lets go move in whole steps."""
@@ -58,7 +59,7 @@ def _by_differences(state: State) -> ComplexArray:
         value = abs(parameters[name]) or 1.0
         moved = dict(parameters) | {name: parameters[name] + _INTEGRATED_STEP * value}
         if acts_on_hidden(
-            prediction.response.plant, prediction.record.dynamics.at(moved), prediction.record.driven_rows[0]
+            prediction.response.plant, prediction.record.dynamics.at(moved), prediction.driven_rows[0]
         ):
             columns[k] = column(value, moved, placed)
     for at, item in enumerate(placed):
@@ -142,8 +143,11 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
         forces[0] += change.constant * prediction.record.n_extended
         columns[k] = prediction.response.of_forces(forces)
         for i, signal in enumerate(prediction.record.readings, n_drives):
-            read, changed = plant.sensors[signal], other.sensors[signal]
+            read = change.sensors[signal]
             if read.order is None:  # parameters stand in the reading itself
+                step = _RELATIVE_STEP * (abs(prediction.parameters[name]) or 1.0)
+                moved = dict(prediction.parameters) | {name: prediction.parameters[name] + step}
+                changed = dynamics.reading(moved, signal)
                 columns[k, i] += np.sum((changed.at(s) - read.at(s)) / step * displacements, axis=0)
                 columns[k, i] += (changed.drives - read.drives) / step @ driven
     return columns

@@ -136,7 +136,17 @@ class Prediction:
     @cached_property
     def hidden(self) -> tuple[ComplexArray, ...]:
         """Outputs for forces on what moves without the driven positions, of shape (n_outputs, n_bins) each."""
-        return tuple(self.response.of_force(direction) for direction in self.record.free_directions)
+        return tuple(self.response.of_force(direction) for direction in self.free_directions)
+
+    @cached_property
+    def driven_rows(self) -> FloatArray:
+        """Driven positions as products with the displacements of the bodies, of shape (n_drives, n_bodies)."""
+        return np.stack([self.response.plant.sensors[name].row for name in self.record.driven])
+
+    @property
+    def free_directions(self) -> FloatArray:
+        """Directions over the bodies in which they move without the driven positions, of shape (n, n_bodies)."""
+        return np.asarray(np.linalg.svd(self.driven_rows)[2][self.record.n_drives :])
 
     @cached_property
     def joints(self) -> Mapping[str, Joint]:
@@ -190,11 +200,16 @@ class Prediction:
                 change[..., i, :] += force
         return change
 
+    def driven_shares(self, direction: FloatArray) -> FloatArray | None:
+        """Displacement along a direction for a unit of each driven position; None if other motion takes part in it."""
+        rows, key = self.driven_rows, ("driven shares", direction.tobytes())
+        return self.record.memory.of(key, rows.tobytes(), lambda: _shares(rows, direction))
+
     def _joint(self, name: str, direction: FloatArray) -> Joint:
         sensors = self.response.plant.sensors
         n_positions = sum(sensors[name][1] == 0 for name in self.record.signals)
         # positions that contradict each other share their error out
-        shares = None if n_positions > direction.size else self.record.driven_shares(direction)
+        shares = None if n_positions > direction.size else self.driven_shares(direction)
         if shares is not None:  # moves as measured, whatever the model: one joint for all predictions
             spectrum = np.asarray(shares @ self.record.motions)
             made = Joint(name, direction, spectrum, spectrum, self.record)
@@ -202,6 +217,11 @@ class Prediction:
             return known
         observed, modelled = (_along(direction, x) for x in (self.observed, self.displacements))
         return Joint(name, direction, observed, modelled, self.record)
+
+
+def _shares(rows: FloatArray, direction: FloatArray) -> FloatArray | None:
+    shares = np.asarray(np.linalg.solve(rows @ rows.T, rows @ direction))
+    return shares if np.allclose(direction, shares @ rows, rtol=0, atol=1e-12) else None
 
 
 def _along(direction: FloatArray, displacements: ComplexArray) -> ComplexArray:

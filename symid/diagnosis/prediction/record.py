@@ -92,25 +92,6 @@ class Record(PeriodicLog):
         springs = (getattr(sensors[name], "of", None) for name in self.readings)
         return tuple(place_of(spring) if isinstance(spring, Spring) else "" for spring in springs)
 
-    @cached_property
-    def driven_rows(self) -> FloatArray:
-        """Driven positions as products with the displacements of the bodies, of shape (n_drives, n_bodies)."""
-        return np.stack([self.dynamics.sensors[name][0] for name in self.driven])
-
-    @cached_property
-    def free_directions(self) -> FloatArray:
-        """Directions over the bodies in which they move without the driven positions, of shape (n, n_bodies)."""
-        return np.asarray(np.linalg.svd(self.driven_rows)[2][self.n_drives :])
-
-    def driven_shares(self, direction: FloatArray) -> FloatArray | None:
-        """Displacement along a direction for a unit of each driven position; None if other motion takes part in it."""
-        return self.memory.of(("driven shares", direction.tobytes()), None, lambda: self._shares(direction))
-
-    def _shares(self, direction: FloatArray) -> FloatArray | None:
-        rows = self.driven_rows
-        shares = np.asarray(np.linalg.solve(rows @ rows.T, rows @ direction))
-        return shares if np.allclose(direction, shares @ rows, rtol=0, atol=1e-12) else None
-
     def is_hidden(self, direction: FloatArray) -> bool:
         """Whether motion along a direction follows from the model: that of two bodies, which no sensor shows."""
         sensors, n_bodies = self.dynamics.sensors, len(self.dynamics.bodies)
