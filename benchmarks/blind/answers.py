@@ -13,7 +13,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 LOGS = ("identification.parquet", "validation.parquet")
 COMMAND = (sys.executable, "-c", "from symid.cli import main; main()", "diagnose")
@@ -42,12 +42,15 @@ def _ran(command: Sequence[str], place: Path, timeout: float, tree: Path | None)
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     if tree is not None:
         environment["PYTHONPATH"] = str(tree.resolve())
-    out, err = place / "out", place / "err"
-    with out.open("wb") as stdout, err.open("wb") as stderr:
-        process = subprocess.Popen(command, cwd=place, stdout=stdout, stderr=stderr, env=environment)
+    with (
+        tempfile.TemporaryFile() as out,
+        tempfile.TemporaryFile() as err,
+    ):  # files hold any length, outside the folder
+        process = subprocess.Popen(command, cwd=place, stdout=out, stderr=err, env=environment)
         stop = threading.Timer(timeout, process.kill)
         stop.start()
         _, status, usage = os.wait4(process.pid, 0)
+        said, complaint = (_text_of(file) for file in (out, err))
     in_time = stop.is_alive()
     stop.cancel()
     process.returncode = code = os.waitstatus_to_exitcode(status)
@@ -55,11 +58,16 @@ def _ran(command: Sequence[str], place: Path, timeout: float, tree: Path | None)
     if not in_time:
         return {"answer": None, "ended": f"stopped after {timeout:g} s"} | cost
     try:
-        answer = json.loads(out.read_text()) if code == 0 else None
+        answer = json.loads(said) if code == 0 else None
     except json.JSONDecodeError:
         answer = None
-    ended = f"exit {code} {' '.join(err.read_text().split()[-40:])}".strip()
+    ended = f"exit {code} {' '.join(complaint.split()[-40:])}".strip()
     return {"answer": answer, "ended": ended} | cost
+
+
+def _text_of(file: IO[bytes]) -> str:
+    file.seek(0)
+    return file.read().decode()
 
 
 def diagnose_set(

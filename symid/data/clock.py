@@ -65,7 +65,8 @@ def require_seconds(time: FloatArray) -> None:
     ...
     symid.errors.LogError: t has no unit and steps of 4, which may be 4 ms: write t [ms], or give `units` t=ms, or t=s
     """
-    step = float(np.median(np.diff(time))) if time.size > 1 else 0.0
+    known = time[np.isfinite(time)]
+    step = float(np.median(np.diff(known))) if known.size > 1 else 0.0
     low, high = PLAUSIBLE_PERIODS
     fitting = (unit for unit in ("ms", "us", "ns") if low <= step * to_si(unit, Unit.of("s")) <= high)
     if step > high and (unit := next(fitting, None)):

@@ -45,8 +45,8 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
         if late := _late(own, other):
             shift = f"{1e3 * abs(late) * parts[0].log.sampling_period:.3g} ms {'later' if late > 0 else 'earlier'}"
             return (
-                f"{name} is {shift} than what other sensors say ({what}): correct the time of one of them (--late), "
-                "or leave one out of --measured"
+                f"{name} is {shift} than what other sensors say ({what}): correct the time of one of them (`late`), "
+                "or leave one out of `measured`"
             )
         differs = float(np.sqrt(np.sum((own - other) ** 2) / power))
         noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * own.size / power)

@@ -169,7 +169,7 @@ def test_a_fixed_stiffness_separates_what_one_frequency_does_not() -> None:
         ({"bounds": {"M": 3.0}}, "give a pair of numbers"),
         ({"bounds": "possible"}, "give 'physical'"),
         ({"prior": {"M": (3.0, 0.0)}}, "a deviation above 0"),
-        ({"prior": {"M": (3.0, 1e-20)}}, r"finer than numbers are: give the value as known \(--fix M=3\)"),
+        ({"prior": {"M": (3.0, 1e-20)}}, r"finer than numbers are: give the value as known \(`fixed` M=3\)"),
         ({"prior": {"Q": (3.0, 1.0)}}, "'Q' is not an unknown parameter"),
         ({"fixed": {"Q": 3.0}}, "no parameter 'Q'"),
         ({"fixed": {"M": 5.0}, "bounds": {"M": (0.0, 9.0)}}, "its value is known"),
@@ -192,7 +192,7 @@ def test_a_start_that_was_given_is_not_asked_for_again() -> None:
     found = identify(axis, log, preparation=RAW, nominal=nominal, examine=False)
     assert found.status == "no_physical_parameters"
     assert found.message == (
-        "2 minimal parameters do not determine 3 physical ones: give what is known with --fix, or add a sensor"
+        "2 minimal parameters do not determine 3 physical ones: give what is known with `fixed`, or add a sensor"
     )
     known = identify(axis, log, preparation=RAW, fixed={"Mr": 3.0}, examine=False)
     assert list(known.physical_parameters) == ["Ml", "Fv"]

@@ -68,7 +68,7 @@ def test_what_is_declared_and_passed_over_is_said_with_the_way_out() -> None:
     by_regression = symid.identify(declared, run, preparation=Preparation(held=True))
     said = (
         "ActuatorLag and ForceLimit are declared, but this method passes them over: "
-        "take --method oe with --controller-gain, which simulates them"
+        "take `method=oe` with `controller`, which simulates them"
     )
     assert said in by_regression.notes
     simulated: Any = symid.identify(
