@@ -1,4 +1,4 @@
-"""Generated NumPy modules: their text, the folder that holds them, and the record that the numeric half reads.
+"""Generated NumPy modules: their text, their folder, and the record through which the numeric packages use them.
 
 Importing this package needs no sympy; `symid.codegen.generate` does.
 """

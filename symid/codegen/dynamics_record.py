@@ -1,4 +1,4 @@
-"""Forward dynamics of an axis as numbers and NumPy code, which a simulation reads without sympy."""
+"""Forward dynamics of an axis as numbers and NumPy code, for simulation without sympy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of forward dynamics in the folder `generated/`: a simulation that reads one needs no sympy."""
+"""Files of forward dynamics in the folder `generated/`, with which a simulation needs no sympy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def dynamics_file(folder: Path, axis: str) -> Path:
 
 
 def dynamics_text(axis: Axis, dynamics: Mapping[str, Any]) -> str:
-    """Text of a file of forward dynamics, one entry a line, with the hash of what it says."""
+    """Text of a file of forward dynamics: one entry per line, then the hash of all entries."""
     entries = {
         "about": f"Forward dynamics of axis {axis.name}. {HEADER}",
         "signature": axis.signature,
@@ -34,7 +34,7 @@ def _hash(entries: Mapping[str, Any]) -> str:
 
 
 def stored_dynamics(axis: Axis) -> dict[str, Any] | None:
-    """Forward dynamics in the folder of generated modules; None if there are none of this declaration, unchanged."""
+    """Forward dynamics from the folder of generated modules; None without an intact file for this declaration."""
     try:
         path = dynamics_file(generated_folder(axis_file(axis.name)), axis.name)
         entries = json.loads(path.read_text(encoding="utf-8"))

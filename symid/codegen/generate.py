@@ -1,4 +1,4 @@
-"""`generate`: from axis files to generated modules. This is where the symbolic half ends."""
+"""`generate`: from axis files to generated modules, where the symbolic packages end and the numeric ones begin."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def plan(
 ) -> list[GeneratedFile]:
     """Required and present texts of the generated files; nothing is written.
 
-    Without `measured` these are all `sensor_sets` of an axis and those for which modules exist. `track` receives the
-    names and yields them, to show progress; `refused` is called with the reason for each module that cannot be
-    derived, which otherwise raises its error.
+    Without `measured`, all `sensor_sets` of an axis and those with an existing module are planned. `track` passes on
+    the names and may show progress. `refused` is called with the error of each module that cannot be derived; without
+    it, the error is raised.
     """
     left_out: list[Path] = []
 

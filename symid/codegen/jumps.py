@@ -1,4 +1,4 @@
-"""Jumps of friction in a minimal model: where they are, and which of them act as a drive does."""
+"""Jumps of friction in a minimal model: the velocities at which they occur, and friction that acts like a drive."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def sliding_velocities(
 ) -> tuple[tuple[tuple[int, ...], ...], tuple[sp.Expr, ...]]:
     """For each equation the indices of the velocities in its laws with jumps, and these velocities.
 
-    An equation that lacks the derivative of a jump does not hold at it either, though no column shows it.
+    They include jumps whose derivative an equation omits: it does not hold there, though no column shows the jump.
     """
     velocities: dict[sp.Expr, int] = {}
     by_equation = []
@@ -28,7 +28,7 @@ def sliding_velocities(
             shown.union(*(f.atoms(sp.Function) for f in equation.dropped)), key=sp.default_sort_key
         )
         arguments = [-f.args[0] if f.args[0].could_extract_minus_sign() else f.args[0] for f in jumps]
-        # Jumps elsewhere, such as a stiffness at the edge of a gap, do not depend on standstill.
+        # Jumps that do not occur at standstill, such as that of a stiffness at the edge of a gap, are left out.
         arguments = [
             a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols.difference(constants), 0))
         ]
@@ -37,7 +37,7 @@ def sliding_velocities(
 
 
 class CoulombAtDrive(NamedTuple):
-    """Friction that acts as a drive does: row of its velocity, index of its minimal parameter, signal of the drive."""
+    """Friction that acts like a drive: row of its velocity, index of its minimal parameter, signal of the drive."""
 
     row: int
     parameter: int
@@ -45,15 +45,15 @@ class CoulombAtDrive(NamedTuple):
 
 
 def coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> list[CoulombAtDrive]:
-    """Coulomb friction that acts on the bodies as a drive does, where an equation lacks its derivatives.
+    """Coulomb friction that acts on the bodies like a drive, if an equation omits its derivatives.
 
-    The drive force less this friction is smooth where the velocity changes its sign, and can be differentiated.
+    The drive force minus this friction is smooth where the velocity changes its sign, and can be differentiated.
     """
     if not any(equation.dropped for equation in model.minimal.source.equations):
         return []
     operators = model.minimal.source.operators
     zero = operators.ring.zero
-    # Taken off a force that is a column too, it would change that column, which no law gives it back to.
+    # A force that is a regressor column must not be changed: no law would restore the friction there.
     columns = {symbol for row in model.minimal.regressor for e in row for symbol in e.free_symbols}
     outputs = [drive.signal for drive in model.axis.drives if sp.Symbol(drive.signal) not in columns]
     found: list[CoulombAtDrive] = []
@@ -61,6 +61,7 @@ def coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> li
         if entry.expression != sp.sign(sp.Symbol("v")):
             continue
         for generator, signal in product(operators.ring.gens[1:], outputs):
+            # The friction acts like the drive if its coefficient is minus this parameter times the drive's, everywhere.
             if not any(
                 row.get(str(entry.symbol), zero) + generator * operators.force[body].get(signal, zero)
                 for body, row in operators.inputs.items()
@@ -74,7 +75,7 @@ def coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> li
 def _places_of_coulomb(
     model: MinimalModel, velocities: tuple[sp.Expr, ...], parameter: str
 ) -> list[tuple[int, int]]:
-    """Velocity and index of a minimal parameter that is this physical one, from its column sign(velocity)."""
+    """Index of the velocity, and of the minimal parameter that equals a physical one and has the column sign(v)."""
     for j, minimal in enumerate(model.parameters):
         if minimal.function.names == {parameter} and str(minimal.function) == parameter:
             columns = {row[j] for row in model.regressor} - {0}

@@ -1,8 +1,8 @@
 """From polynomials and signal expressions to flat NumPy assignments.
 
-Polynomials are written in Horner's form, one variable after the other in the order of the declaration. Equal
-parts are written once: the minimal parameters of a chain share almost everything, and 45 000 terms of an axis
-with eight masses become some hundred operations.
+Polynomials are written in Horner's form, one variable after the other in the order of the declaration. Common
+subexpressions are written once: the minimal parameters of a chain share almost everything, and the 45 000 terms of an
+axis with eight masses become a few hundred operations.
 """
 
 from __future__ import annotations
@@ -72,6 +72,8 @@ class PolynomialLowering:
             for i in reversed([*compress(range(len(monomial)), monomial)]):
                 text = self._horner(str(self.names[i]), {monomial[i]: text}) if i >= variable else text
             return text
+        # Terms are grouped by the power of one variable; the coefficient of each power is lowered recursively, and the
+        # key (variable, coefficients) finds polynomials that were written before.
         while not monomials[0][variable]:
             variable += 1
         parts, first = [], 0
@@ -100,7 +102,7 @@ def minimal_parameter_code(
     names: Sequence[str | None],
     write: Callable[[sp.Expr], str] = code,
 ) -> tuple[list[tuple[str, str]], list[str]]:
-    """Assignments of what minimal parameters share, and the code of each of them."""
+    """Assignments of common subexpressions of minimal parameters, and the code of each parameter."""
     lowering, results = PolynomialLowering(names, write), []
     for parameter in parameters:
         above = lowering.lower(parameter.function.numerator)

@@ -18,7 +18,7 @@ ArrayFunction = Callable[..., FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class GeneratedModel:
-    """A generated module as a record.
+    """A generated module, ready to be evaluated.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class GeneratedModel:
     measured : tuple of str
         Signals of the sensors used.
     signature : str
-        That of the declaration it was generated from.
+        Signature of the declaration from which it was generated.
     signals : tuple of str
         Flat names of the arguments of the functions, in order.
     output_names, output_units : tuple of str
@@ -41,33 +41,33 @@ class GeneratedModel:
     known : mapping of str to (float, str)
         Physical parameters that are known: value and unit.
     held : bool
-        Whether the axis declares its force as held from sample to sample.
+        Whether the axis declares its force as held (zero-order hold).
     assumptions : tuple of str
         Assumptions of the derivation.
     sliding : tuple of tuple of int
         For each equation, the rows of `sliding_velocities` whose sign enters it.
     law_columns : tuple of tuple of int
-        Equation and parameter index of the columns that hold values of nonlinear laws.
+        Equation and parameter index of the columns with values of nonlinear laws.
     coulomb_at_drive : tuple of tuple of int
-        Coulomb friction that acts as the drive does, in equations that lack its derivatives: row of its velocity among
-        `sliding_velocities`, and its minimal parameter.
+        Coulomb friction that acts like a drive, in equations that omit its derivatives: row of its velocity in
+        `sliding_velocities`, and index of its minimal parameter.
     coulomb_drives : tuple of str
-        Signal of the drive as which each of these acts.
+        Signal of the drive for each of these.
     redundant : tuple
-        Sensors that repeat others: signal, and (signal, derivatives, factor) of what it should be the sum.
+        Redundant sensors: signal, and the terms (signal, derivatives, factor) whose sum it should equal.
     known_laws : tuple of int
-        Equations whose output holds values of nonlinear laws, of which the parameters are known.
+        Equations whose output contains nonlinear laws with known parameters.
     branches : int
-        Number of solutions of the inverse map in closed form; 0 without one.
+        Number of solutions of the closed-form inverse map; 0 without one.
     regressor, output, sliding_velocities, minimal_parameters : callable
         See the generated module.
     physical_parameters : callable or None
-        The inverse map, if it exists in closed form.
+        The inverse map, if it has a closed form.
     delays : mapping of str to float
-        Seconds by which the axis declares readings of its sensors to be late, negative of forces that act late; no
-        generated module holds them.
+        Declared delays in seconds: of late sensors positive, of forces that act late negative. They are taken from the
+        declaration, not from the module.
     passed_over : tuple of str
-        Kinds of imperfections that the axis declares and the regressor does not hold; no generated module either.
+        Kinds of declared imperfections that the regressor does not model, also from the declaration.
     """
 
     axis: str
@@ -100,7 +100,7 @@ class GeneratedModel:
 
     @classmethod
     def from_namespace(cls, namespace: Mapping[str, Any]) -> GeneratedModel:
-        """Record of a module's namespace: functions have the names of their fields, all else these in capitals."""
+        """Record of a module's namespace, in which functions have the fields' names and values these in capitals."""
         drives = (split_derivative(name)[0] for name in namespace["SIGNALS"])
         force = next((name for name in drives if name not in namespace["MEASURED"]), "")
         found = {
@@ -135,18 +135,18 @@ class GeneratedModel:
 
     @property
     def force(self) -> str:
-        """Signal of the drive; of the first one if there are several."""
+        """Signal of the first drive."""
         return self.forces[0]
 
     @property
     def most_differentiated(self) -> str:
-        """The measured signal of which the highest derivative is needed."""
+        """The measured signal with the highest required derivative."""
         highest = self.highest_derivatives
         return max((name for name in self.measured if name in highest), key=highest.__getitem__)
 
     @cached_property
     def laws_of_velocity(self) -> bool:
-        """Whether laws and sliding velocities hold no derivative beyond the first."""
+        """Whether laws and sliding velocities depend on no derivative beyond the first."""
         beyond = np.array([split_derivative(name)[1] > 1 for name in self.signals])
         at = [np.where(beyond, other, 0.7)[:, None] for other in (0.0, 1.0)]
         laws = [[self.regressor(*x)[:, 0][place] for place in self.law_columns] for x in at]
@@ -154,6 +154,6 @@ class GeneratedModel:
         return laws[0] == laws[1] and velocities[0] == velocities[1]
 
     def sample(self, signals: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Observation W and y of sampled signals, by flat name."""
+        """Observation matrix W and output y of sampled signals, which are given by flat name."""
         arguments = [np.asarray(signals[name], dtype=float) for name in self.signals]
         return self.regressor(*arguments), self.output(*arguments)

@@ -1,10 +1,10 @@
-"""Text of a generated module: a plain NumPy file that works without symid and sympy."""
+"""Text of a generated module: a plain NumPy file that needs neither symid nor sympy."""
 
 from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import sympy as sp
 
@@ -99,38 +99,18 @@ def module_text(model: DerivedModel) -> str:
     numbers = {sp.Symbol(name) for name in minimal.source.source.numbers}
     sliding, velocities = sliding_velocities(minimal, numbers)
     rows = [(i, j, e) for i, row in enumerate(minimal.regressor) for j, e in enumerate(row)]
-    law_columns = tuple((i, j) for i, j, e in rows if not _is_linear(e, numbers))
     coulomb = coulomb_at_drive(model, velocities)
     solution = inverse_map(minimal)
-    physical = {name: str(unit) for name, unit in model.axis.physical_parameters.items()}
     W, y, v = (_unused(name, signals) for name in "Wyv")
     text = _TEMPLATE.format(
+        **_facts(model),
         W=W,
         y=y,
         v=v,
-        axis=model.axis.name,
-        measured=", ".join(model.measured),
-        equations="\n".join(textwrap.fill(line, 110, subsequent_indent="    ") for line in minimal.written),
-        measured_tuple=_tuple(model.measured),
-        signature=model.axis.signature,
-        format=FORMAT,
         signals=_tuple(signals),
-        output_names=_tuple(list(minimal.output_names)),
-        output_units=_tuple([_output_unit(model, name) for name in minimal.output_names]),
-        minimal=_tuple([p.name for p in minimal.parameters]),
-        minimal_units=json.dumps({p.name: str(p.unit) for p in minimal.parameters}, ensure_ascii=False),
-        physical=_tuple(list(physical)),
-        physical_units=json.dumps(physical, ensure_ascii=False),
-        signed=_tuple(model.axis.signed_parameters),
-        per_log=_tuple(
-            [p.name for p in minimal.parameters if p.function.names & {*model.axis.log_parameters}]
-        ),
-        held=model.axis.drives[0].held,
-        assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
-        law_columns=repr(law_columns),
+        law_columns=repr(tuple((i, j) for i, j, e in rows if not _is_linear(e, numbers))),
         coulomb=repr(tuple((one.row, one.parameter) for one in coulomb)),
-        redundant=repr(_redundant(model)),
         branches=solution.branches if solution else 0,
         constants=_constants(model, [one.drive for one in coulomb], numbers),
         arguments=", ".join(signals),
@@ -141,20 +121,48 @@ def module_text(model: DerivedModel) -> str:
         output=_fill(y, [(str(i), e) for i, e in enumerate(minimal.output) if e != 0]),
         n_sliding=len(velocities),
         velocities=_fill(v, [(str(i), e) for i, e in enumerate(velocities)]),
-        physical_arguments=", ".join(physical),
         forward=_forward(model),
         inverse=_inverse(model, solution) if solution else "",
     )
     return signed(text)
 
 
+def _facts(model: DerivedModel) -> dict[str, object]:
+    """Fields of the template that describe axis and model: names, units and assumptions."""
+    axis, minimal = model.axis, model.minimal
+    physical = {name: str(unit) for name, unit in axis.physical_parameters.items()}
+    per_log = [p.name for p in minimal.parameters if p.function.names & {*axis.log_parameters}]
+    return {
+        "axis": axis.name,
+        "measured": ", ".join(model.measured),
+        "equations": "\n".join(
+            textwrap.fill(line, 110, subsequent_indent="    ") for line in minimal.written
+        ),
+        "measured_tuple": _tuple(model.measured),
+        "signature": axis.signature,
+        "format": FORMAT,
+        "output_names": _tuple(minimal.output_names),
+        "output_units": _tuple([str(unit) for unit in _output_units(model)]),
+        "minimal": _tuple([p.name for p in minimal.parameters]),
+        "minimal_units": json.dumps({p.name: str(p.unit) for p in minimal.parameters}, ensure_ascii=False),
+        "physical": _tuple(list(physical)),
+        "physical_units": json.dumps(physical, ensure_ascii=False),
+        "physical_arguments": ", ".join(physical),
+        "signed": _tuple(axis.signed_parameters),
+        "per_log": _tuple(per_log),
+        "held": axis.drives[0].held,
+        "assumptions": _tuple(model.assumptions),
+        "redundant": repr(_redundant(model)),
+    }
+
+
 def _unused(name: str, taken: Sequence[str]) -> str:
-    """A name for a variable of a generated function; names of signals and parameters do not end with an underscore."""
+    """A name that no signal or parameter has: theirs do not end with an underscore."""
     return f"{name}_" if name in taken else name
 
 
 def model_signals(model: DerivedModel) -> tuple[str, ...]:
-    """Signals used, forces first, then the sensors in the order of the declaration, by order of derivative."""
+    """Signals of a model: forces, then sensors in the order of the declaration, each by order of derivative."""
     minimal = model.minimal
     written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
     names = [name for name in written if name not in minimal.source.source.numbers]
@@ -165,15 +173,14 @@ def model_signals(model: DerivedModel) -> tuple[str, ...]:
     )
 
 
-def _output_unit(model: DerivedModel, name: str) -> str:
-    """Unit of an output: that of its signal by time to the order of derivative."""
-    signal, order = split_derivative(name.removeprefix("-"))
-    units = model.axis.signal_units
-    return str(units[signal] / Unit.of("s") ** order)
+def _output_units(model: DerivedModel) -> Iterator[Unit]:
+    for name in model.minimal.output_names:
+        signal, order = split_derivative(name.removeprefix("-"))
+        yield model.axis.signal_units[signal] / Unit.of("s") ** order
 
 
 def _redundant(model: DerivedModel) -> tuple[tuple[str, tuple[tuple[str, int, float], ...]], ...]:
-    """Sensors that repeat what others measure: signal, and the derivatives of other signals whose sum it should be."""
+    """Redundant sensors: signal, and the derivatives of other signals whose sum it should equal."""
     source = model.minimal.source
     known, field = measurement(source.operators, source.measured), source.operators.ring.domain
     constants = {sp.Symbol(name): value for name, value in source.source.constants.items()}
@@ -193,7 +200,7 @@ def _redundant(model: DerivedModel) -> tuple[tuple[str, tuple[tuple[str, int, fl
 
 
 def _is_linear(entry: sp.Expr, constants: Collection[sp.Symbol]) -> bool:
-    """Whether an entry is linear in the signals, or constant: filtering the signals then filters it.
+    """Whether an entry is constant or linear in the signals, so that filtering the signals filters it.
 
     >>> q, r = sp.symbols("q r")
     >>> [_is_linear(entry, [r]) for entry in (r * q + 1, q**3, q * r * sp.Symbol("v"), sp.sign(q))]
@@ -206,7 +213,7 @@ def _is_linear(entry: sp.Expr, constants: Collection[sp.Symbol]) -> bool:
 
 
 def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
-    """Statements that write expressions into rows of an array, in place where one NumPy function does it."""
+    """Statements that write expressions into rows of an array, in place where a single NumPy function suffices."""
     lines = []
     for index, expression in entries:
         target = f"{array}[{index}]"
@@ -224,7 +231,7 @@ def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
 
 
 def _constants(model: DerivedModel, drives: Sequence[str], numbers: Collection[sp.Symbol]) -> str:
-    """Numbers of the functions, and what few modules hold: known parameters, drives of friction, known laws."""
+    """Known numbers of the functions, then entries that few modules have: known parameters and laws, drives."""
     lines = [f"{name} = {value!r}\n" for name, value in model.minimal.source.source.numbers.items()]
     if known := model.axis.known_parameters:
         units = {name: (value, str(model.axis.parameter_units[name])) for name, value in known.items()}

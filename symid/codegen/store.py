@@ -1,4 +1,4 @@
-"""Generated models of any axis: those in the folder `generated/`, and those that are derived when they are needed."""
+"""Generated models of an axis: from the folder `generated/`, or derived on demand."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def module_name(axis: str, measured: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class GeneratedFile:
-    """Required and present text of a generated module."""
+    """A generated file with its required and its present text, None where there is to be none or is none."""
 
     path: Path
     wanted: str | None
@@ -55,7 +55,7 @@ class GeneratedFile:
 
     @property
     def is_current(self) -> bool:
-        """Whether the file holds the required text."""
+        """Whether the file has the required text."""
         return self.wanted == self.found
 
     def diff(self) -> str:
@@ -67,7 +67,7 @@ class GeneratedFile:
 
 
 def planned_file(path: Path, text: str | None) -> GeneratedFile:
-    """Required text together with the present text of the file."""
+    """A generated file with a required text and the text that is present."""
     return GeneratedFile(path, text, _text(path) if path.is_file() else None)
 
 
@@ -77,10 +77,10 @@ def _text(path: Path) -> str:
 
 
 def orphans(folder: Path, wanted: Sequence[Path], axes: Sequence[str]) -> Iterator[GeneratedFile]:
-    """Modules of the given axes, whose folder this is, that are not wanted any more, and those whose axis file is gone.
+    """Files to remove from a folder: those of the given axes that are not wanted, and those without an axis file.
 
-    In the folder that ships with an installed symid there are none: an axis of the same name elsewhere shadows the
-    shipped one and does not replace it.
+    Nothing is removed from the folder that ships with an installed symid: an axis of the same name elsewhere shadows
+    the shipped one and does not replace it.
     """
     if folder.resolve() == (PACKAGE / "shipped" / "generated").resolve():
         return
@@ -92,7 +92,7 @@ def orphans(folder: Path, wanted: Sequence[Path], axes: Sequence[str]) -> Iterat
 
 
 def sensor_sets_in(folder: Path, axis: Axis) -> tuple[tuple[str, ...], ...]:
-    """Sets of sensors of an axis for which there are modules, beyond those that are always generated."""
+    """Sensor sets of an axis for which modules exist, other than those that are always generated."""
     known = {sensor.signal for sensor in axis.sensors}
     found = []
     for path in sorted(folder.glob(f"{axis.name}__*.py")):
@@ -104,7 +104,7 @@ def sensor_sets_in(folder: Path, axis: Axis) -> tuple[tuple[str, ...], ...]:
 
 
 def write(files: Sequence[GeneratedFile]) -> None:
-    """Write the files that are not current, each as a whole or not at all; remove those that nothing declares."""
+    """Write the files that are not current, each atomically; remove those without a required text."""
     for file in files:
         if file.is_current:
             continue
@@ -125,16 +125,16 @@ def load_generated(
     Parameters
     ----------
     axis : str or Axis
-        Name or path of an axis file; an `Axis` object must come with `folder`, or be of a file found by its name.
+        Name or path of an axis file; an `Axis` object needs `folder`, unless its file is found by its name.
     measured : sequence of str, optional
         Signals of the sensors; the first sensor by default.
     folder : Path, optional
-        Folder of the module, if it is not the one that belongs to the axis file.
+        Folder of the module; by default that of the axis file.
 
     Raises
     ------
     GeneratedModuleError
-        If the module is missing, damaged, or does not belong to the declaration as it is now.
+        If the module is missing, damaged, or older than the declaration.
 
     Examples
     --------
@@ -145,12 +145,12 @@ def load_generated(
 
 
 def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> GeneratedModel:
-    """The generated model of an axis; without a current module it is derived and kept in memory.
+    """The generated model of an axis; if no current module exists, it is derived and kept in memory.
 
     Parameters
     ----------
     axis : str or Axis
-        Name or path of an axis file, or a declaration, which need not be in any file.
+        Name or path of an axis file, or a declaration without a file.
     measured : sequence of str, optional
         Signals of the sensors; the first sensor by default.
 
@@ -173,7 +173,7 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
     try:
         return load_generated(axis, signals)
     except SymidError:
-        # sympy is needed only without a module.
+        # sympy is imported only if there is no module.
         from symid.codegen.module import module_text
         from symid.symbolic.pipeline import derive
 
@@ -186,7 +186,7 @@ def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
     """Generated model of a derived one; a generated model is returned as it is."""
     if isinstance(model, GeneratedModel):
         return model
-    # A derived model exists only where sympy is loaded already.
+    # A derived model exists only if sympy is loaded already.
     from symid.codegen.generate import compiled
 
     return compiled(model)
@@ -196,7 +196,7 @@ def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
 class StoredModule:
     """Text of a generated module, which can be sent to another process.
 
-    All but the text are of the declaration as it is now; the command `cure` regenerates the module.
+    Signature, delays and imperfections are those of the present declaration; the command `cure` regenerates the module.
     """
 
     name: str
@@ -241,7 +241,7 @@ def stored_module(
 
 
 def delays_of(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, float]:
-    """Seconds by which sensors are declared to be late, of those that are; negative of forces that act late.
+    """Declared delays in seconds: of late sensors positive, of forces that act late negative.
 
     Examples
     --------
@@ -258,7 +258,7 @@ def delays_of(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, fl
 
 
 def passed_over(axis: Axis) -> tuple[str, ...]:
-    """Kinds of declared imperfections that no regressor holds, and no delay of a signal stands for.
+    """Kinds of declared imperfections that neither a regressor nor a delay of a signal models.
 
     Examples
     --------
@@ -274,11 +274,11 @@ def passed_over(axis: Axis) -> tuple[str, ...]:
 
 
 DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}
-"""Texts of modules that this process has derived, by signature and name of the axis and its sensors."""
+"""Texts of modules derived in this process, by signature and name of the axis, and sensors."""
 
 
 def compile_module(text: str, name: str, cure: str = "generate it again") -> GeneratedModel:
-    """Run the text of a generated module; one that was changed by hand, or is not arithmetic alone, is refused."""
+    """Run the text of a generated module; GeneratedModuleError if it was edited or contains more than arithmetic."""
     namespace: dict[str, object] = {"__name__": name}
     found = _FORMAT.search(text)
     if found and int(found[1]) != FORMAT:

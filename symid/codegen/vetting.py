@@ -1,4 +1,4 @@
-"""Generated modules are run only as they were generated: a hash of their text, and no code but arithmetic of arrays.
+"""Checks of a generated module before it is run: the hash of its text, and that it contains array arithmetic only.
 
 The hash detects edited or damaged modules. It is not a secret: whoever edits a module on purpose can write a new hash.
 Even then only arithmetic runs, because every statement is checked before any is executed.
@@ -62,7 +62,7 @@ def require_vetted(text: str) -> None:
         raise GeneratedModuleError("was changed after it was generated")
     for statement in ast.parse(text).body:
         if fault := _fault(statement):
-            raise GeneratedModuleError(f"holds what no generated module holds (line {fault})")
+            raise GeneratedModuleError(f"contains code that symid does not generate (line {fault})")
 
 
 def _hash(text: str) -> str:
@@ -70,7 +70,7 @@ def _hash(text: str) -> str:
 
 
 def _fault(statement: ast.stmt) -> int | None:
-    """Line of the first part of a top-level statement that a generated module never contains."""
+    """Line of the first part of a top-level statement that symid does not generate."""
     match statement:
         case ast.Import(names=[ast.alias(name="numpy", asname="np")]):
             return None
@@ -131,7 +131,7 @@ def _is_arithmetic(node: ast.AST) -> bool:
 
 
 def _is_small(node: ast.expr) -> bool:
-    """Whether a power is a small number or a name: towers of powers would never end."""
+    """Whether an exponent is a small number or a name: towers of powers would run forever."""
     match node:
         case ast.UnaryOp(operand=operand):
             return _is_small(operand)

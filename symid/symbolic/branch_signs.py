@@ -1,7 +1,7 @@
-"""Solutions of an inverse map that have the declared signs.
+"""Second solutions of an inverse map, and whether they have the declared signs.
 
-A quadratic step of the map has two solutions. Masses, stiffnesses and frictions are positive, and one of the two is
-usually not. To decide, both are evaluated for parameters drawn over the whole range of machine axes.
+A quadratic step of the map has two solutions. Masses, stiffnesses and frictions are positive; the second solution
+usually violates this. To decide, both are evaluated at parameters drawn over the whole range of machine axes.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ import numpy as np
 import sympy as sp
 
 _DRAWS = 400
-_RARE = 0.01
-"""Share of the draws below which a second solution with the right signs is irrelevant in practice."""
+_RARE = (
+    0.01  # share of the draws below which a second solution with the right signs does not matter in practice
+)
 _RANGES: Mapping[str, tuple[float, float]] = {
     "kg": (0.0, 3.5),
     "kg*m^2": (-4.0, 1.0),
@@ -32,10 +33,10 @@ def other_solutions_are_unphysical(
     units: Mapping[str, str],
     signed: Sequence[str],
 ) -> bool:
-    """Whether hardly any machine has a second solution with all parameters of the required signs.
+    """Whether almost no machine has a second solution in which all parameters have the required signs.
 
-    `minimal` holds minimal parameters in the physical ones, `inverse` the physical ones of each solution in the minimal
-    ones; those `signed` may be negative.
+    `minimal` gives the minimal parameters in terms of the physical ones, `inverse` the physical ones of each solution
+    in terms of the minimal ones. Parameters in `signed` may be negative.
     """
     names = list(units)
     generator = np.random.default_rng(0)
@@ -48,12 +49,11 @@ def other_solutions_are_unphysical(
         solve = sp.lambdify(sp.symbols(list(minimal)), [branch[name] for name in known], "numpy")
         with np.errstate(all="ignore"), warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = [np.broadcast_to(np.asarray(x, dtype=complex), _DRAWS) for x in solve(*values)]
-        right = np.ones(_DRAWS, dtype=bool)
-        same = np.ones(_DRAWS, dtype=bool)
-        for name, value in zip(known, found, strict=True):
-            own = truth[names.index(name)]
-            right &= (np.abs(value.imag) < 1e-6 * np.abs(own)) & ((value.real > 0) | (name in signed))
-            same &= np.abs(value - own) < 1e-3 * np.abs(own)
-        seconds += right & ~same
+            solved = [np.broadcast_to(np.asarray(x, dtype=complex), _DRAWS) for x in solve(*values)]
+        admissible, same = np.ones((2, _DRAWS), dtype=bool)
+        for name, value in zip(known, solved, strict=True):
+            true = truth[names.index(name)]
+            admissible &= (np.abs(value.imag) < 1e-6 * np.abs(true)) & ((value.real > 0) | (name in signed))
+            same &= np.abs(value - true) < 1e-3 * np.abs(true)
+        seconds += admissible & ~same
     return bool(np.mean(seconds > 0) < _RARE)

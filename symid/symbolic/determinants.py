@@ -1,8 +1,8 @@
-"""Minors of sparse matrices of polynomials, by expansion without division.
+"""Minors of sparse matrices of polynomials, by Laplace expansion, which needs no division.
 
-A matrix is expanded by the row or column with fewest entries; what falls into blocks is their product, and every minor
-is computed once. The matrix of a chain, a tree or a loop of springs has few different minors, all of them shorter than
-the result, and nothing has to be divided out.
+A matrix is expanded along the row or column with the fewest entries. The determinant of a block-diagonal matrix is the
+product over its blocks, and every minor is computed once. A chain, a tree or a loop of springs has few distinct minors,
+none of them longer than the result.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ C = TypeVar("C", bound=Hashable)
 Places = tuple[int, ...]
 
 MOST_PRODUCTS = 400_000
-"""Most products of terms in the minors of a matrix: three times what a loop of eight springs and dampers takes."""
+"""Largest number of term products for the minors of a matrix: three times what a loop of eight springs and dampers
+takes."""
 
 
 class TooLargeError(Exception):
-    """Polynomials grow beyond the limit of cost."""
+    """Polynomials exceed the limit of cost."""
 
 
 class Minors:
-    """Minors of a matrix, from its non-zero entries by row and column, and the 1 of their ring.
+    """Minors of a matrix, given by its non-zero entries by row and column, and the 1 of their ring.
 
     >>> from sympy import QQ
     >>> from sympy.polys.rings import PolyRing
@@ -40,25 +41,25 @@ class Minors:
         self._left = MOST_PRODUCTS
 
     def of(self, rows: Places, columns: Places) -> Any:
-        """Determinant of some rows and as many columns, both in rising order; TooLargeError with too many terms."""
+        """Determinant of the submatrix of rows and columns in ascending order; TooLargeError beyond `MOST_PRODUCTS`."""
         if (rows, columns) not in self._known:
             self._known[rows, columns] = self._computed(rows, columns)
         return self._known[rows, columns]
 
     def _computed(self, rows: Places, columns: Places) -> Any:
+        # Rows that share no columns form blocks. A block that is not square makes the determinant 0; the others
+        # multiply, with the sign of the permutation that sorts rows and columns into blocks.
         blocks = connected({i: [j for j in columns if (i, j) in self._entries] for i in rows}, columns)
         if any(len(own) != len(theirs) for own, theirs in blocks):
             return self._one * 0
         if len(blocks) == 1:
             return self._expanded(rows, columns)
-        sign = prod(_sign([i for block in blocks for i in block[side]]) for side in (0, 1))
-        value = self._one * sign
+        value = self._one * prod(_sign([i for block in blocks for i in block[side]]) for side in (0, 1))
         for own, theirs in sorted(blocks, key=lambda block: len(block[0])):
             value = self._product(value, self.of(tuple(own), tuple(theirs)))
         return value
 
     def _expanded(self, rows: Places, columns: Places) -> Any:
-        """Sum over the entries of the row or column that has fewest."""
         lines = [[(i, j) for j in columns if (i, j) in self._entries] for i in rows]
         lines += [[(i, j) for i in rows if (i, j) in self._entries] for j in columns]
         total = self._one * 0
@@ -76,7 +77,7 @@ class Minors:
 
 
 def connected(rows: Mapping[K, Collection[C]], columns: Sequence[C]) -> list[tuple[list[K], list[C]]]:
-    """Groups of rows that share columns, with these columns, both in the given order.
+    """Connected groups of rows that share columns, each with its columns, in the given order.
 
     >>> connected({"a": [1], "b": [2], "c": [3, 1]}, [1, 2, 3])
     [(['b'], [2]), (['a', 'c'], [1, 3])]
@@ -92,7 +93,6 @@ def connected(rows: Mapping[K, Collection[C]], columns: Sequence[C]) -> list[tup
     ]
 
 
-def _sign(order: Sequence[int]) -> int:
-    """1 if an even number of exchanges sorts a sequence, else -1."""
-    exchanges = sum(later < earlier for i, earlier in enumerate(order) for later in order[i + 1 :])
-    return -1 if exchanges % 2 else 1
+def _sign(permutation: Sequence[int]) -> int:
+    inversions = sum(later < first for i, first in enumerate(permutation) for later in permutation[i + 1 :])
+    return -1 if inversions % 2 else 1

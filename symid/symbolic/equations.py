@@ -1,7 +1,7 @@
-"""Equations in measured signals: their terms, and how rows of operators are written in flat signal names.
+"""Equations in measured signals: their terms, and the translation of operator rows into flat signal names.
 
-The derivative of a jump, such as that of sign(v), is taken as zero, as the paper does below [11]; every equation
-lists these jumps.
+The derivative of a jump, such as that of sign(v), is set to zero, as in the paper below [11]; every equation lists
+these jumps.
 """
 
 from __future__ import annotations
@@ -42,24 +42,24 @@ class InputOutputEquation:
     # coefficients of the drive forces by order of derivative and signal; empty if no drive enters
     force: Mapping[tuple[int, str], PolyElement]
     multipliers: Mapping[str, PolyElement]  # multiplier of each body's balance
-    # jumps such as ``sign(q2_d1)`` whose derivative the equation lacks: it is invalid where they jump
+    # jumps such as ``sign(q2_d1)`` whose derivative is omitted: the equation does not hold where they jump
     dropped: tuple[sp.Expr, ...] = ()
 
     @property
     def is_linear(self) -> bool:
-        """Whether the coefficients are linear in the physical parameters and the force has numbers for coefficients."""
+        """Whether coefficients are linear in the physical parameters, and those of the force are numbers."""
         linear = all(sum(m) == 1 for t in self.motion for m in t.coefficient.itermonoms())
         return linear and all(c.is_ground for c in self.force.values())
 
     def scaled(self, factor: Any) -> InputOutputEquation:
-        """The equation times a known number."""
+        """The equation times a number of the coefficient field."""
         motion = tuple(replace(t, coefficient=t.coefficient.mul_ground(factor)) for t in self.motion)
         force = {key: c.mul_ground(factor) for key, c in self.force.items()}
         multipliers = {balance: c.mul_ground(factor) for balance, c in self.multipliers.items()}
         return InputOutputEquation(motion, force, multipliers, self.dropped)
 
     def plus(self, other: InputOutputEquation) -> InputOutputEquation:
-        """Sum of this equation and another one."""
+        """Sum of both equations."""
         terms = {t.expression: t for t in self.motion}
         for t in other.motion:
             mine = terms.get(t.expression)
@@ -114,7 +114,11 @@ class SignalWriter:
         terms: dict[sp.Expr, RegressorTerm] = {}
         for entry in self.operators.source.inputs:
             for power, coefficient in sorted(by_power(inputs.get(str(entry.symbol))).items()):
-                expression = self._law_signal(entry, power)
+                if entry.expression.free_symbols:
+                    law = _derivatives(entry.expression, power)[-1]
+                    expression = self._written(law, entry) if law != 0 else law
+                else:
+                    expression = sp.Integer(0) if power else entry.expression
                 if expression == 0:
                     continue
                 expression, factor = self._without_factor(expression)
@@ -125,15 +129,8 @@ class SignalWriter:
                 terms[expression] = RegressorTerm(expression, order, False, total)
         return list(terms.values())
 
-    def _law_signal(self, entry: LawInput, power: int) -> sp.Expr:
-        """The power-th derivative of a law's expression in flat signal names."""
-        if not entry.expression.free_symbols:
-            return sp.Integer(0) if power else entry.expression
-        expression = _derivatives(entry.expression, power)[-1]
-        return self._written(expression, entry) if expression != 0 else expression
-
     def _dropped(self, inputs: Row) -> tuple[sp.Expr, ...]:
-        """Jumps in the laws of an equation that are differentiated in it."""
+        """Jumps that the equation would have to differentiate."""
         dropped: dict[sp.Expr, None] = {}
         for entry in self.operators.source.inputs:
             power = max(by_power(inputs.get(str(entry.symbol))), default=0)
@@ -143,6 +140,7 @@ class SignalWriter:
         return tuple(sorted(dropped, key=str))
 
     def _written(self, expression: sp.Expr, entry: LawInput) -> sp.Expr:
+        """A law, or a derivative of it, in the signals that measure the displacement of its joint."""
         used = {symbol: int(str(symbol)[1:]) for symbol in expression.free_symbols}
         lowest = min(used.values(), default=0)
         functional = self.operators.functional(Kinematics(self.axis).displacement(entry.joint))
@@ -175,7 +173,7 @@ class SignalWriter:
         return written
 
     def _with_plain_jumps(self, expression: sp.Expr) -> sp.Expr:
-        """Jumps in arguments whose first signal has the factor 1 or -1: sign(ratio*v) is sign(v) or -sign(v).
+        """Jumps whose argument has the factor 1 or -1 at its first signal: sign(ratio*v) becomes sign(v) or -sign(v).
 
         Friction on both sides of a gear would otherwise give two columns that are multiples of each other.
         """
@@ -191,7 +189,7 @@ class SignalWriter:
         return expression.xreplace(plain)
 
     def _without_factor(self, expression: sp.Expr) -> tuple[sp.Expr, Any]:
-        """A law's signal without a constant factor, and that factor as an element of the coefficient field."""
+        """A law's signal without its constant factor, and that factor as an element of the coefficient field."""
         field = self.operators.ring.domain
         factor, rest = expression.as_independent(
             *(expression.free_symbols - set(self.constants)), as_Add=False
@@ -203,19 +201,17 @@ class SignalWriter:
     def assumptions(self, equations: Sequence[InputOutputEquation]) -> tuple[str, ...]:
         """Assumptions made in the equations written so far."""
         jumps = dict.fromkeys(jump for e in equations for jump in e.dropped)
-        said = [f"derivatives of {jump} are taken as zero" for jump in jumps]
         written = {symbol for e in equations for term in e.motion for symbol in term.expression.free_symbols}
         used = {split_derivative(str(symbol))[0] for symbol in written}
-        said += [
-            f"{sensor.signal} repeats what the other sensors measure and is not used"
-            for sensor in self.known.repeated
-            if sensor.signal not in used
-        ]
-        return tuple(said)
+        unused = (sensor.signal for sensor in self.known.repeated if sensor.signal not in used)
+        return (
+            *(f"derivatives of {jump} are taken as zero" for jump in jumps),
+            *(f"{signal} repeats what the other sensors measure and is not used" for signal in unused),
+        )
 
 
 def driving_terms(row: EliminationRow, operators: OperatorModel) -> tuple[Row, Row]:
-    """Operators of a combination of balances on the drive forces, by signal, and on the nonlinear laws."""
+    """Coefficients of the drive forces, by signal, and of the nonlinear laws in a combination of balances."""
     force, inputs = dict[str, PolyElement](), dict[str, PolyElement]()
     for balance, multiplier in row.multipliers.items():
         force = add(force, operators.force[balance], multiplier)
@@ -224,7 +220,7 @@ def driving_terms(row: EliminationRow, operators: OperatorModel) -> tuple[Row, R
 
 
 def _derivatives(law: sp.Expr, highest: int) -> list[sp.Expr]:
-    """A law and its time derivatives in displacements u0, u1, ..., each the derivative of the one before."""
+    """A law and its time derivatives, in the displacement u0 and its derivatives u1, u2, ..."""
     displacements = sp.symbols(f"u:{highest + 2}", real=True)
     found = [law.xreplace({sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]})]
     for _ in range(highest):
@@ -233,7 +229,7 @@ def _derivatives(law: sp.Expr, highest: int) -> list[sp.Expr]:
 
 
 def _sees(known: Measurement, columns: Mapping[str, Any], lowest: int) -> bool:
-    """Whether sensors measure a function, given by its columns, as a derivative of at most an order."""
+    """Whether sensors measure a function, given by its columns, or a derivative of it up to an order."""
     return all(c.startswith("y") and known.basis[int(c[1:])].order <= lowest for c in columns)
 
 

@@ -15,7 +15,7 @@ from symid.errors import SymidError
 
 
 class positive(sp.Function):  # type: ignore[misc]  # noqa: N801  sympy has no types; a name of the law language
-    """1 for an argument above 0, else 0; its derivative is taken as zero, as that of sign."""
+    """1 for an argument above 0, else 0; its derivative is set to zero, as that of sign."""
 
     nargs = 1
 
@@ -111,8 +111,7 @@ def is_smooth(expression: sp.Expr) -> bool:
 def time_derivative(expression: sp.Expr, displacement: tuple[sp.Symbol, ...]) -> sp.Expr:
     """Total derivative of an expression in a displacement and its derivatives (`displacement[k]`, real, is the k-th).
 
-    Jumps are not differentiated: the derivatives of sign and positive are taken as zero, as the paper does
-    below its eq. [11].
+    The derivatives of jumps (sign and positive) are set to zero, as in the paper below its eq. [11].
     """
     return sp.Add(
         *(

@@ -1,7 +1,7 @@
-"""The map from physical to minimal parameters at a random point modulo a prime: what holds there holds in general.
+"""The map X(theta) from physical to minimal parameters at a random point theta0, modulo a prime.
 
-A rank shows whether a physical parameter is determined at all; the number of solutions of X(theta) = X(theta0) at the
-point theta0, whether it is determined uniquely.
+What holds at a random point holds in general, with overwhelming probability. The null space of the Jacobian shows which
+parameters are not determined at all; the number of solutions of X(theta) = X(theta0), which are determined uniquely.
 """
 
 from __future__ import annotations
@@ -27,8 +27,7 @@ from symid.symbolic.span import Span
 from symid.symbolic.triangular_systems import MOST_TERMS, TriangularSolution, triangular_solution
 
 _PRIME = 2**31 - 1
-_MOST_UNKNOWNS = 4
-"""Largest number of unknowns for which a Groebner basis is computed; more take too long."""
+_MOST_UNKNOWNS = 4  # unknowns for which a Groebner basis is computed at most; more take too long
 
 
 class GenericPoint:
@@ -48,13 +47,14 @@ class GenericPoint:
         self.rank = self.jacobian.rank()
 
     def undetermined(self) -> set[str]:
-        """Parameters that can change without changing any minimal parameter."""
+        """Parameters that can change while all minimal parameters stay the same."""
         null = self.jacobian.nullspace().to_list()
         return {name for i, name in enumerate(self.names) if any(row[i] for row in null)}
 
     def system(self) -> list[PolyElement]:
-        """Equations X(theta) = X(theta0), undetermined directions held at theta0."""
-        # The solutions form a manifold if parameters are undetermined: each direction is fixed by one without pivot.
+        """Equations X(theta) = X(theta0), with undetermined directions held at theta0."""
+        # If parameters are undetermined, the solutions form a manifold. Fixing the parameters without pivot in the
+        # Jacobian's echelon form fixes one parameter for each of its directions.
         _, pivots = self.jacobian.rref()
         held = {i: self.values[i] for i in range(len(self.names)) if i not in pivots}
         equations = [
@@ -69,10 +69,10 @@ class GenericPoint:
         return triangular_solution(self.system(), len(self.names))
 
     def with_several_values(self) -> tuple[set[str], bool]:
-        """Parameters that take several values among all solutions, and whether these were counted.
+        """Parameters with several values among all solutions, and whether the values were counted.
 
-        Monomial steps leave a core that only a Groebner basis can count; if it is too large, all its
-        unknowns and those that depend on them are suspected.
+        Linear steps with monomial coefficients reduce the system to a core, whose solutions a Groebner basis counts. If
+        the core is too large, all its unknowns, and those that depend on them, are assumed to have several.
         """
         if not self.is_small:
             return set(self.names) - self.undetermined(), False
@@ -91,7 +91,7 @@ class GenericPoint:
         return moved(polynomial, self.ring, self._number, known)
 
     def _number(self, value: Any) -> Any:
-        """A coefficient, which may hold known constants."""
+        """A coefficient, which may contain known constants."""
         if isinstance(value, FracElement):
             point = [(x, self.constants[str(x)]) for x in value.numer.ring.gens]
             above, below = (self._number(part.evaluate(point)) for part in (value.numer, value.denom))
@@ -107,7 +107,7 @@ class GenericPoint:
         return DomainMatrix(rows, (len(rows), len(self.names)), self.field)
 
     def _evaluated(self, polynomial: PolyElement) -> _Evaluated:
-        """Value and gradient of a polynomial at the point: sums over products of residues, which 64 bits hold."""
+        """Value and gradient of a polynomial at the point; products of two residues fit into 64 bits."""
         symbols = list(map(str, polynomial.ring.symbols))
         powers = np.array(polynomial.monoms(), dtype=np.int64).reshape(len(polynomial), len(symbols))
         terms = np.array([int(self._number(c)) for c in polynomial.coeffs()], dtype=np.int64)
@@ -131,9 +131,9 @@ class _Evaluated(NamedTuple):
 def moved(
     polynomial: PolyElement, ring: PolyRing, number: Callable[[Any], Any], known: Mapping[str, Any]
 ) -> PolyElement:
-    """A polynomial in another ring: coefficients by `number`, generators that the ring lacks by known values.
+    """A polynomial in another ring: `number` converts coefficients, `known` gives values of generators it lacks.
 
-    A generator with neither does not occur in it, as s does not in parameters.
+    A generator with neither must not occur, as s does not occur in parameters.
     """
     names, own = list(map(str, polynomial.ring.symbols)), list(map(str, ring.symbols))
     values = [(i, known[name]) for i, name in enumerate(names) if name in known and name not in own]
@@ -147,9 +147,9 @@ def moved(
 
 
 def _count_values(system: Sequence[PolyElement], involved: Sequence[int], ring: PolyRing) -> dict[int, int]:
-    """How many values each unknown takes among the non-zero solutions of a polynomial system.
+    """Number of values of each unknown among the non-zero solutions of a polynomial system.
 
-    A new unknown t with t * (product of the unknowns) = 1 keeps solutions with a zero out. The number of values is
+    An extra unknown t with t * (product of the unknowns) = 1 excludes solutions with a zero. The number of values is
     the degree of the square-free part of the unknown's minimal polynomial modulo the ideal.
     """
     small = PolyRing(("t", *(str(ring.symbols[i]) for i in involved)), ring.domain, grevlex)
@@ -162,6 +162,7 @@ def _count_values(system: Sequence[PolyElement], involved: Sequence[int], ring: 
 
 
 def _number_of_values(unknown: PolyElement, basis: Sequence[PolyElement]) -> int:
+    # The first power of the unknown whose normal form depends on those of lower powers gives its minimal polynomial.
     span, power, degree = Span(), unknown.ring.one, 0
     while span.add(dict(power.terms())):
         power = (power * unknown).rem(list(basis))

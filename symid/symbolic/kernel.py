@@ -1,17 +1,16 @@
 """Minimal bases of the multipliers that eliminate columns from a matrix of polynomials in s.
 
 `left_kernel` gives multipliers l(s) with l(s) A(s) = 0, `divisible` those that also make columns divisible by a
-power of s. Both bases are row-reduced: no other basis multiplies (differentiates) the balances less.
+power of s. Both bases are row-reduced: no other basis has lower degrees, so none differentiates the balances less.
 
-Where one multiplier exists, its entries are minors of the matrix (Cramer's rule). Where there are several, they come
-from the order-basis algorithm (Beckermann and Labahn, SIAM J. Matrix Anal. Appl. 15 (1994) 804; as M-basis in Giorgi,
-Jeannerod and Villard, ISSAC 2003): conditions on the coefficients of s^0, s^1, ... are met one by one, each at the cost
-of one multiplication by s of the row of lowest degree.
+A single multiplier consists of minors of the matrix (Cramer's rule). Several come from the order-basis algorithm
+(Beckermann and Labahn, SIAM J. Matrix Anal. Appl. 15 (1994) 804; M-basis in Giorgi, Jeannerod and Villard, ISSAC 2003):
+conditions on the coefficients of s^0, s^1, ... are met one by one, each by multiplying the row of lowest degree by s.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import gcd, prod
@@ -25,12 +24,12 @@ from symid.symbolic.operators import Row, add, by_power
 from symid.symbolic.polynomials import common_divisor, from_flint, quotient, times, to_flint
 
 MOST_PRODUCTS = 200_000
-"""Most products of terms in one step of an order basis: some seconds, and more than any useful formula needs."""
+"""Largest number of term products in a step of an order basis: some seconds, and more than any useful formula needs."""
 
 
 @dataclass(frozen=True)
 class EliminationRow:
-    """A combination of balances: its multipliers by balance, and the resulting entries by column."""
+    """A combination of balances: multipliers by balance, and the resulting entries by column."""
 
     multipliers: Row
     entries: Row
@@ -38,42 +37,39 @@ class EliminationRow:
     def combine(
         self, factor: PolyElement, other: EliminationRow, other_factor: PolyElement
     ) -> EliminationRow:
-        """factor * self + other_factor * other; TooLargeError beyond a limit of cost."""
-        products = self._products(factor) + other._products(other_factor)
+        """factor * self + other_factor * other; TooLargeError beyond `MOST_PRODUCTS`."""
+        pairs = ((self, factor), (other, other_factor))
+        products = sum(
+            len(by) * len(part)
+            for row, by in pairs
+            for part in (*row.multipliers.values(), *row.entries.values())
+        )
         if products > MOST_PRODUCTS:
             raise TooLargeError(products)
-        mine, theirs = self.scaled(factor), other.scaled(other_factor)
+        mine, theirs = (row.scaled(by) for row, by in pairs)
         return EliminationRow(
             add(mine.multipliers, theirs.multipliers, 1), add(mine.entries, theirs.entries, 1)
         )
 
-    def _products(self, factor: PolyElement) -> int:
-        """Products of terms in its product with a factor."""
-        return len(factor) * sum(map(len, (*self.multipliers.values(), *self.entries.values())))
-
     def scaled(self, factor: PolyElement) -> EliminationRow:
         """The row multiplied by a polynomial."""
-        return EliminationRow(
-            {k: times(v, factor) for k, v in self.multipliers.items()},
-            {k: times(v, factor) for k, v in self.entries.items()},
-        )
+        return self._with_all(times, factor)
 
     def divided(self, divisor: PolyElement) -> EliminationRow:
-        """The row with multipliers and entries divided by a common factor."""
-        return EliminationRow(
-            {k: quotient(v, divisor) for k, v in self.multipliers.items()},
-            {k: quotient(v, divisor) for k, v in self.entries.items()},
-        )
+        """The row divided by a common factor of its multipliers and entries."""
+        return self._with_all(quotient, divisor)
+
+    def _with_all(
+        self, operation: Callable[[PolyElement, PolyElement], PolyElement], operand: PolyElement
+    ) -> EliminationRow:
+        parts = (self.multipliers, self.entries)
+        return EliminationRow(*({k: operation(v, operand) for k, v in part.items()} for part in parts))
 
     @property
     def is_linear(self) -> bool:
         """Whether the entries are linear in the physical parameters, and the multipliers free of them."""
-        free = all(
-            not any(monomial[1:]) for part in self.multipliers.values() for monomial in part.itermonoms()
-        )
-        return free and all(
-            sum(monomial[1:]) == 1 for part in self.entries.values() for monomial in part.itermonoms()
-        )
+        free = not any(any(m[1:]) for part in self.multipliers.values() for m in part.itermonoms())
+        return free and all(sum(m[1:]) == 1 for part in self.entries.values() for m in part.itermonoms())
 
     @property
     def degree(self) -> int:
@@ -84,26 +80,31 @@ class EliminationRow:
 def left_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing) -> list[EliminationRow]:
     """Minimal basis of the combinations of rows in which unknown columns vanish.
 
-    There are as many as rows more than unknown columns. The first generator of the ring of the entries is s.
+    It has one member for each row in excess of the unknown columns. The first generator of the ring is s.
     """
     start = {name: EliminationRow({name: ring.one}, dict(row)) for name, row in rows.items()}
     basis: list[EliminationRow] = []
+    # Groups of rows that share unknown columns are independent problems.
     for names, columns in connected(
         {name: [c for c in row if c in unknown] for name, row in rows.items()}, unknown
     ):
         block = {name: start[name] for name in names}
         surplus = len(names) - len(columns)
         if surplus < 0:
-            raise EliminationError(
-                f"the motion of {', '.join(columns)} is not determined by the sensors: add a sensor there"
-            )
+            raise _undetermined(columns)
         if not columns:
             basis += block.values()
         elif surplus == 1:
-            basis.append(_last_row(block, columns, ring))
+            basis.append(_single_row(block, columns, ring))
         elif surplus > 1:
             basis += _order_basis(list(block.values()), columns, ring, surplus)
     return basis
+
+
+def _undetermined(columns: Sequence[str]) -> EliminationError:
+    return EliminationError(
+        f"the sensors do not determine the motion of {', '.join(columns)}: add a sensor there"
+    )
 
 
 def divisible(rows: Sequence[EliminationRow], powers: Mapping[str, int]) -> list[EliminationRow]:
@@ -115,19 +116,19 @@ def divisible(rows: Sequence[EliminationRow], powers: Mapping[str, int]) -> list
     return basis
 
 
-def _last_row(block: Mapping[str, EliminationRow], columns: Sequence[str], ring: PolyRing) -> EliminationRow:
-    """The one combination of n + 1 rows that is free of n columns: its multipliers are the minors of n rows."""
-    # Cramer's rule: minors with alternating signs are multipliers with which all n columns cancel; divided by their
-    # common factor they are those of lowest degree.
+def _single_row(
+    block: Mapping[str, EliminationRow], columns: Sequence[str], ring: PolyRing
+) -> EliminationRow:
+    """The only combination of n + 1 rows that is free of n columns."""
+    # Cramer's rule: with the n-row minors as multipliers, of alternating sign, all n columns cancel. Divided by their
+    # common factor, these multipliers have the lowest degree.
     rows = [to_flint(row.entries) for row in block.values()]
     entries = {(i, j): row[c] for i, row in enumerate(rows) for j, c in enumerate(columns) if c in row}
     one = to_flint({"": ring.one})[""]
     minors, places = Minors(entries, one), tuple(range(len(rows)))
     found = [minors.of(places[:i] + places[i + 1 :], places[:-1]) * (-1) ** i for i in places]
     if not any(found):
-        raise EliminationError(
-            f"the motion of {', '.join(columns)} is not determined by the sensors: add a sensor there"
-        )
+        raise _undetermined(columns)
     common = reduce(lambda common, part: common.gcd(part), sorted(found, key=len))
     found = [minor / common for minor in found]
     shown = dict.fromkeys(c for row in rows for c in row if c not in columns)
@@ -142,7 +143,7 @@ def _order_basis(
 ) -> list[EliminationRow]:
     """Minimal kernel basis where several combinations are free of the columns."""
     # Invariant: the rows are a minimal basis of all combinations whose columns are divisible by s**exponent. Degrees
-    # are bounded, so once exponent exceeds them a row that meets the conditions must vanish in the columns altogether.
+    # are bounded: once the exponent exceeds them, the columns of a row that meets the conditions must be zero.
     basis = rows
     exponent = 0
     while True:
@@ -155,13 +156,13 @@ def _order_basis(
 
 
 def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> list[EliminationRow]:
-    """Make the coefficient of s**exponent in a column vanish, raising one row's degree by one."""
+    """Make the coefficient of s**exponent in a column vanish, at the cost of one degree of one row."""
     found = (by_power(row.entries.get(column)).get(exponent) for row in rows)
     residuals = {i: residual for i, residual in enumerate(found) if residual is not None}
     if not residuals:
         return rows
-    # The row of lowest degree clears the coefficient in the others, which keeps their degrees, and is then multiplied
-    # by s itself. Only the lowest degree rises, so the basis stays row-reduced: no other basis has lower degrees.
+    # The row of lowest degree clears the coefficient in the others, whose degrees do not change, and is then itself
+    # multiplied by s. Only the lowest degree rises, so the basis remains row-reduced.
     pivot = min(
         residuals,
         key=lambda i: (rows[i].degree, len(residuals[i]), sum(map(len, rows[i].multipliers.values()))),
@@ -178,10 +179,10 @@ def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> l
 
 
 def primitive(row: EliminationRow, ring: PolyRing, *, keep_powers_of_s: bool = False) -> EliminationRow:
-    """Divide a row by the greatest common factor of its multipliers, which divides its entries too.
+    """Divide a row by the greatest common factor of its multipliers, which also divides its entries.
 
-    Powers of s are kept while conditions on the coefficients of powers of s are being met: to divide by them would
-    undo those that the row meets already.
+    Powers of s are kept while conditions on coefficients of powers of s are being met: dividing by them would undo
+    the conditions that the row already meets.
     """
     parts = sorted(row.multipliers.values(), key=len)
     if _have_no_common_factor(parts, ring):
@@ -197,10 +198,10 @@ def primitive(row: EliminationRow, ring: PolyRing, *, keep_powers_of_s: bool = F
 
 
 def _have_no_common_factor(parts: Sequence[PolyElement], ring: PolyRing) -> bool:
-    """Whether the values at a point of large random integers prove the absence of a common factor.
+    """Whether values at a point of large random integers prove the absence of a common factor.
 
-    A common factor would take a huge value at such a point and divide every value. The greatest common divisor of
-    polynomials with thousands of terms takes seconds, that of a few integers no time. False means undecided.
+    A common factor would have a huge value there, which divides every value. The greatest common divisor of polynomials
+    with thousands of terms takes seconds; that of a few integers takes no time. False means undecided.
     """
     if not ring.domain.is_QQ:
         return False

@@ -1,8 +1,8 @@
 """Lagrange's equations of a declared axis.
 
-Coordinates are those of the declaration: the displacement of each body relative to the body it is on.
-Signal values of nonlinear laws stand in the equations as inputs (`LawInput`), so that the equations are
-polynomial in the parameters and linear in everything else; `InverseDynamicModel.equations` shows them written out.
+Coordinates are those of the declaration: the displacement of each body relative to the body it is on. The values of
+nonlinear laws are inputs of the equations (`LawInput`), which are then polynomial in the parameters and linear in
+everything else. `InverseDynamicModel.equations` writes the laws out.
 """
 
 from __future__ import annotations
@@ -36,15 +36,12 @@ ONE_INPUT = sp.Symbol("input_one")
 
 @dataclass(frozen=True)
 class LawInput:
-    """The value of a nonlinear law in a joint, an input of the otherwise linear equations.
+    """The value of a nonlinear law in a joint, an input of the otherwise linear equations."""
 
-    `symbol` stands for it there; `expression` is in q and v of the joint, `element` its name in messages.
-    """
-
-    symbol: sp.Symbol
-    expression: sp.Expr
+    symbol: sp.Symbol  # the value in the equations
+    expression: sp.Expr  # in q and v of the joint
     joint: Joint
-    element: str
+    element: str  # name of the law in messages
 
 
 @dataclass(frozen=True)
@@ -52,15 +49,14 @@ class InverseDynamicModel:
     """Lagrange's equations d/dt dT/dq(1) - dT/dq + dV/dq + dD/dq(1) - Q = 0, one for each free body."""
 
     axis: Axis  # the declaration
-    constants: Mapping[str, float]  # known numbers that stand in the equations as symbols: ratios and gravity
-    # parameters that are known and not 0, which stand in the equations as symbols too
-    known: Mapping[str, float]
+    constants: Mapping[str, float]  # ratios and gravity, which the equations hold as symbols
+    known: Mapping[str, float]  # known parameters other than 0, which the equations hold as symbols
     balances: tuple[sp.Expr, ...]  # left-hand sides, with the values of nonlinear laws as symbols
     inputs: tuple[LawInput, ...]  # these symbols with the expressions they represent
 
     @property
     def numbers(self) -> dict[str, float]:
-        """All symbols of the equations that stand for known numbers."""
+        """All known numbers that the equations hold as symbols."""
         return {**self.constants, **self.known}
 
     @property
@@ -97,11 +93,11 @@ class Kinematics:
         return sp.Symbol(derivative_name(self.coordinates[body], order))
 
     def parameter(self, name: str) -> sp.Expr:
-        """Symbol of a physical parameter; 0 if it is known to be that."""
+        """Symbol of a physical parameter; 0 if the parameter is known to be 0."""
         return sp.Integer(0) if name in self._absent else parameter_symbol(name)
 
     def constant(self, name: str, value: float) -> sp.Expr:
-        """Exact number if it is whole, else a symbol that stands for it."""
+        """Exact number if it is an integer, else a symbol for it."""
         if float(value).is_integer():
             return sp.Integer(int(value))
         # Other ratios between the same bodies have names of their own, the same in every process.
@@ -120,7 +116,7 @@ class Kinematics:
         return sp.expand(sp.Add(*(ratio * self.displacement(body) for ratio, body in ratios)))
 
     def absolute(self, body: Body | Ground) -> sp.Expr:
-        """Displacement of a body against the ground; a turning body on a sliding one turns by its own coordinate."""
+        """Displacement of a body relative to the ground; on a sliding body, a turning one turns by its coordinate."""
         if isinstance(body, Ground):
             return sp.Integer(0)
         carried = isinstance(body.on, Body) and body.on.turns == body.turns
@@ -200,13 +196,11 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
 
 
 def _quadratic(axis: Axis, kinematics: Kinematics, quantity: Literal["q", "v"]) -> sp.Expr:
-    """Energy of the forces linear in displacement, or Rayleigh's function of those linear in velocity."""
+    """Potential energy of forces linear in displacement ("q"), or Rayleigh's dissipation function ("v")."""
     forces: list[tuple[str, Joint]] = []
     for element in axis.elements:
         if isinstance(element, Law):
-            forces += [
-                (term.parameter, element.at) for term in element.terms() if term.expression == quantity
-            ]
+            forces += [(t.parameter, element.at) for t in element.terms() if t.expression == quantity]
         elif quantity == "q" and isinstance(element, Spring):
             forces.append((element.named("stiffness"), element.at))
         elif quantity == "v" and isinstance(element, (Spring, Damper)) and element.damping is not None:
@@ -217,7 +211,7 @@ def _quadratic(axis: Axis, kinematics: Kinematics, quantity: Literal["q", "v"]) 
 
 
 def _weights(axis: Axis, kinematics: Kinematics) -> sp.Expr:
-    """Energy of weights of constant force. Pendulum weights are inputs: sin q is not linear."""
+    """Potential energy of constant weights. Those of pendulums are inputs, since sin q is not linear."""
     energy = sp.Integer(0)
     for element in axis.elements:
         if isinstance(element, Weight):
@@ -228,7 +222,7 @@ def _weights(axis: Axis, kinematics: Kinematics) -> sp.Expr:
 
 
 def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, ...], sp.Expr]:
-    """Nonlinear laws as inputs; the power of the drives and of the laws, whose derivative by a velocity is a force."""
+    """Nonlinear laws as inputs, and the power of drives and laws, whose derivative by a velocity is a force."""
     inputs: dict[tuple[sp.Expr, sp.Expr], LawInput] = {}
     power = sp.Integer(0)
     for drive in axis.drives:

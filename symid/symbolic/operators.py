@@ -1,8 +1,8 @@
 """Equations of motion as a matrix of polynomials in s = d/dt, in absolute coordinates.
 
-In absolute coordinates each row is the balance of one free body, and a spring joins two bodies only: the
-matrix is as sparse as the axis itself, so elimination is fast (a chain becomes a three-term recursion). The
-paper's [17] follows directly: the second of its equations is the balance of the structure alone.
+In absolute coordinates each row is the force balance of one free body, and a spring joins two bodies only. The matrix
+is as sparse as the axis, so elimination is fast (a chain becomes a three-term recursion). The paper's [17] follows
+directly: its second equation is the balance of the structure alone.
 """
 
 from __future__ import annotations
@@ -27,15 +27,14 @@ Row = dict[str, PolyElement]
 class OperatorModel:
     """sum_b A[i, b](s) x_b + sum_w N[i, w] w + sum_k B[i, k] F_k = 0 for the balance of each free body i."""
 
-    source: InverseDynamicModel  # where the equations come from
-    # polynomials in s (first generator) and the physical parameters, unknown and known; known constants are in
-    # the coefficient field
-    ring: PolyRing
-    motion: Mapping[str, Row]  # operators on the absolute displacements, by body and body
-    inputs: Mapping[str, Row]  # coefficients of the nonlinear laws, by body and input symbol
-    force: Mapping[str, Row]  # coefficients of the drive forces, by body and signal
-    # constants that are numbers in the coefficients
-    numbers: Mapping[sp.Symbol, sp.Rational] = field(default_factory=dict)
+    source: InverseDynamicModel  # Lagrange's equations
+    ring: (
+        PolyRing  # in s, the first generator, and the physical parameters, over the field of known constants
+    )
+    motion: Mapping[str, Row]  # operators on the absolute displacements, by balance and body
+    inputs: Mapping[str, Row]  # coefficients of the nonlinear laws, by balance and input symbol
+    force: Mapping[str, Row]  # coefficients of the drive forces, by balance and signal
+    numbers: Mapping[sp.Symbol, sp.Rational] = field(default_factory=dict)  # constants held as numbers
 
     def element(self, expression: sp.Expr) -> Any:
         """A known number, or an expression of ratios, as an element of the coefficient field."""
@@ -55,7 +54,7 @@ class OperatorModel:
 def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> OperatorModel:
     """Balances of the free bodies as operator rows in absolute coordinates x = T q: T^-T times Lagrange's equations.
 
-    Constants among `numbers` stand in the coefficients as numbers, not as symbols.
+    The coefficients hold constants in `numbers` as numbers, not as symbols.
     """
     axis, carrier_of = model.axis, carriers(model.axis)
     values = {sp.Symbol(name): exact(model.constants[name]) for name in numbers}
@@ -70,6 +69,7 @@ def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> O
     motion: dict[str, Row] = {}
     inputs: dict[str, Row] = {}
     force: dict[str, Row] = {}
+    # Lagrange's equation of a body contains the forces on what it carries; subtracting those leaves its own balance.
     for body in carrier_of:
         balance = lagrange[body]
         for carried in (child for child, carrier in carrier_of.items() if carrier == body):
@@ -105,12 +105,12 @@ def by_power(entry: PolyElement | None) -> dict[int, PolyElement]:
 
 
 def carriers(axis: Axis) -> dict[str, str | None]:
-    """For each free body the free body that carries it, if its displacement adds to that body's."""
+    """For each free body, the free body that carries it if their displacements add up, else None."""
     return {body.name: body.carrier.name if body.carrier else None for body in axis.free_bodies}
 
 
 def relative_to_absolute(relative: Mapping[str, Any], carrier_of: Mapping[str, str | None]) -> dict[str, Any]:
-    """Coefficients of relative coordinates as those of absolute ones: q_b = x_b - x_carrier."""
+    """Coefficients of absolute coordinates from those of relative ones: q_b = x_b - x_carrier."""
     absolute: dict[str, Any] = {}
     for body, coefficient in relative.items():
         absolute = add(absolute, {body: coefficient}, 1)

@@ -1,4 +1,4 @@
-"""Rational functions of the physical parameters, of which minimal parameters are made."""
+"""Rational functions of the physical parameters, such as the minimal parameters."""
 
 from __future__ import annotations
 
@@ -15,20 +15,19 @@ from sympy.polys.rings import PolyElement
 from symid.symbolic.polynomials import quotient_if_whole
 from symid.units import Unit
 
-_LONG = 200
-"""Terms from which on a function is not written by sympy."""
+_LONG = 200  # terms beyond which a function is not printed by sympy
 
 
 @dataclass(frozen=True)
 class ParameterFunction:
-    """A rational function of the physical parameters in the ring of the operator model, reduced by common monomials."""
+    """A rational function of the physical parameters in the ring of the operator model, without common monomials."""
 
     numerator: PolyElement
     denominator: PolyElement
 
     @classmethod
     def quotient(cls, numerator: PolyElement, denominator: PolyElement) -> ParameterFunction:
-        """numerator / denominator in lowest terms, as far as monomials and exact division go."""
+        """numerator / denominator, reduced as far as exact division and common monomials allow."""
         ring = numerator.ring
         if not denominator.is_term and len(numerator) >= len(denominator):
             whole = quotient_if_whole(numerator, denominator)
@@ -45,7 +44,7 @@ class ParameterFunction:
 
     @cached_property
     def monomials(self) -> dict[Any, Any]:
-        """Vector of its monomials; functions with the same polynomial denominator share a space."""
+        """Coordinates by monomial; functions with the same polynomial denominator share a space."""
         if self.denominator.is_term:
             ((powers, scale),) = self.denominator.terms()
             below = ""
@@ -57,7 +56,7 @@ class ParameterFunction:
         return {(below, tuple(map(sub, m, powers))): c / scale for m, c in self.numerator.terms()}
 
     def coordinates(self, known: Mapping[int, Any]) -> dict[Any, Any]:
-        """Vector of its monomials in the unknown parameters; `known` gives generators their values."""
+        """Coordinates by monomial in the unknown parameters; `known` holds the values of known generators."""
         if not known:
             return self.monomials
         total: dict[Any, Any] = {}
@@ -80,7 +79,7 @@ class ParameterFunction:
 
     @cached_property
     def expression(self) -> sp.Expr:
-        """As a sum of fractions, each over the monomial that is left below it."""
+        """Sum of fractions with monomials as denominators."""
         ring = self.numerator.ring
         if not self.denominator.is_term:
             return self.numerator.as_expr() / self.denominator.as_expr()
@@ -92,7 +91,7 @@ class ParameterFunction:
         return sp.Add(*(sp.Add(*terms) / below for below, terms in fractions.items()))
 
     def __str__(self) -> str:
-        """Its expression; a long one term by term, which sympy would take minutes to sort."""
+        """The expression. A long one is written term by term, since sympy would take minutes to sort it."""
         if len(self.numerator) <= _LONG or not self.denominator.is_term:
             return str(self.expression)
         names, field = list(map(str, self.numerator.ring.symbols)), self.numerator.ring.domain
@@ -103,7 +102,7 @@ class ParameterFunction:
         return " + ".join(written)
 
     def unit(self, units: dict[str, Unit]) -> Unit:
-        """Unit, given those of the physical parameters."""
+        """Unit, from those of the physical parameters."""
         total = Unit()
         names = [str(symbol) for symbol in self.numerator.ring.symbols[1:]]
         for sign, part in ((1, self.numerator), (-1, self.denominator)):
@@ -113,5 +112,4 @@ class ParameterFunction:
 
 
 def _over_monomial(polynomial: PolyElement, powers: tuple[int, ...], scale: Any) -> PolyElement:
-    """scale * polynomial / monomial."""
     return polynomial.new({tuple(map(sub, m, powers)): c * scale for m, c in polynomial.items()})

@@ -1,9 +1,8 @@
-"""Maps between minimal and physical parameters, and what the sensors determine of the latter.
+"""Maps between minimal and physical parameters, and the identifiability of the physical ones.
 
-The forward map X(theta) is part of the minimal model. Here it is inverted in closed form where one unknown after
-the other can be solved for (paper below [41]), with all branches, and the identifiability of each physical parameter
-is decided: a rank shows whether it is determined at all, and the number of solutions of X(theta) = X(theta0) at
-a random point theta0 whether it is determined uniquely. Both are exact calculations modulo a prime.
+The forward map X(theta) is part of the minimal model. It is inverted in closed form, with all branches, where one
+unknown after the other can be solved for (paper below [41]). `GenericPoint` decides for each physical parameter whether
+the sensors determine it, and whether uniquely.
 """
 
 from __future__ import annotations
@@ -35,15 +34,15 @@ class ParameterMap:
     solution: TriangularSolution | None  # closed form of the inverse map, None if there is none
     # physical parameters in terms of the minimal ones, one mapping for each branch; empty without closed form
     inverse: tuple[Mapping[str, sp.Expr], ...]
-    # whether the sensors determine each physical parameter; of solutions in closed form only those count that
-    # have the declared signs
+    # number of values of each physical parameter; closed-form solutions count only with the declared signs
     identifiability: Mapping[str, Identifiability]
-    # determined functions of the parameters that are not determined themselves
-    combinations: tuple[ParameterFunction, ...]
-    # how many more minimal than physical parameters are determined: relations that a right model satisfies
-    relations: int
-    # whether the solutions were counted; if not, "several" means: determined locally, number of solutions unknown
-    counted: bool
+    combinations: tuple[ParameterFunction, ...]  # determined functions of undetermined parameters
+    relations: (
+        int  # excess of minimal over determined physical parameters: relations that a correct model satisfies
+    )
+    counted: (
+        bool  # whether solutions were counted; otherwise "several" means determined locally, number unknown
+    )
 
     @cached_property
     def minimal(self) -> dict[str, sp.Expr]:
@@ -51,7 +50,7 @@ class ParameterMap:
         return {name: function.expression for name, function in self.functions.items()}
 
     def __str__(self) -> str:
-        """Minimal parameters, the first solution of the inverse map, and what is determined."""
+        """Minimal parameters, the first solution of the inverse map, and the identifiability."""
         lines = [f"{name} = {function}" for name, function in self.functions.items()]
         lines += [
             f"{name} = {expression}" for branch in self.inverse[:1] for name, expression in branch.items()
@@ -98,16 +97,16 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
 
 
 def inverse_map(model: MinimalModel) -> TriangularSolution | None:
-    """Closed form of the inverse map; its polynomials are over the field of the minimal parameters.
+    """Closed form of the inverse map, in polynomials over the field of the minimal parameters.
 
-    None if parameters are not determined, or not in closed form. Parameters without effect on signals are left out.
+    None if there is no closed form, or parameters are not determined. Parameters without effect on signals are omitted.
     """
     if any(len(parameter.function.numerator) > MOST_TERMS for parameter in model.parameters):
         return None
     names = list(model.source.source.axis.physical_parameters)
     constants = list(model.source.source.numbers)
-    # The steps are tried at a random point modulo a prime, where numbers stay small: with symbols, an attempt that
-    # leads nowhere may take minutes. A step that does not exist there does not exist in general.
+    # The steps are first tried at a random point modulo a prime, where numbers remain small: with symbols, a failing
+    # attempt may take minutes. A step that does not exist there does not exist in general.
     trial = GenericPoint(model)
     seen = set().union(*(p.function.names for p in model.parameters)).intersection(names)
     if trial.undetermined() & seen or not _solves(trial.triangular(), names, seen):
@@ -130,10 +129,10 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
 
 
 def _solves(solution: TriangularSolution, names: Sequence[str], wanted: set[str]) -> bool:
-    """Whether all parameters wanted were solved for.
+    """Whether exactly the wanted parameters were solved for.
 
-    Where numerator and denominator of a minimal parameter vanish together, its equation holds whatever the rest is:
-    such a false solution leaves parameters open.
+    If numerator and denominator of a minimal parameter vanish together, its equation holds for any values of the other
+    parameters; such a spurious solution leaves parameters open.
     """
     return not solution.left and {names[step.unknown] for step in solution.steps} == wanted
 
@@ -142,7 +141,9 @@ def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[s
     """Explicit expressions in the minimal parameters for each branch."""
     names = list(model.source.source.axis.physical_parameters)
     values: dict[sp.Symbol, sp.Expr] = {}
-    roots: dict[sp.Symbol, sp.Expr] = {}  # kept apart: to factor square roots takes minutes
+    roots: dict[
+        sp.Symbol, sp.Expr
+    ] = {}  # kept separate: factoring expressions with square roots takes minutes
     signs: list[sp.Symbol] = []
     for step in reversed(solution.steps):
         parts = [part.as_expr().xreplace(values) for part in step.coefficients]

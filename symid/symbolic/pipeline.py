@@ -1,4 +1,4 @@
-"""The symbolic steps, from a declared axis to its minimal model and parameter map."""
+"""The symbolic pipeline: from a declared axis to its minimal model and parameter map."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class DerivedModel(Shown):
         return f"{self.axis.name} from {', '.join(self.measured)}: {len(self.minimal.parameters)} minimal parameters"
 
     def __str__(self) -> str:
-        """The minimal model, one equation a line."""
+        """The minimal model, one equation per line."""
         heading = f"{self.axis.name} from {', '.join(self.measured)}"
         return "\n".join([heading, *(f"    {equation}" for equation in self.minimal.written)])
 
@@ -61,12 +61,12 @@ def derive(axis: Axis, measured: Sequence[str] | None = None) -> DerivedModel:
     axis : Axis
         The declared axis.
     measured : sequence of str, optional
-        Signals of the sensors to use; those required by default, for one drive the first sensor.
+        Signals of the sensors to use; by default the required ones, which for one drive is the first sensor.
 
     Raises
     ------
     EliminationError
-        If the sensors do not allow it; the message names the element and the sensor that would help.
+        If the sensors do not suffice; the message names the element and a sensor that would help.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Products, quotients and common divisors of polynomials with many terms, by FLINT.
 
-sympy's own are written in Python: a product of a thousand by a thousand terms takes seconds there, a common divisor
-minutes. Both use the same number types, so a conversion costs one copy of the terms.
+sympy computes these in Python: a product of a thousand by a thousand terms takes seconds, a common divisor minutes.
+FLINT uses the same number types, so a conversion costs one copy of the terms.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ from flint.utils.flint_exceptions import DomainError
 from sympy import QQ
 from sympy.polys.rings import PolyElement, PolyRing
 
-_WORTH_A_COPY = 500
-"""Products of terms from which FLINT is faster, copies included."""
+_WORTH_A_COPY = 500  # term products from which on FLINT is faster, copies included
 
 
 def times(first: PolyElement, second: PolyElement) -> PolyElement:
@@ -34,7 +33,7 @@ def times(first: PolyElement, second: PolyElement) -> PolyElement:
 
 
 def quotient(polynomial: PolyElement, divisor: PolyElement) -> PolyElement:
-    """Quotient of a polynomial by one that divides it.
+    """Quotient of a polynomial by a divisor of it.
 
     >>> ring = PolyRing(("x", "y"), QQ)
     >>> x, y = ring.gens
@@ -47,7 +46,7 @@ def quotient(polynomial: PolyElement, divisor: PolyElement) -> PolyElement:
 
 
 def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElement | None:
-    """Quotient of a polynomial by another, None where that does not divide it.
+    """Quotient of two polynomials; None if the division leaves a remainder.
 
     >>> x, y = PolyRing(("x", "y"), QQ).gens
     >>> quotient_if_whole(x * y + x, y + 1), quotient_if_whole(x, y + 1)
@@ -70,7 +69,7 @@ def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElem
 
 
 def common_divisor(polynomials: Sequence[PolyElement]) -> PolyElement:
-    """Greatest common divisor of some polynomials, at least one.
+    """Greatest common divisor of one or more polynomials.
 
     >>> ring = PolyRing(("x", "y"), QQ)
     >>> x, y = ring.gens
@@ -92,12 +91,12 @@ def common_divisor(polynomials: Sequence[PolyElement]) -> PolyElement:
 
 
 def to_flint(polynomials: Mapping[str, PolyElement]) -> dict[str, Any]:
-    """Copies of polynomials that FLINT calculates with."""
+    """FLINT's copies of polynomials."""
     return {name: _copy(polynomial) for name, polynomial in polynomials.items()}
 
 
 def from_flint(polynomials: Mapping[str, Any], ring: PolyRing) -> dict[str, PolyElement]:
-    """Elements of a ring again, without those that are zero."""
+    """Elements of a ring from FLINT's copies, without zeros."""
     return {name: _back(polynomial, ring) for name, polynomial in polynomials.items() if polynomial != 0}
 
 

@@ -1,10 +1,10 @@
-"""Ratios of gears as units of coordinates: elimination without them.
+"""Removal of gear ratios before elimination, by a choice of units.
 
-A ratio r that stands between two displacements can be made 1: measured in other units, x = r^k x', balances times
-powers of r and parameters p = r^w p' hold no r. Where all coefficients are numbers times powers of ratios, exponents
-solve a linear system, which has a solution for every tree of gears and springs. Elimination is
-fast with polynomials over the numbers. Ratios in a loop, and in sums such as 1 + r, cannot be taken out; they become
-numbers.
+A ratio r between two displacements disappears if displacements are measured in other units, x = r^k x', balances are
+multiplied by powers of r, and parameters are scaled as p = r^w p'. If all coefficients are numbers times powers of
+ratios, the exponents solve a linear system, which has a solution for every tree of gears and springs. Elimination is
+then fast, since polynomials have numbers for coefficients. Ratios in a loop of gears, and in sums such as 1 + r, cannot
+be removed and are replaced by numbers.
 """
 
 from __future__ import annotations
@@ -25,37 +25,36 @@ from symid.symbolic.kernel import EliminationRow
 from symid.symbolic.operators import OperatorModel, Row, add
 
 Exponents = tuple[int, ...]
-"""Of the ratios of a coefficient field, in their order."""
+"""Exponents of the ratios of a coefficient field, in their order."""
 
 
 @dataclass(frozen=True)
 class Scaling:
-    """Powers of the ratios by which balances, columns and parameters are multiplied."""
+    """Powers of the ratios by which balances, columns and parameters are multiplied, by name."""
 
-    # balances, columns, parameters: by name; parameter p is the power of the ratios times that of the scaled axis
     balances: Mapping[str, Exponents]
     columns: Mapping[str, Exponents]
-    parameters: Mapping[str, Exponents]
+    parameters: Mapping[str, Exponents]  # a parameter is this power times that of the scaled axis
     plain: PolyRing  # ring of the scaled axis, over the numbers
     ring: PolyRing  # ring of the axis
 
     def scaled(self, row: Row) -> Row:
-        """A row of the scaled axis."""
+        """The row of the scaled axis for one of the axis."""
         return {
             column: self.plain.from_dict({m: term_of(c)[0] for m, c in entry.terms()})
             for column, entry in row.items()
         }
 
     def operators(self, operators: OperatorModel, rows: Mapping[str, Row]) -> OperatorModel:
-        """Forces and laws of the scaled axis; its motion is left out."""
+        """Forces and laws of the scaled axis; its motion is omitted."""
         inputs = {b: self.scaled(row) for b, row in _split_inputs(operators, rows).items()}
         force = {balance: self.scaled(row) for balance, row in operators.force.items()}
         return replace(operators, ring=self.plain, motion={}, inputs=inputs, force=force)
 
     def restored(self, row: EliminationRow, ring: PolyRing, constants: Mapping[str, float]) -> EliminationRow:
-        """A combination of balances of the axis for one of the scaled axis; its first multiplier begins with 1.
+        """The combination of balances of the axis for one of the scaled axis; the first multiplier starts with 1.
 
-        In the coefficients of the ring of the axis, ratios are symbols or numbers; `constants` holds their values.
+        The coefficients of `ring` hold ratios as symbols or numbers; `constants` gives their values.
         """
         powers = _Powers(self.ring.domain.symbols, ring, constants)
         multipliers = {
@@ -78,7 +77,7 @@ class Scaling:
     ) -> PolyElement:
         """A polynomial in the parameters of the axis, times a power of the ratios."""
         own = [self.parameters[str(symbol)] for symbol in self.ring.symbols[1:]]
-        # exponents of all ratios in one number, which finds terms of equal exponents quickly
+        # The exponents of all ratios are packed into one integer, by which terms of equal exponents are found quickly.
         packed = [0, *(sum(w << 20 * k for k, w in enumerate(weights)) for weights in own)]
         exponents: dict[int, Exponents] = {}
         terms = {}
@@ -92,7 +91,7 @@ class Scaling:
 
 
 class _Powers:
-    """Products of powers of ratios as elements of a coefficient field, each made once."""
+    """Products of powers of ratios as elements of a coefficient field, each computed once."""
 
     def __init__(self, symbols: Sequence[Any], ring: PolyRing, constants: Mapping[str, float]) -> None:
         self.field = ring.domain
@@ -106,7 +105,7 @@ class _Powers:
         self._known: dict[Exponents, Any] = {}
 
     def times(self, number: Any, exponents: Exponents) -> Any:
-        """A number times the ratios to the power of the exponents."""
+        """A number times the ratios, each to its exponent."""
         if exponents not in self._known:
             factors = (base**n for base, n in zip(self._bases, exponents, strict=True) if n)
             self._known[exponents] = prod(factors, start=self.field.one)
@@ -117,7 +116,7 @@ class _Powers:
 
 
 def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | tuple[str, ...]:
-    """Scaling that takes all ratios out of rows of the motion, forces and laws; else the ratios that remain.
+    """Scaling that removes all ratios from motion, forces and laws, or the names of the ratios that cannot be removed.
 
     The coefficient field of the operators is that of the ratios.
     """
@@ -130,28 +129,22 @@ def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | t
     if mixed:
         return tuple(name for name in ratios if name in mixed)
     names = [str(symbol) for symbol in ring.symbols[1:]]
-    own = _constants_of_laws(operators, rows)
-    unknowns = {("balance", b): i for i, b in enumerate(dict.fromkeys(term.balance for term in terms))}
-    for key in (
+    of_laws = _constants_of_laws(operators, rows)
+    keys = (
+        *(("balance", b) for b in dict.fromkeys(term.balance for term in terms)),
         *(("column", c) for c in dict.fromkeys(term.column for term in terms)),
         *(("parameter", p) for p in names),
-    ):
-        unknowns[key] = len(unknowns)
-    found = {key: [0] * len(ratios) for key in unknowns}
-    stuck = []
-    for k, ratio in enumerate(ratios):
-        if ratio in own:
-            continue
-        solved = _exponents(terms, names, unknowns, k)
-        if solved is None:
-            stuck.append(ratio)
-            continue
-        for key, i in unknowns.items():
-            found[key][k] = solved[i]
-    if stuck:
-        return tuple(stuck)
+    )
+    unknowns = {key: i for i, key in enumerate(keys)}
+    solved = [
+        [0] * len(keys) if ratio in of_laws else _exponents(terms, names, unknowns, k)
+        for k, ratio in enumerate(ratios)
+    ]
+    if None in solved:
+        return tuple(ratio for ratio, exponents in zip(ratios, solved, strict=True) if exponents is None)
+    found = dict(zip(keys, zip(*(exponents for exponents in solved if exponents), strict=True), strict=True))
     balances, columns, parameters = (
-        {name: tuple(powers) for (kind, name), powers in found.items() if kind == wanted}
+        {name: powers for (kind, name), powers in found.items() if kind == wanted}
         for wanted in ("balance", "column", "parameter")
     )
     plain = PolyRing(ring.symbols, QQ, ring.order)
@@ -159,7 +152,7 @@ def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | t
 
 
 def term_of(coefficient: Any) -> tuple[Any, Exponents | None]:
-    """Number and exponents of a coefficient that is a number times powers of ratios; None where it is not."""
+    """Number and exponents of a coefficient that is a number times powers of ratios; None as exponents otherwise."""
     if not isinstance(coefficient, FracElement):
         return coefficient, ()
     above, below = coefficient.numer, coefficient.denom
@@ -192,14 +185,14 @@ def _terms(rows: Mapping[str, Row], operators: OperatorModel) -> Iterator[_Term]
 
 
 def _constants_of_laws(operators: OperatorModel, rows: Mapping[str, Row]) -> set[str]:
-    """Constants that stand in laws alone, such as gravity: elimination does not meet them."""
+    """Constants that occur in laws only, such as gravity, so that elimination is not concerned."""
     entries = [entry for row in (*rows.values(), *operators.force.values()) for entry in row.values()]
     met = {name for entry in entries for c in entry.coeffs() for name in _names_in(c)}
     return {str(symbol) for symbol in operators.ring.domain.symbols} - met
 
 
 def _split_inputs(operators: OperatorModel, rows: Mapping[str, Row]) -> dict[str, Row]:
-    """Laws by balance, with a column for each power of the constants that stand in laws alone."""
+    """Laws by balance, with a column for each power of the constants that occur in laws only."""
     symbols = [str(symbol) for symbol in operators.ring.domain.symbols]
     own = [symbols.index(name) for name in sorted(_constants_of_laws(operators, rows))]
     split: dict[str, Row] = {}
@@ -225,15 +218,13 @@ def _exponents(
     unknowns: Mapping[tuple[str, str], int],
     ratio: int,
 ) -> list[int] | None:
-    """Exponents that remove one ratio from every term; None if no whole numbers do."""
+    """Exponents that remove one ratio from every term; None if no integers do."""
+    # One equation per term: the exponents of its balance, its column and its parameters cancel that of the ratio.
     equations: dict[tuple[tuple[int, int], ...], int] = {}
     for balance, column, monomial, c in terms:
-        sums = {unknowns["balance", balance]: 1}
-        column_place = unknowns["column", column]
-        sums[column_place] = 1
-        for name, power in zip(names, monomial[1:], strict=True):
-            if power:
-                sums[unknowns["parameter", name]] = power
+        sums = {unknowns["balance", balance]: 1, unknowns["column", column]: 1}
+        powers = zip(names, monomial[1:], strict=True)
+        sums |= {unknowns["parameter", name]: power for name, power in powers if power}
         exponents = term_of(c)[1]
         assert exponents is not None
         key, value = tuple(sorted(sums.items())), -exponents[ratio]

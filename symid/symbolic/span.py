@@ -9,7 +9,7 @@ Vector = Mapping[Any, Any]
 
 
 class SpanRow(NamedTuple):
-    """A vector of a span that is 1 at its pivot, and its coordinates in the vectors added."""
+    """A vector of a span, scaled to 1 at its pivot, and its coordinates in the added vectors."""
 
     pivot: Hashable
     vector: dict[Any, Any]
@@ -17,7 +17,7 @@ class SpanRow(NamedTuple):
 
 
 class Span:
-    """The space spanned by the vectors added so far, with every member's coordinates in them.
+    """The space spanned by the vectors added so far, and the coordinates of its members in them.
 
     >>> from sympy import QQ
     >>> span = Span()
@@ -31,7 +31,9 @@ class Span:
         self._rows: list[SpanRow] = []
 
     def add(self, vector: Vector, pivot: Hashable = None) -> bool:
-        """Add a vector as the next basis vector, by a pivot if it can be one; False if it lies in the span already."""
+        """Add a vector as the next basis vector, with a preferred pivot; False if it is already in the span."""
+        # Gaussian elimination: the remainder after reduction by all rows becomes a new row. Its coordinates express it
+        # in the added vectors, this one included.
         remainder, used = self._reduce(vector)
         if not remainder:
             return False
@@ -43,7 +45,7 @@ class Span:
         return True
 
     def reduced(self) -> list[SpanRow]:
-        """Basis of the span in which each vector is 0 at the pivots of all others."""
+        """Basis of the span in which each vector is 0 at the pivots of all others (reduced echelon form)."""
         found: list[SpanRow] = []
         for pivot, vector, coordinates in reversed(self._rows):
             row = SpanRow(pivot, dict(vector), dict(coordinates))
@@ -55,7 +57,7 @@ class Span:
         return found
 
     def coordinates(self, vector: Vector) -> dict[int, Any] | None:
-        """Coefficients of the added vectors (by index) that give a vector; None if it lies outside."""
+        """Coefficients of the added vectors, by index, that sum to a vector; None if it is outside the span."""
         remainder, used = self._reduce(vector)
         return None if remainder else dict(sorted(used.items()))
 

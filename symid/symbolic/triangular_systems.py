@@ -1,22 +1,23 @@
 """Triangular polynomial systems: one unknown after the other by linear and quadratic steps.
 
-The minimal parameters are low-degree functions of the physical ones, and almost always some equation is linear in
-one of the unknowns that are left. `triangular_solution` uses this again and again; what is left at the end is
-either solved, a relation that the right-hand sides must satisfy, or beyond closed form.
+Minimal parameters are functions of low degree in the physical ones, and almost always some equation is linear in one of
+the remaining unknowns. `triangular_solution` solves for that unknown, substitutes it and continues. Equations that
+remain at the end have no closed-form solution by such steps.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import prod
 
 from sympy.polys.fields import FracElement
 from sympy.polys.rings import PolyElement
 
 MOST_TERMS = 400
-"""A polynomial longer than this ends the search for a closed form."""
+"""A polynomial with more terms ends the search for a closed form."""
 LARGEST = 300
-"""One whose coefficients have more terms than this in all, too: common divisors of such fractions take minutes."""
+"""So does one whose coefficients have more terms in total: common divisors of such fractions take minutes."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +25,7 @@ class SolvedUnknown:
     """One solved unknown."""
 
     unknown: int  # index of the generator
-    # of the polynomial in the unknown, by falling power, in the unknowns solved later: two of them for a linear
-    # equation, three for a quadratic one
+    # of the linear or quadratic equation in the unknown, by descending power; they hold unknowns solved later only
     coefficients: tuple[PolyElement, ...]
 
     @property
@@ -36,18 +36,15 @@ class SolvedUnknown:
 
 @dataclass(frozen=True)
 class TriangularSolution:
-    """Unknowns in the order in which they were solved; each is given by those behind it."""
+    """Unknowns in the order in which they were solved, each in terms of later ones."""
 
-    steps: tuple[SolvedUnknown, ...]  # solved unknowns
-    left: tuple[PolyElement, ...] = field(default=())  # equations beyond closed form; empty if all is solved
+    steps: tuple[SolvedUnknown, ...]
+    left: tuple[PolyElement, ...] = ()  # equations without closed form; empty if all is solved
 
     @property
     def branches(self) -> int:
         """Number of solutions of a complete system."""
-        total = 1
-        for step in self.steps:
-            total *= step.branches
-        return total
+        return prod(step.branches for step in self.steps)
 
 
 def triangular_solution(
@@ -55,8 +52,8 @@ def triangular_solution(
 ) -> TriangularSolution:
     """Solve polynomial equations for the first generators, all non-zero, as far as linear and quadratic steps go.
 
-    The exact field of the polynomials holds the right-hand sides. A `simple` solution has only linear steps whose
-    leading coefficient is a monomial: these neither lose nor invent solutions.
+    The right-hand sides are elements of the coefficient field. A `simple` solution has linear steps with monomial
+    leading coefficients only, which neither lose nor add solutions.
 
     >>> from sympy import QQ
     >>> from sympy.polys.rings import PolyRing
@@ -68,6 +65,7 @@ def triangular_solution(
     system = [_without_monomials(equation) for equation in equations]
     steps: list[SolvedUnknown] = []
     while True:
+        # A constant left by a substitution is a relation between the right-hand sides and determines no unknown.
         system = sorted({e.monic() for e in system if not e.is_ground}, key=lambda e: (len(e), str(e)))
         if not system:
             break
@@ -107,29 +105,27 @@ def _next_step(
 
 
 def _size(equation: PolyElement) -> int:
-    """Terms of all coefficients of a polynomial, above and below where they are fractions of polynomials."""
+    """Number of terms in all coefficients; of fractions, in numerator and denominator."""
     return sum(len(c.numer) + len(c.denom) if isinstance(c, FracElement) else 1 for c in equation.coeffs())
 
 
 def _substitute(equation: PolyElement, step: SolvedUnknown) -> PolyElement:
-    """Put a step's solution into an equation and clear the denominator; reduce by a quadratic step."""
+    """An equation with a linear step substituted and the denominator cleared, or reduced modulo a quadratic step."""
     degree = equation.degree(step.unknown)
     if degree <= 0:
         return equation
     parts = _by_falling_power(equation, step.unknown)
     if step.branches == 1:
-        denominator, negative_numerator = step.coefficients
-        total = equation.ring.zero
-        for i, part in enumerate(parts):
-            total += part * (-negative_numerator) ** (degree - i) * denominator**i
-        return total
+        denominator, constant = step.coefficients  # the unknown is -constant / denominator
+        terms = (part * (-constant) ** (degree - i) * denominator**i for i, part in enumerate(parts))
+        return sum(terms, equation.ring.zero)
     unknown = equation.ring.gens[step.unknown]
     modulus = sum((c * unknown ** (2 - i) for i, c in enumerate(step.coefficients)), equation.ring.zero)
-    return equation.prem(modulus, equation.ring.gens[step.unknown]) if degree >= 2 else equation
+    return equation.prem(modulus, unknown) if degree >= 2 else equation
 
 
 def _by_falling_power(equation: PolyElement, unknown: int) -> tuple[PolyElement, ...]:
-    """Coefficients of a polynomial in one unknown, from its degree down to 0."""
+    """Coefficients of a polynomial in one unknown, by descending power."""
     ring = equation.ring
     parts: list[dict[tuple[int, ...], object]] = [{} for _ in range(equation.degree(unknown) + 1)]
     for monomial, value in equation.terms():
@@ -138,7 +134,7 @@ def _by_falling_power(equation: PolyElement, unknown: int) -> tuple[PolyElement,
 
 
 def _without_monomials(equation: PolyElement) -> PolyElement:
-    """Divide by the common monomial: the unknowns are not zero."""
+    """The equation divided by its common monomial, since the unknowns are not zero."""
     if not equation:
         return equation
     shared = tuple(map(min, zip(*equation.itermonoms(), strict=True)))
