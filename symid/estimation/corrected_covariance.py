@@ -1,12 +1,12 @@
 """Covariance of the parameters for a residual that is correlated over time and between equations.
 
-The parameters' error is A^-1 W' S^2 rho with A = W' S^2 W. For a stationary rho its covariance is
+The error of the parameters is A^-1 W' S^2 rho with A = W' S^2 W. For a stationary rho its covariance is
 
     A^-1 [ sum_ij S_i^2 S_j^2 sum_k taper(k) gamma_ij(k) sum_t w_i(t) w_j(t+k)' ] A^-1
 
-with the residual's auto- and cross-covariances gamma_ij, of which the classical [22] keeps lag 0 only. The
-inner sums are taken in the frequency domain, window by window: O(N p log L) for lags up to L, and no more
-than one window in memory.
+with the auto- and cross-covariances gamma_ij of the residual, of which the classical covariance [22] uses lag 0 only.
+The inner sums are computed in the frequency domain, window by window: O(N p log L) for lags up to L, with one window
+in memory.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -30,17 +30,16 @@ from symid.estimation.triangular import checked_observation
 
 CorrelationStatus: TypeAlias = Literal["ok", "correlation_persists", "too_few_samples"]
 
-_WINDOW = 32_768  # samples of one window at least; its transforms stay within a few MB
+_WINDOW = 32_768  # least samples of a window; its transforms take a few MB
 
 
 @dataclass(frozen=True)
 class ObservationBlock:
-    """Consecutive samples of an observation, shapes as in `corrected_covariance`.
+    """Consecutive samples of an observation, with shapes as in `corrected_covariance`.
 
-    Its equations are those of the fit from number `equation` on: every log may have its own, whose residuals are
-    independent of those of the others. `continues` is False where another log begins, so that no correlation is taken
-    across the joint. `instruments`, of the shape of W, are those of an estimate (Z'S^2 W)^-1 Z'S^2 y; all blocks have
-    them or none.
+    Its equations are those of the fit from index `equation` on: each log may have its own, with residuals independent
+    of the other logs. `continues` is False where a new log begins, so that no correlation is taken across logs.
+    `instruments`, shaped as W, are those of an estimate (Z'S^2 W)^-1 Z'S^2 y; all blocks have them or none.
     """
 
     W: FloatArray
@@ -49,6 +48,11 @@ class ObservationBlock:
     continues: bool = True
     instruments: FloatArray | None = None
     equation: int = 0
+
+    def __post_init__(self) -> None:
+        W, y, valid = checked_observation(self.W, self.y, self.valid)
+        for name, value in (("W", W), ("y", y), ("valid", valid)):
+            object.__setattr__(self, name, value)
 
     @property
     def equations(self) -> slice:
@@ -63,19 +67,19 @@ class CorrelatedCovariance:
     Attributes
     ----------
     status : str
-        "ok"; "correlation_persists": the residual is correlated over all lags looked at, which noise hardly
-        is, so that the model rather than noise is its cause; "too_few_samples": the parameters take up half
-        of the residual's independent samples, or more, and the covariance is nan.
+        "ok"; "correlation_persists": the residual is correlated over all lags, which suggests a model error rather
+        than noise; "too_few_samples": the fit absorbs half of the independent samples of the residual or more, and the
+        covariance is nan.
     covariance : array, shape (n_parameters, n_parameters)
         In the caller's units; nan where parameters are not determined.
     bandwidth : int
-        Lag in samples from which correlation is taken as none.
+        Lag in samples from which on the correlation is taken as 0.
     effective_samples : float
-        Number of independent samples that the correlated residual is worth.
+        Number of independent samples with the same information as the correlated residual.
     effective_parameters : float
-        Number of residual samples' worth of noise that the fit has absorbed; p for a white residual.
+        Noise that the fit absorbs, in samples; the number of parameters for a white residual.
     degrees_of_freedom : float
-        Of Student's t for intervals from `covariance`: effective samples less parameters, 1 at least.
+        Of Student's t for intervals from `covariance`: effective samples minus parameters, 1 at least.
     """
 
     status: CorrelationStatus
@@ -111,16 +115,16 @@ def corrected_covariance(
     valid : bool array, shape (n_samples,) or (n_equations, n_samples), optional
         Rows that entered the fit.
     max_lag : int, optional
-        Largest lag looked at, in samples; `default_max_lag` of the rows if not given.
+        Largest lag considered, in samples; `default_max_lag` of the rows by default.
 
     Raises
     ------
     SettingError
-        If the shapes do not fit or the rows are not those of the fit.
+        If the shapes do not match or the rows are not those of the fit.
 
     Examples
     --------
-    Noise that comes in pairs is worth half its samples:
+    Noise whose samples come in equal pairs has half as many independent samples:
 
     >>> import numpy as np
     >>> from symid.estimation.least_squares import estimate
@@ -132,8 +136,8 @@ def corrected_covariance(
     >>> bool(1.8 < ratio.item() < 2.2)
     True
     """
-    W, y, mask = checked_observation(W, y, valid)
-    return corrected_covariance_of_blocks(lambda: [ObservationBlock(W, y, mask)], fit, max_lag)
+    block = ObservationBlock(W, y, valid)
+    return corrected_covariance_of_blocks(lambda: [block], fit, max_lag)
 
 
 def corrected_covariance_of_blocks(
@@ -144,16 +148,16 @@ def corrected_covariance_of_blocks(
     Parameters
     ----------
     read : callable
-        Returns the blocks of all logs in time order, from the start each time it is called.
+        Returns the blocks of all logs in time order, from the start at each call.
     fit : LeastSquares
         The estimate from these blocks.
     max_lag : int, optional
-        Largest lag looked at, in samples.
+        Largest lag considered, in samples.
 
     Raises
     ------
     SettingError
-        If the shapes do not fit or the rows are not those of the fit.
+        If the shapes do not match or the rows are not those of the fit.
 
     Examples
     --------
@@ -170,25 +174,26 @@ def corrected_covariance_of_blocks(
     samples = max(fit.rows)
     lags = default_max_lag(samples) if max_lag is None else max_lag
     by_log = _residual_covariances(read, fit, lags)
-    # The covariance of X is H^-1 (W' Gamma W) H^-1. Gamma is banded Toeplitz: autocovariances of the residual, tapered
-    # to zero beyond the lag at which they drown in their own sampling error, since far lags add noise only.
+    # Gamma, the covariance of the residual, is banded and Toeplitz: its autocovariances are tapered to zero beyond the
+    # lag at which their sampling error exceeds them, since larger lags would add noise only.
     gamma = np.stack(list(by_log.values()))
     length = correlation_length(gamma, samples)
     taper = flat_top(lags, lags // 2 if length is None else min(length, lags // 2))
     bandwidth = int(np.count_nonzero(taper)) // 2 + 1
     kernel = (gamma * taper)[..., lags - bandwidth + 1 : lags + bandwidth]
-    # A taper with negative side lobes can make Gamma indefinite; its spectrum is clipped to be positive.
+    # The taper has negative side lobes and can make Gamma indefinite; its spectrum is clipped to be positive.
     weighted = {
         first: _positive(own * np.multiply.outer(weights, weights)[:, :, None])
         for first, own in zip(by_log, kernel, strict=True)
         for weights in (fit.weights[first : first + len(own)],)
     }
     scores = _score_covariance(read, fit, weighted)
-    worth = effective_samples(kernel, fit.rows)
+    independent = effective_samples(kernel, fit.rows)
     noise = float(np.sum((fit.weights * fit.residual_norm) ** 2))
     absorbed = float(np.trace(scores)) / noise if noise > 0.0 else 0.0
     enough = absorbed < 0.5
-    # the residual lacks what the fit has absorbed: E ||rho||^2 = trace(Gamma) - trace(scores), for any Gamma
+    # The fit absorbs part of the noise, for any Gamma: E ||rho||^2 = trace(Gamma) - trace(scores). The covariance is
+    # scaled up by this share.
     scale = 1.0 / (1.0 - absorbed) if enough else float("nan")
     root = fit.rank.inverse_root @ _gain_of_instruments(read, fit)
     covariance = scale * (root @ scores @ root.T)
@@ -198,14 +203,14 @@ def corrected_covariance_of_blocks(
         status="too_few_samples" if not enough else "correlation_persists" if length is None else "ok",
         covariance=read_only(covariance),
         bandwidth=bandwidth,
-        effective_samples=worth,
+        effective_samples=independent,
         effective_parameters=absorbed * sum(fit.rows),
-        degrees_of_freedom=max(worth - fit.rank.rank, 1.0),
+        degrees_of_freedom=max(independent - fit.rank.rank, 1.0),
     )
 
 
 def _gain_of_instruments(read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares) -> FloatArray:
-    """(T' Z'S^2 W T)^-1, by which scores of instruments become parameters; 1 without them, as T' W'S^2 W T is."""
+    """(T' Z'S^2 W T)^-1, which maps scores of instruments to parameters; the identity without instruments."""
     product = np.zeros((fit.rank.rank, fit.rank.rank))
     for block in read():
         if block.instruments is None:
@@ -222,31 +227,31 @@ def _gain_of_instruments(read: Callable[[], Iterable[ObservationBlock]], fit: Le
 def _residual_covariances(
     read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares, max_lag: int
 ) -> dict[int, FloatArray]:
-    """gamma_ij(k) of each log, by the number of its first equation."""
+    """gamma_ij(k) of each log, by the index of its first equation."""
     sums: dict[int, ResidualCovariance] = {}
     rows = np.zeros(len(fit.rows), dtype=int)
     for block in read():
-        W, y, valid = checked_observation(block.W, block.y, block.valid)
+        W, valid = block.W, block.valid
         if block.equations.stop > len(fit.rows) or W.shape[2] != len(fit.solution):
             raise SettingError(
-                f"W has shape {W.shape}, the fit {len(fit.rows)} equations, {len(fit.solution)} parameters; "
+                f"W has shape {W.shape}, but the fit {len(fit.rows)} equations and {len(fit.solution)} parameters: "
                 "give the observation that was fitted"
             )
-        rows[block.equations] += y.shape[1] if valid is None else np.count_nonzero(valid, axis=1)
+        rows[block.equations] += W.shape[1] if valid is None else np.count_nonzero(valid, axis=1)
         before = sums.get(block.equation, ResidualCovariance.empty(len(W), max_lag))
-        sums[block.equation] = before.update(residuals(W, y, fit), valid, block.continues)
+        sums[block.equation] = before.update(residuals(W, block.y, fit), valid, block.continues)
     if tuple(rows.tolist()) != fit.rows:
         raise SettingError(
-            f"{rows.tolist()} valid rows of the equations, the fit has {list(fit.rows)}; give the rows that were fitted"
+            f"the equations have {rows.tolist()} valid rows, the fit has {list(fit.rows)}: give the fitted rows"
         )
     return {first: found.covariance() for first, found in sums.items()}
 
 
 def _positive(kernel: FloatArray) -> FloatArray:
-    """Covariances whose spectrum is nowhere negative; the same if it is not, to twice the lag otherwise.
+    """Covariances with a non-negative spectrum: the given ones, or clipped ones up to twice the lag.
 
-    A flat-top taper leaves ripples, and pairs lost to masks distort: the spectrum is clipped at 0 (its
-    eigenvalues are, for several equations), and what that spreads to still larger lags is left out.
+    The side lobes of the taper and masked pairs can make the spectrum negative. It is clipped at 0 (for several
+    equations, its eigenvalues are), and what clipping spreads beyond twice the lag is left out.
     """
     reach = kernel.shape[2] // 2
     size = fast_length(8 * reach + 1)
@@ -271,8 +276,8 @@ def _score_covariance(
 ) -> FloatArray:
     """The sum in brackets for orthonormal columns, W S T, over all logs; shape (rank, rank).
 
-    A window is a stretch of samples and the `reach` samples before it. Pairs within the latter alone have
-    been counted by the window before and are taken off again.
+    A window holds its own samples and the `reach` samples before them. Pairs among the latter were counted in the
+    previous window and are subtracted.
     """
     total = np.zeros((fit.rank.rank, fit.rank.rank))
     spectra = {first: _KernelSpectra(kernel) for first, kernel in kernels.items()}
@@ -292,15 +297,14 @@ def _score_covariance(
 
 
 def _orthonormal_windows(block: ObservationBlock, fit: LeastSquares, step: int) -> Iterator[FloatArray]:
-    """Rows of W S T in windows, shape (n_equations, rank, n_samples), 0 where masked."""
+    """Rows of W S T, or of the instruments, in windows of shape (n_equations, rank, n_samples), 0 where masked."""
     transform = [weight * fit.rank.inverse_root.T for weight in fit.weights[block.equations]]
-    rows = block.W if block.instruments is None else block.instruments
-    W, _, valid = checked_observation(rows, block.y, block.valid)
-    for start in range(0, W.shape[1], step):
+    rows = block.W if block.instruments is None else np.asarray(block.instruments, dtype=np.float64)
+    for start in range(0, rows.shape[1], step):
         part = slice(start, start + step)
-        columns = np.swapaxes(W[:, part], 1, 2)
-        if valid is not None:
-            columns = np.where(valid[:, None, part], columns, 0.0)
+        columns = np.swapaxes(rows[:, part], 1, 2)
+        if block.valid is not None:
+            columns = np.where(block.valid[:, None, part], columns, 0.0)
         yield np.stack([T @ w for T, w in zip(transform, columns, strict=True)])
 
 

@@ -1,6 +1,6 @@
-"""Correlation of a residual over time: covariances, how far they reach, what they leave of the samples.
+"""Correlation of a residual over time: its covariances, its length, and the number of independent samples.
 
-Filtered signals leave a residual that is not white; classical standard deviations take it for white.
+The residual of filtered signals is not white, which classical standard deviations assume.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ class ResidualCovariance:
     products : array, shape (n_equations, n_equations, 2 max_lag + 1)
         Sums of rho_i(t) rho_j(t+k) over pairs of valid rows, k = -max_lag ... max_lag.
     pairs : array, the same shape
-        Numbers of those pairs.
+        Numbers of these pairs.
     tail_residual, tail_valid : array, shape (n_equations, at most max_lag)
-        The last samples, which the next block continues.
+        The last samples, to be paired with those of the next block.
     """
 
     products: FloatArray
@@ -35,7 +35,7 @@ class ResidualCovariance:
 
     @classmethod
     def empty(cls, n_equations: int, max_lag: int) -> ResidualCovariance:
-        """Return the sums over no samples.
+        """Sums over no samples.
 
         Raises
         ------
@@ -62,16 +62,16 @@ class ResidualCovariance:
     def update(
         self, residual: FloatArray, valid: BoolArray | None = None, continues: bool = True
     ) -> ResidualCovariance:
-        """Return the sums with a block of samples added.
+        """Sums with a block of samples added.
 
         Parameters
         ----------
         residual : array, shape (n_equations, n_samples)
             The block, in time order.
         valid : bool array of the same shape, optional
-            Samples that count; others may hold anything.
+            Samples that count; values of others are ignored.
         continues : bool
-            False if the block starts a new log, so that no pair reaches across.
+            False if the block starts a new log, so that no pair spans two logs.
 
         Examples
         --------
@@ -102,7 +102,7 @@ class ResidualCovariance:
         return whole - counted, tail
 
     def covariance(self) -> FloatArray:
-        """Return gamma_ij(k), the mean product over valid pairs (0 if there is none); shape of `products`."""
+        """gamma_ij(k), the mean product over valid pairs, 0 without pairs; shape of `products`."""
         return self.products / np.maximum(self.pairs, 1.0)
 
 
@@ -121,7 +121,7 @@ def _lags(power: ComplexArray, size: int, max_lag: int) -> FloatArray:
 
 
 def default_max_lag(samples: int) -> int:
-    """Return how far correlation is looked for: 10 sqrt(samples), a quarter of the samples at most.
+    """Default of the largest lag considered: 10 sqrt(samples), a quarter of the samples at most.
 
     >>> default_max_lag(10_000), default_max_lag(100)
     (1000, 25)
@@ -130,13 +130,13 @@ def default_max_lag(samples: int) -> int:
 
 
 def correlation_length(covariance: FloatArray, samples: int) -> int | None:
-    """Return the smallest lag beyond which the correlation is lost in its own uncertainty; None if there is none.
+    """Smallest lag beyond which the correlation is below its own uncertainty; None if there is none.
 
     The rule of Politis and White (Econometric Reviews 23, 2004): the smallest m with |r(m+k)| below
-    2 sqrt(log10(N)/N) for k = 1 ... K. Their K of 5 lags takes a zero crossing of the slow oscillation that a
-    low-pass leaves for the end of the correlation; here K is at least m, as long again as the correlation.
-    Where nothing is that quiet, the bound is widened to what Bartlett's variance, sum of r^2 / N, gives for a
-    correlated residual, as long as it stays below 0.5. gamma_ij(k) is given for one log or for each of several.
+    2 sqrt(log10(N)/N) for k = 1 ... K. With their K of 5 lags, a zero crossing of the slow oscillation that a low-pass
+    filter leaves would pass for the end of the correlation; here K is at least m, the length of the correlation.
+    If there is no such lag, the bound is widened by Bartlett's variance of a correlated residual, sum of r^2 / N, as
+    long as it remains below 0.5. gamma_ij(k) is given for one log or for each of several.
 
     >>> import numpy as np
     >>> gamma = np.zeros((1, 1, 41))
@@ -157,7 +157,7 @@ def correlation_length(covariance: FloatArray, samples: int) -> int | None:
 
 
 def _quiet_from(strength: FloatArray, threshold: float) -> int | None:
-    """First lag that is followed by a stretch below the threshold of 5 lags, and of the same length."""
+    """First lag followed by at least 5 lags, and at least as many as itself, below the threshold."""
     above = np.flatnonzero(strength[1:] >= threshold) + 1
     starts = np.concatenate([[0], above])
     stops = np.concatenate([above, [len(strength)]])
@@ -166,9 +166,9 @@ def _quiet_from(strength: FloatArray, threshold: float) -> int | None:
 
 
 def effective_samples(covariance: FloatArray, rows: tuple[int, ...]) -> float:
-    """Return the number of independent samples that estimate a variance equally well.
+    """Number of independent samples that would estimate a variance equally well.
 
-    N_j / sum over k of r_jj(k)^2, summed over the equations; `covariance` should already be tapered.
+    N_j / sum over k of r_jj(k)^2, summed over the equations j, for a tapered `covariance`.
 
     >>> import numpy as np
     >>> effective_samples(np.array([[[0.5, 1.0, 0.5]]]), (300,))
@@ -179,7 +179,7 @@ def effective_samples(covariance: FloatArray, rows: tuple[int, ...]) -> float:
 
 
 def flat_top(max_lag: int, length: int) -> FloatArray:
-    """Return the trapezoid that is 1 to lag `length`, 0 from 2 `length`; shape (2 max_lag + 1,).
+    """Trapezoidal taper: 1 up to lag `length`, 0 from 2 `length` on; shape (2 max_lag + 1,).
 
     >>> flat_top(3, 2).tolist()
     [0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5]

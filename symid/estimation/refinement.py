@@ -1,4 +1,4 @@
-"""One more look at the rows: what rounding in the factorisation has cost in digits."""
+"""Iterative refinement: digits lost to rounding in the factorisation are recovered from the rows."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -8,7 +8,6 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.estimation.corrected_covariance import ObservationBlock
 from symid.estimation.least_squares import LeastSquares
-from symid.estimation.triangular import checked_observation
 
 _CHUNK_ROWS = 65_536
 
@@ -16,10 +15,10 @@ _CHUNK_ROWS = 65_536
 def refine(W: FloatArray, y: FloatArray, fit: LeastSquares, valid: BoolArray | None = None) -> LeastSquares:
     """Refine the parameters of a fit by one step on the residual in extended precision.
 
-    The corrected semi-normal equations (Bjorck, Linear Algebra and its Applications 88, 1987): the residual's
-    scalar products with the columns, which the exact solution makes 0, are taken in extended precision and
-    solved for the correction with the R of the fit. Gains digits where conditions are bad but the scaled
-    condition is below about 1e8; costs a few times a copy of the rows.
+    Corrected semi-normal equations (Bjorck, Linear Algebra and its Applications 88, 1987): the scalar products of the
+    residual with the columns, which are 0 for the exact solution, are computed in extended precision and solved for the
+    correction with the R of the fit. This gains digits for ill-conditioned problems whose scaled condition number is
+    below about 1e8, at the cost of a few copies of the rows.
 
     Parameters
     ----------
@@ -35,12 +34,12 @@ def refine(W: FloatArray, y: FloatArray, fit: LeastSquares, valid: BoolArray | N
     Returns
     -------
     LeastSquares
-        With new parameters; covariances and norms, which a last digit does not change, as before.
+        The fit with refined parameters; covariances and norms are unchanged.
 
     Raises
     ------
     SettingError
-        If the shapes do not fit.
+        If the shapes do not match.
 
     Examples
     --------
@@ -79,13 +78,12 @@ def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> Leas
     exact = fit.solution.astype(np.longdouble)
     slope = np.zeros(len(exact), dtype=np.longdouble)
     for block in blocks:
-        W, y, mask = checked_observation(block.W, block.y, block.valid)
         for j, weight in enumerate(fit.weights[block.equations]):
-            for start in range(0, W.shape[1], _CHUNK_ROWS):
+            for start in range(0, block.W.shape[1], _CHUNK_ROWS):
                 part = slice(start, start + _CHUNK_ROWS)
-                rows, output = W[j, part], y[j, part]
-                if mask is not None:
-                    rows, output = rows[mask[j, part]], output[mask[j, part]]
+                rows, output = block.W[j, part], block.y[j, part]
+                if block.valid is not None:
+                    rows, output = rows[block.valid[j, part]], output[block.valid[j, part]]
                 columns = rows.astype(np.longdouble)
                 slope += weight**2 * ((output - columns @ exact) @ columns)
     root = fit.rank.inverse_root

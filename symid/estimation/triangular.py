@@ -1,8 +1,8 @@
-"""The triangular factor of an observation: all that least squares needs to know of its rows.
+"""The triangular factor of an observation, which holds everything that least squares needs of its rows.
 
-Rows come in blocks (of a log, of several logs, from several workers). Each block is folded into the
-triangular factor R of the QR factorisation of [W | y], which is small, so that neither the number of
-rows nor the number of logs is limited by memory, and the normal equations are never formed.
+Rows come in blocks: of a log, of several logs, from several workers. Each block updates the triangular factor R of the
+QR factorisation of [W | y]. R is small, so memory limits neither the rows nor the logs, and the normal equations are
+never formed.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ import numpy.typing as npt
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
 
-# Elements of one chunk of [W | y] (1.5 MB). Measured on 4e5 rows of 5 + 1 and of 15 + 1 columns: the time is flat from
-# a quarter of it on, and rises by a sixth to a quarter towards a sixteenth.
+# Elements of a chunk of [W | y] (1.5 MB). With 4e5 rows of 6 or 16 columns, a quarter of this size is equally fast, a
+# sixteenth takes 17 to 25 % longer.
 _CHUNK_ELEMENTS = 196_608
 
 
 @dataclass(frozen=True)
 class TriangularFactor:
-    """R of the QR factorisation of [W | y] of one equation, with the number of rows it came from.
+    """R of the QR factorisation of [W | y] of one equation, and its number of rows.
 
-    Householder's QR commutes with a scaling of the columns by powers of two, so R is the same, digit for
-    digit, as if the columns had been scaled first. Scales are therefore chosen only when solving.
+    Householder's QR commutes with a scaling of the columns by powers of two: R has the same digits as if the columns
+    had been scaled first. Scales are therefore chosen only when solving.
 
     Attributes
     ----------
     R : array, shape (n_parameters + 1, n_parameters + 1)
         Upper triangular, read-only; the last column belongs to y.
     rows : int
-        Number of rows folded in.
+        Number of rows that it represents.
 
     Examples
     --------
@@ -49,14 +49,14 @@ class TriangularFactor:
     def __post_init__(self) -> None:
         if self.R.ndim != 2 or self.R.shape[0] != self.R.shape[1] or self.R.shape[0] < 2:
             raise SettingError(
-                f"R of a triangular factor has shape {self.R.shape}; it must be square with one row for each "
+                f"R of a triangular factor has shape {self.R.shape}: it must be square, with one row for each "
                 "parameter and one for y"
             )
         object.__setattr__(self, "R", read_only(np.array(self.R, dtype=np.float64)))
 
     @classmethod
     def empty(cls, n_parameters: int) -> TriangularFactor:
-        """Return the factor of no rows at all.
+        """The factor of no rows.
 
         Raises
         ------
@@ -84,21 +84,21 @@ class TriangularFactor:
         return norms
 
     def update(self, W: FloatArray, y: FloatArray, valid: BoolArray | None = None) -> TriangularFactor:
-        """Return the factor with a block of rows folded in.
+        """The factor with a block of rows added.
 
         Parameters
         ----------
         W : array, shape (n_samples, n_parameters)
             Rows of the observation matrix; fastest if each column is contiguous.
         y : array, shape (n_samples,)
-            The output at the same rows.
+            Output in the same rows.
         valid : bool array, shape (n_samples,), optional
-            Rows that enter; all by default. Others may hold anything, NaN too.
+            Rows that enter; all by default. Other rows may hold NaN.
 
         Raises
         ------
         SettingError
-            If the shapes do not fit or a value of a valid row is not finite.
+            If the shapes do not match or a value of a valid row is not finite.
 
         Examples
         --------
@@ -120,7 +120,7 @@ class TriangularFactor:
             R = _fold(R, W, y, rows if chosen is None else chosen[rows], rows.stop - start, buffer)
         if not np.all(np.isfinite(R)):
             raise SettingError(
-                "W or y holds a value that is not finite in a valid row; mask such rows or repair the log"
+                "W or y has a value that is not finite in a valid row: mask such rows or repair the log"
             )
         return TriangularFactor(R, self.rows + count)
 
@@ -132,12 +132,12 @@ class TriangularFactor:
             )
         if valid is not None and np.shape(valid) != y.shape:
             raise SettingError(
-                f"valid has shape {np.shape(valid)}; one flag for each row of y {y.shape} is required"
+                f"valid has shape {np.shape(valid)}: one flag for each row of y {y.shape} is required"
             )
 
 
 def combine(first: TriangularFactor, *others: TriangularFactor) -> TriangularFactor:
-    """Return the factor of the rows of all the given factors together.
+    """The factor of all rows of several factors.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def combine(first: TriangularFactor, *others: TriangularFactor) -> TriangularFac
     sizes = sorted({factor.parameters for factor in factors})
     if len(sizes) > 1:
         raise SettingError(
-            f"factors with {sizes} parameters cannot be combined; they must have the same columns"
+            f"factors with {sizes} parameters cannot be combined: they must have the same columns"
         )
     return TriangularFactor(
         triangle(np.vstack([factor.R for factor in factors])), sum(f.rows for f in factors)
@@ -171,7 +171,7 @@ def combine(first: TriangularFactor, *others: TriangularFactor) -> TriangularFac
 def triangular_factors(
     W: FloatArray, y: FloatArray, valid: BoolArray | None = None
 ) -> tuple[TriangularFactor, ...]:
-    """Return one triangular factor for each equation of an observation.
+    """One triangular factor for each equation of an observation.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def triangular_factors(
     Raises
     ------
     SettingError
-        If the shapes do not fit or a value of a valid row is not finite.
+        If the shapes do not match or a value of a valid row is not finite.
 
     Examples
     --------
@@ -201,7 +201,7 @@ def triangular_factors(
 def checked_observation(
     W: FloatArray, y: FloatArray, valid: BoolArray | None
 ) -> tuple[FloatArray, FloatArray, BoolArray | None]:
-    """Return W, y as float arrays and `valid` with one row for each equation.
+    """W and y as float arrays, and `valid` with one row for each equation; SettingError if the shapes do not match.
 
     >>> import numpy as np
     >>> checked_observation(np.ones((2, 3, 1)), np.ones((2, 3)), np.ones(3, dtype=bool))[2].shape
@@ -218,14 +218,14 @@ def checked_observation(
     mask = np.asarray(valid)
     if mask.dtype != np.bool_ or mask.shape not in (y.shape, y.shape[1:]):
         raise SettingError(
-            f"valid has shape {mask.shape} and type {mask.dtype}; "
+            f"valid has shape {mask.shape} and type {mask.dtype}: "
             f"bool of shape {y.shape[1:]} or {y.shape} is required"
         )
     return W, y, np.broadcast_to(mask, y.shape)
 
 
 def triangle(rows: FloatArray) -> FloatArray:
-    """Return the square upper triangular factor of the QR factorisation, for any number of rows.
+    """Square upper triangular factor of the QR factorisation, for any number of rows.
 
     >>> import numpy as np
     >>> triangle(np.array([[-2.0, 4.0]])).tolist()
@@ -245,7 +245,7 @@ def _fold(
     count: int,
     buffer: FloatArray,
 ) -> FloatArray:
-    """R of [R; W y] for `count` rows; the buffer is used if it has the right size."""
+    """R of [R; W y] for `count` rows; `buffer` is reused if it has the right size."""
     columns = len(R)
     stacked = buffer if len(buffer) == columns + count else np.empty((columns + count, columns), order="F")
     stacked[:columns] = R

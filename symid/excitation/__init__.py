@@ -1,4 +1,4 @@
-"""Design of the reference for an identification: the motion within limits that determines the parameters best."""
+"""Design of the reference for an identification: the motion within limits that best determines the parameters."""
 
 from symid.excitation.best_reference import Design, Expectation, IdentificationTrial, design
 from symid.excitation.references import references

@@ -1,8 +1,8 @@
-"""The reference for an identification: of a few dozen, the one with the smallest expected worst relative deviation.
+"""Choice of the reference for an identification: the candidate with the smallest largest relative deviation.
 
-Along each reference the axis is simulated and identified, and its limits are verified. The inverse of the covariance of
-the estimate is the information that the log holds for it, at the filter and differences that `identify` chooses. The
-truth is known here, so that a systematic error is seen as well.
+For each candidate the axis is simulated, checked against its limits and identified with the filter and differences that
+`identify` chooses. The deviations of that estimate are those to expect. Since the true parameters are known,
+systematic errors are detected as well.
 """
 
 from __future__ import annotations
@@ -24,30 +24,31 @@ from symid.simulation import ClosedLoop, Controller, Limits, Simulation, Traject
 
 Paths: TypeAlias = tuple[Trajectory, ...]
 """Reference of each drive."""
-_FINALISTS, _RUNS = 6, 4
-"""Simulated runs that judge the best candidates and the defaults; one run shows little of systematic errors."""
+_FINALISTS, _RUNS = (
+    6,
+    4,
+)  # the best candidates and the defaults are simulated several times: one run shows little bias
 _TRIES = 4
 _MARGIN = 0.99
-_CHANCE = 2.0
-"""Deviations of a mean up to which its difference from the truth is chance."""
+_CHANCE = 2.0  # standard deviations by which a mean may differ from the truth by chance
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """Deviations that are expected of an identification, and what the axis reached on the way.
+    """Expected deviations of an identification, and the extremes of the simulated motion.
 
     Parameters
     ----------
     references : tuple of Trajectory
-        The reference of each drive, at the size at which the axis keeps its limits.
+        The reference of each drive, scaled so that the axis keeps its limits.
     deviations : dict of str to float
         Standard deviations of the physical parameters, SI.
     relative : dict of str to float
-        The same relative to the values, with the systematic error beyond two deviations of its mean added in
-        squares; of parameters that are not zero.
+        Relative deviations of parameters other than zero. A systematic error beyond two standard deviations of the mean
+        is added in squares.
     reached : dict of str to float
-        Largest travel, speed, acceleration and force of a drive of the simulated axis, jerk of a reference, and how
-        far drives are apart if that has a limit, SI.
+        Largest travel, speed, acceleration and force of a drive of the simulated axis, jerk of a reference, and, if
+        limited, largest difference between drives, SI.
     """
 
     references: tuple[Trajectory, ...]
@@ -68,16 +69,16 @@ class Expectation:
 
 @dataclass(frozen=True)
 class IdentificationTrial:
-    """An axis as it will be identified.
+    """The axis to be identified, its controller and its limits.
 
     Parameters
     ----------
     axis : Axis
-        With the noise of its signals.
+        The axis, with the noise of its signals.
     model : GeneratedModel
-        For the sensors to use.
+        Model for the sensors to use.
     parameters : mapping of str to float
-        Values assumed of the physical parameters, SI.
+        Assumed values of the physical parameters, SI.
     controller : Controller or sequence of Controller
         Controllers, one for each drive.
     limits : Limits
@@ -85,10 +86,10 @@ class IdentificationTrial:
     force : float
         Largest force of a drive, SI.
     apart : float, optional
-        Most by which the positions of several drives may differ, SI. Only with it drives get references that differ.
+        Largest difference between the positions of drives, SI. Without it all drives get the same reference.
     method : {"wls", "iv"}
-        Least squares, or instrumental variables: reference and controller are known here, and noise of an encoder in
-        the regressor biases least squares.
+        Least squares, or instrumental variables. The latter use the known reference and controller to avoid the bias
+        that encoder noise in the regressor causes.
     """
 
     axis: Axis
@@ -103,7 +104,7 @@ class IdentificationTrial:
     def within_limits(
         self, paths: Sequence[Trajectory], seed: int = 0
     ) -> tuple[tuple[Trajectory, ...], Simulation] | None:
-        """The references, smaller if they must be, and their simulation; None if it stays beyond the limits."""
+        """The references, reduced as far as the limits require, and their simulation; None if that does not succeed."""
         for _ in range(_TRIES):
             run = simulate(self.axis, self.parameters, paths, self.controller, seed=seed)
             reached, allowed = self.reached(paths, run), self.allowed
@@ -115,14 +116,14 @@ class IdentificationTrial:
 
     @property
     def allowed(self) -> dict[str, float]:
-        """Limits of travel, speed, acceleration, jerk and force by name, and how far drives may be apart."""
+        """Limits by name: travel, speed, acceleration, jerk, force, and difference between drives."""
         low, high = self.limits.travel
         rates = {name: getattr(self.limits, name) for name in ("speed", "acceleration", "jerk")}
         apart = {} if self.apart is None else {"apart": self.apart}
         return {"travel": high - low, **rates, "force": self.force, **apart}
 
     def reached(self, paths: Sequence[Trajectory], run: Simulation) -> dict[str, float]:
-        """Extremes of a simulated axis at the position sensor of each drive; the jerk is that of the references."""
+        """Extremes of a simulated axis at the position sensors of the drives; the jerk is that of the references."""
         plant = plant_of(self.axis, self.parameters)
         rows = np.stack([plant.sensors[signal].row for signal in self.axis.controlled_signals])
         n = rows.shape[1]
@@ -137,20 +138,14 @@ class IdentificationTrial:
         return found if self.apart is None else {**found, "apart": float(np.ptp(position, axis=1).max())}
 
     def identified(self, run: Simulation) -> tuple[dict[str, float], dict[str, float]] | None:
-        """Physical parameters and their deviations from a simulated log; None if they are not determined."""
-        settings = Preparation(held=True)
+        """Physical parameters and their deviations from a simulated log; None if the log does not determine them."""
+        settings, nominal, log = Preparation(held=True), self.parameters, run.log
         try:
             if self.method == "wls":
-                nominal = self.parameters
-                found = identify(self.model, run.log, preparation=settings, nominal=nominal, examine="bias")
+                found = identify(self.model, log, preparation=settings, nominal=nominal, examine="bias")
             else:
-                found = identify_by_instruments(
-                    self.model,
-                    run.log,
-                    ClosedLoop(self.axis, self.controller, run.log.sampling_frequency),
-                    preparation=settings,
-                    nominal=self.parameters,
-                )
+                loop = ClosedLoop(self.axis, self.controller, log.sampling_frequency)
+                found = identify_by_instruments(self.model, log, loop, preparation=settings, nominal=nominal)
         except (SettingError, LogError):
             return None
         if found.fit.status != "ok" or found.status == "weak_instruments" or not found.physical:
@@ -159,45 +154,44 @@ class IdentificationTrial:
         return values, dict(zip(values, map(float, found.physical_deviations), strict=True))
 
     def expectation(self, paths: Sequence[Trajectory], runs: int = 1) -> Expectation | None:
-        """Expectation along a reference for each drive; None beyond limits, or where the parameters are not determined.
+        """Expectation for a reference of each drive; None if limits or identification cannot be met.
 
-        References are made smaller if the axis goes beyond its limits. Each of the runs has other noise: the more, the
-        smaller a systematic error that is seen.
+        References are reduced if the axis exceeds its limits. The runs differ in their noise; more runs detect smaller
+        systematic errors.
         """
         kept = self.within_limits(paths)
         if kept is None:
             return None
-        motion = kept[0]
-        every = [kept[1]]
+        motion, first = kept
         seeds = range(1, runs)
-        every += [simulate(self.axis, self.parameters, motion, self.controller, seed=seed) for seed in seeds]
-        found = [one for run in every if (one := self.identified(run))]
+        others = [simulate(self.axis, self.parameters, motion, self.controller, seed=seed) for seed in seeds]
+        found = [one for run in (first, *others) if (one := self.identified(run))]
         if len(found) < runs:
             return None
         deviations = {name: math.sqrt(sum(one[1][name] ** 2 for one in found) / runs) for name in found[0][0]}
         relative = {}
         for name, deviation in deviations.items():
             truth = self.parameters[name]
-            # The mean of several runs differs from the truth by chance up to two of its deviations; the rest is bias.
+            # By chance, the mean of the runs differs from the truth by up to two of its deviations; the rest is bias.
             if truth and math.isfinite(deviation):
                 error = abs(sum(one[0][name] for one in found) / runs - truth)
-                beyond = max(error - _CHANCE * deviation / math.sqrt(runs), 0.0)
-                relative[name] = math.hypot(deviation, beyond) / abs(truth)
+                bias = max(error - _CHANCE * deviation / math.sqrt(runs), 0.0)
+                relative[name] = math.hypot(deviation, bias) / abs(truth)
         return Expectation(motion, deviations, relative, self.reached(*kept))
 
 
 @dataclass(frozen=True)
 class Design:
-    """The reference that was chosen, beside those of `symid simulate` within the same limits and time.
+    """The chosen reference, compared with the defaults of `symid simulate` within the same limits and time.
 
     Parameters
     ----------
     best : Expectation
-        Of the reference that was chosen.
+        Expectation for the chosen reference.
     defaults : dict of str to (Expectation or None)
-        Of the default trapezoids and the default chirp; None if they do not determine the parameters.
+        Expectations for the default trapezoids and the default chirp; None if they do not determine the parameters.
     tried : int
-        References that were simulated.
+        Number of references that were simulated.
     """
 
     best: Expectation
@@ -220,11 +214,11 @@ def design(
     experiment : IdentificationTrial
         Axis, noise, controller and limits.
     seconds, rate : float
-        Duration, s, and samples per second of controller and log, Hz.
+        Duration, s, and sampling rate of controller and log, Hz.
     seeds : int
-        Multisines with random phases, for each band.
+        Number of multisines with random phases for each band.
     track : callable, optional
-        Passes on the references that are tried, and may show how far it is.
+        Passes on the references that are tried, and may show progress.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""References to choose from: moves, chirps and multisines of one duration, each as large as limits allow."""
+"""Candidate references: moves, chirps and multisines of one duration, each as large as the limits allow."""
 
 from __future__ import annotations
 
@@ -16,16 +16,14 @@ from symid.simulation import Limits, Trajectory, chirp, trapezoids, whole_period
 from symid.simulation.multisine import Quantity
 
 DEFAULTS = ("default trapezoids", "default chirp")
-"""Names of the references that `symid simulate` makes of the same limits."""
-_USED = 0.95
-"""Share of a limit that a reference takes, so that the axis may overshoot."""
+"""Names of the references that `symid simulate` uses within the same limits."""
+_USED = 0.95  # share of a limit that a reference uses; the rest is for overshoot
 _BAND = (0.5, 20.0)
 _BEYOND_MODES = 1.25
 _DWELL = 0.2
 _WAYS = (1.0, 0.3, 0.1, 0.03)
 _SPEEDS = ((1.0,), (0.05, 0.3, 1.0))
-_JERK_TIME = 0.01
-"""Seconds in which acceleration builds up where no jerk is given."""
+_JERK_TIME = 0.01  # s, in which the acceleration builds up if the jerk is not limited
 _LINES = 21
 _CONSTANT: tuple[Quantity, ...] = ("velocity", "acceleration")
 _SWEEP: Literal["logarithmic"] = "logarithmic"
@@ -40,15 +38,15 @@ def references(
     Parameters
     ----------
     limits : Limits
-        The length of its travel, speed, acceleration and jerk. References begin at 0 and span that length at most.
+        Length of the travel, speed, acceleration and jerk. References start at 0.
     seconds : float
-        Duration of each; what moves leave of it is rest.
+        Duration of each reference; after its moves, the axis rests.
     rate : float
-        Samples per second, Hz.
+        Sampling rate, Hz.
     highest_mode : float
         Highest natural frequency of the axis, Hz; 0 if it has none.
     seeds : int
-        Multisines with random phases, for each band.
+        Number of multisines with random phases for each band.
 
     Examples
     --------
@@ -73,7 +71,7 @@ def references(
 def references_apart(
     limits: Limits, apart: float, drives: int, seconds: float, rate: float, highest_mode: float
 ) -> list[tuple[Trajectory, ...]]:
-    """References of drives that differ by at most `apart`: common moves, and multisines of other phases for each.
+    """References of several drives that differ by at most `apart`: common moves plus a separate multisine for each.
 
     >>> found = references_apart(Limits((-0.2, 0.2), 1.0, 8.0, 500.0), 1e-3, 2, 4.0, 1000.0, 0.0)
     >>> bool(max(np.abs(a.position - b.position).max() for a, b in found) <= 1e-3)
@@ -93,40 +91,40 @@ def references_apart(
 
 
 def scaled(trajectory: Trajectory, share: float) -> Trajectory:
-    """The motion with all amplitudes multiplied by a share."""
+    """The motion multiplied by a factor."""
     return _changed(lambda part: share * part, trajectory)
 
 
 def _changed(change: Callable[..., FloatArray], motion: Trajectory, *others: Trajectory) -> Trajectory:
-    """A motion whose position, velocity and acceleration are a function of those of some motions."""
+    """A motion whose position, velocity and acceleration are a function of those of the given motions."""
     names = ("position", "velocity", "acceleration")
     parts = {name: change(*(getattr(one, name) for one in (motion, *others))) for name in names}
     return motion.with_motion(**parts)
 
 
 def _default_moves(limits: Limits, rate: float, seconds: float) -> Trajectory:
-    """Trapezoids of `symid simulate`; shorter ones where those take too long."""
+    """Trapezoids of `symid simulate`, shortened until they fit into the duration."""
     way, speeds = _stroke(limits), [limits.speed / 5, limits.speed / 2, limits.speed]
     made = _trapezoids(limits, rate, way, speeds, _DWELL)
     while made.duration > seconds:
         way /= 1.2
         made = _trapezoids(limits, rate, way, speeds, _DWELL)
         if way * rate < limits.speed * 1e-3:
-            raise SettingError(f"{seconds:g} s are too short for moves to and fro: give more time")
+            raise SettingError(f"{seconds:g} s are too short for moves there and back: give more time")
     return replace(made, name=DEFAULTS[0])
 
 
 def _moves(limits: Limits, rate: float, seconds: float) -> Iterator[Trajectory]:
-    """Moves of several lengths at one speed or at three, as often as fits."""
+    """Moves of several lengths at one or three speeds, repeated as often as they fit."""
     for share, speeds in product(_WAYS, _SPEEDS):
         way = share * _stroke(limits)
         top = _USED * min(limits.speed, float(np.sqrt(way * limits.acceleration)))
         once = _trapezoids(limits, rate, way, [part * top for part in speeds], 0.0)
         times = int(seconds // once.duration)
         if times:
-            moved = _repeated(once, times)
+            repeated = _changed(lambda part, n=times: np.append(np.tile(part[:-1], n), part[-1]), once)
             kind = "one speed" if len(speeds) == 1 else f"{len(speeds)} speeds"
-            yield replace(moved, name=f"moves over {way:.3g} at {kind} up to {top:.3g}")
+            yield replace(repeated, name=f"moves over {way:.3g} at {kind} up to {top:.3g}")
 
 
 def _trapezoids(limits: Limits, rate: float, way: float, speeds: list[float], dwell: float) -> Trajectory:
@@ -141,15 +139,10 @@ def _trapezoids(limits: Limits, rate: float, way: float, speeds: list[float], dw
     )
 
 
-def _repeated(once: Trajectory, times: int) -> Trajectory:
-    """A motion from rest to rest, repeated."""
-    return _changed(lambda part: np.append(np.tile(part[:-1], times), part[-1]), once)
-
-
 def _vibrations(
     limits: Limits, rate: float, seconds: float, highest_mode: float, seeds: int
 ) -> Iterator[Trajectory]:
-    """Chirps, the one that is the default of `symid simulate` first, and multisines."""
+    """Chirps, the default of `symid simulate` first, and multisines."""
     top = max(_BAND[1], _BEYOND_MODES * highest_mode)
     tops = sorted({_BAND[1], 5.0, top})
     bands = [(max(0.2, 2 / seconds), high) for high in tops]
@@ -166,13 +159,13 @@ def _vibrations(
 def _multisine(
     band: tuple[float, float], seconds: float, rate: float, seed: int | None, size: float
 ) -> Trajectory:
-    """Lines of equal velocity, more of them at low frequencies."""
+    """Lines of equal velocity, spaced logarithmically."""
     rng = None if seed is None else np.random.default_rng(seed)
     return whole_periods(np.geomspace(*band, _LINES), size, seconds, rate, rng=rng)
 
 
 def _largest(limits: Limits, made: _Maker) -> Trajectory:
-    """The size that takes its share of the tightest limit; everything is proportional to it."""
+    """The motion scaled to use its share of the tightest limit."""
     motion = made(1.0)
     trial = motion.extremes
     reached = (trial.highest - trial.lowest, trial.speed, trial.acceleration, trial.jerk)
@@ -185,7 +178,7 @@ def _stroke(limits: Limits) -> float:
 
 
 def _lasting(motion: Trajectory, count: int) -> Trajectory:
-    """The trajectory extended by rest to a number of samples."""
+    """The trajectory extended by rest, or cut, to a number of samples."""
     still = np.zeros(max(count - motion.n_samples, 0))
     return motion.with_motion(
         position=np.append(motion.position, still + motion.position[-1])[:count],

@@ -1,4 +1,4 @@
-"""Units: their algebra, and how they are written in logs."""
+"""Units: their algebra, and their notations in logs."""
 
 from symid.units.unit import BASE_UNITS, Unit
 from symid.units.written import to_si

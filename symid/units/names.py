@@ -1,4 +1,4 @@
-"""Names of units as drives, scopes and users write them, each with what it is in SI."""
+"""Names of units as drives, scopes and users write them, with their factors to SI."""
 
 from __future__ import annotations
 
@@ -11,16 +11,15 @@ _TURN: Final = 2.0 * math.pi
 _SECOND, _METRE, _RADIAN = Unit.of("s"), Unit.of("m"), Unit.of("rad")
 _NEWTON, _TORQUE, _HERTZ = Unit.of("N"), Unit.of("N*m"), Unit() / _SECOND
 
+_MICRO: Final = dict.fromkeys("uµμ", 1e-6)
 _PREFIXES: Final = {
     "p": 1e-12,
     "n": 1e-9,
-    "u": 1e-6,
-    "µ": 1e-6,
-    "μ": 1e-6,
+    **_MICRO,
     "m": 1e-3,
     "c": 1e-2,
-    "d": 1e-1,
-    "da": 1e1,
+    "d": 0.1,
+    "da": 10.0,
     "k": 1e3,
     "M": 1e6,
 }
@@ -38,7 +37,7 @@ _SYMBOLS: Final[tuple[tuple[str, float, Unit, str], ...]] = (
     ("V", 1.0, Unit.of("V"), "n u µ μ m k"),
     ("Hz", 1.0, _HERTZ, "m k M"),
 )
-"""Symbols with the prefixes that they take: no machine is measured in megametres or gigaradians."""
+"""Symbols with the prefixes allowed for them: no machine is measured in megametres or gigaradians."""
 
 _LONG: Final[tuple[tuple[str, float, Unit], ...]] = (
     ("second", 1.0, _SECOND),
@@ -85,9 +84,9 @@ _COUNTED: Final = """
     Impulse step steps lsb LSB LSBs bit bits Bit Bits digit digits tick ticks qc
 """
 COUNTS: Final = frozenset(_COUNTED.split())
-"""Units of counts, whose size only the user knows."""
+"""Units of encoder or converter counts, whose size only the user knows."""
 PER_TURN: Final = frozenset({"cpr", "ppr", "CPR", "PPR"})
-"""Behind the number of counts of a turn."""
+"""Counts per turn."""
 
 
 def _table() -> dict[str, tuple[float, Unit]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 BASE_UNITS = ("kg", "A", "V", "m", "s", "rad")
-"""Base units in printing order. The volt is kept as its own unit: drives are often identified in volts."""
+"""Base units in printing order. The volt is one of them, since drives are often identified in volts."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Unit:
 
     @classmethod
     def of(cls, name: str) -> Unit:
-        """Unit named by one of the symbols that symid prints, such as ``"N"`` or ``"kg"``."""
+        """Unit with a symbol that symid prints, such as ``"N"`` or ``"kg"``."""
         return _NAMED[name]
 
     @staticmethod
@@ -48,7 +48,7 @@ class Unit:
         return Unit(tuple(power * a for a in self.exponents))
 
     def __str__(self) -> str:
-        """Named unit if there is one, else the product of base units with negative powers behind one slash each."""
+        """Symbol of a named unit, else a product of base units, with a slash before each negative power."""
         if self in _SYMBOLS:
             return _SYMBOLS[self]
         powers = [(name, power) for name, power in zip(BASE_UNITS, self.exponents, strict=True) if power]

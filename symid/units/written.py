@@ -1,9 +1,9 @@
-"""Units as they are written in headers and options: a unit is interpreted for its signal.
+"""Parser of units in headers and options, which interprets a unit for its signal.
 
     unit   = ["/"] factor { ["*" | "·" | " " | "/" | "per"] factor }
     factor = number | name [power] | "(" unit ")"
 
-A power is a small integer. No text, however long or nested, takes time.
+A power is a small integer. Length and nesting are limited, so that no text takes long to parse.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ _ACCELERATION: Final = Unit.of("m/s^2")
 _ROTATIONS: Final = (Unit.of("rad/s"), Unit.of("rad/s^2"))
 _GRAVITY: Final = {"g": 9.80665, "mg": 9.80665e-3}
 _CLOCKED: Final = ("Hz", "min")
-"""Endings of names by which a frequency is one of turns and not of radians."""
+"""Endings of names that make a frequency count turns, not radians."""
 
 
 @dataclass(frozen=True)
 class _Read:
-    """A parsed unit: factor to SI, unit, the names in it, and whether it has a number."""
+    """A parsed unit: factor to SI, unit, the names in it, and its number if it has one."""
 
     factor: float = 1.0
     unit: Unit = _NONE
@@ -53,7 +53,7 @@ class _Read:
     number: float | None = None
 
     def times(self, other: _Read, power: int = 1) -> _Read:
-        """Product with a power of another one."""
+        """Product with a power of another unit."""
         number = other.number if self.number is None else self.number
         factor = self.factor * other.factor**power
         return _Read(factor, self.unit * other.unit**power, self.names + other.names, number)
@@ -61,25 +61,25 @@ class _Read:
 
 @lru_cache(maxsize=1024)
 def to_si(text: str, expected: Unit | None = None) -> float:
-    """Factor that takes a quantity from a written unit to SI base units.
+    """Factor from a written unit to SI base units.
 
     Parameters
     ----------
     text : str
         A unit as users write it: ``"mm"``, ``"deg/s"``, ``"kN"``, ``"1/min"``, ``"4096 counts/rev"``.
     expected : Unit, optional
-        Unit that the signal must have. Where that is an angular velocity, ``Hz`` and ``1/min`` count turns; where
-        it is an acceleration, ``g`` is that of gravity; where it is a position, counts per turn or length are taken.
+        Unit that the signal must have. For an angular velocity, ``Hz`` and ``1/min`` count turns; for an acceleration,
+        ``g`` is that of gravity; for a position, counts per turn or length are accepted.
 
     Returns
     -------
     float
-        Multiply a value in `text` by this to have it in SI.
+        A value in the written unit times this factor is the value in SI.
 
     Raises
     ------
     LogError
-        If the unit is unknown, may mean several things, or does not measure what is expected.
+        If the unit is unknown, ambiguous, or of another quantity than expected.
 
     Examples
     --------
@@ -134,7 +134,7 @@ def _quoted(text: str) -> str:
 
 
 def _parsed(text: str) -> _Read:
-    """Parse a unit without expectation; LogError if it is not a unit."""
+    """Parse a unit; LogError if the text is not a unit."""
     unknown = LogError(
         f"unit {_quoted(text)} is not known: write a unit such as m, mm, um, rad, deg, N, kN, A or V"
     )
@@ -155,7 +155,7 @@ def _parsed(text: str) -> _Read:
 
 
 def _product(text: str, depth: int) -> tuple[_Read, str]:
-    """A product and the rest of the text behind it; ValueError without a product."""
+    """The product at the start of a text, and the rest of the text; ValueError without a product."""
     read, sign, wanted = _Read(), 1, True
     while text.strip():
         token = _TOKEN.match(text)

@@ -1,11 +1,12 @@
 """Force laws in joints and springs: friction and every other effect that an axis may have.
 
-A law is one class. It states its place and the force that opposes the motion there, as a sum of terms
-``parameter * expression(q, v)``, q and v being displacement and velocity of the joint. The expression is
-text, so that declaring an axis needs no sympy; derivation, generated code, simulation, export and diagnosis
-all read the same text. All of symid knows the names that a module of this package lists in ``__all__``.
+A law is one class. It states its joint and the force that opposes the motion there, as a sum of terms
+``parameter * expression(q, v)`` with the displacement q and the velocity v of the joint. The expression is text, so
+that declaring an axis needs no sympy; derivation, generated code, simulation, export and diagnosis all read this text.
+All of symid knows the names that a module of this package lists in ``__all__``.
 
-Amplitudes are parameters to identify; what an amplitude cannot scale, such as a pitch, is a number of the declaration.
+Amplitudes are parameters to identify. A quantity in which the force is not linear, such as a pitch, is a number of the
+declaration.
 """
 
 from symid.axis.laws import along_stroke, constant, friction, spring

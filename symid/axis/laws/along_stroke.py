@@ -1,4 +1,4 @@
-"""Forces and friction that vary along the stroke: stiffness, cogging, friction that depends on the place."""
+"""Forces and friction that vary along the stroke: stiffness, cogging, position-dependent friction."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _ALONG = "move slowly over the whole stroke in both directions"
 
 @dataclass(frozen=True)
 class PositionStiffness(Law):
-    """A force that grows with displacement, k q: cable chain, bellows, the tilt of a spring balance.
+    """A force proportional to the displacement, k q: cable chain, bellows, the tilt of a spring balance.
 
-    It is a linear spring (no sensor need see the joint), but k may be negative.
+    It is a linear spring, so that its joint need not be measured, but k may be negative.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class PositionStiffness(Law):
     stiffness: Parameter
     formula: ClassVar = (Term("stiffness", "q", 1, signed=True),)
     hypotheses: ClassVar = (Hypothesis("position_stiffness", ("k",)),)
-    advice: ClassVar = "move slowly over the whole stroke in both directions"
+    advice: ClassVar = _ALONG
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Unbalance(Law):
     Parameters
     ----------
     at : Body
-        A body that turns about a horizontal axis; what it is on does not turn.
+        A body that turns about a horizontal axis, on a base that does not turn.
     sine, cosine : str
         Parameters Gs and Gc in N m; both may be negative.
 
@@ -111,7 +111,7 @@ class Unbalance(Law):
     moves_hidden: ClassVar = False
 
     def faults(self) -> Iterator[str]:
-        """Faults of the joint, in which q has to be an angle against the ground."""
+        """Faults of the joint, whose q must be an angle relative to the ground."""
         yield from super().faults()
         if not (isinstance(self.at, Body) and self.at.turns):
             yield "at must be a body that turns: use Weight where it slides"
@@ -121,9 +121,9 @@ class Unbalance(Law):
 
 @dataclass(frozen=True)
 class PeriodicFriction(Law):
-    """A Coulomb level that repeats along the stroke: sign(v) (dFs sin(2 pi q/pitch) + dFc cos(2 pi q/pitch)).
+    """A Coulomb level that is periodic along the stroke: sign(v) (dFs sin(2 pi q/pitch) + dFc cos(2 pi q/pitch)).
 
-    Declare it beside Coulomb friction, so that the level stays above 0 everywhere.
+    Declare it beside Coulomb friction, so that the total level is positive everywhere.
 
     Parameters
     ----------

@@ -33,8 +33,8 @@ class OffsetForce(Law):
 class UnknownZero(Law):
     """The force of a spring whose deflection is measured from an unknown zero, as between two incremental encoders.
 
-    It acts like a preload, but has another value in each log: it is estimated with each log and says nothing
-    of the axis.
+    It acts like a preload, but its value differs from log to log: it is estimated for each log and is no property of
+    the axis.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Friction as a function of speed: viscous, Coulomb, Stribeck, drag, and what differs by direction."""
+"""Friction as a function of velocity: viscous, Coulomb, Stribeck, drag, and differences between directions."""
 
 from __future__ import annotations
 
@@ -82,9 +82,9 @@ class AsymmetricFriction(Law):
 class FrictionAsymmetry(Law):
     """Difference of friction between directions: dFs + dFv abs(v), beside Coulomb and viscous friction.
 
-    The parameters are half the differences of the levels and coefficients of both directions, forward less backward.
-    `AsymmetricFriction` has a level and a coefficient for each direction. While an axis moves, dFs alone
-    is a constant force, which a diagnosis considers too.
+    The parameters are half the differences of level and coefficient, forward minus backward; `AsymmetricFriction` has a
+    level and a coefficient for each direction instead. While an axis moves, dFs alone is a constant force, which a
+    diagnosis considers too.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class ViscousAsymmetry(Law):
     Parameters
     ----------
     viscous : str
-        Parameter dFv in N s/m or N m s/rad, half the difference of the coefficients, forward less backward; it may be
+        Parameter dFv in N s/m or N m s/rad, half the difference of the coefficients, forward minus backward; it may be
         negative.
 
     Examples
@@ -138,9 +138,9 @@ class StribeckFriction(Law):
     Parameters
     ----------
     level : str
-        Parameter dF in N or N m, by which friction at rest exceeds the Coulomb level.
+        Parameter dF in N or N m, the excess of friction at rest over the Coulomb level.
     velocity : float
-        Stribeck velocity in m/s or rad/s: from it on, the excess falls below dF/e.
+        Stribeck velocity in m/s or rad/s, at which the excess is dF/e.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The record of a force law; derivation, generated code, simulation, export and diagnosis read it from there."""
+"""The record of a force law, which derivation, generated code, simulation, export and diagnosis share."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ class Term:
     parameter : str
         Name of the physical parameter; in the formula of a class, the field that holds this name.
     expression : str
-        In q (displacement of the joint), v (its velocity), numbers and `FUNCTIONS`; in the formula of a class,
-        also in its shape parameters.
+        Expression in q (displacement of the joint), v (its velocity), numbers and `FUNCTIONS`; in the formula of a
+        class, also in its shape parameters.
     length_power, time_power : int
-        Dimension of the expression as length^a / time^b, from which the parameter's unit follows.
+        Dimension of the expression as length^a / time^b, which determines the unit of the parameter.
     signed : bool
         Whether the parameter may be negative.
     per_log : bool
-        Whether the parameter belongs to a log and not to the axis.
+        Whether the parameter is a property of a log, not of the axis.
     """
 
     parameter: str
@@ -50,12 +50,12 @@ class Term:
 
     @property
     def is_linear(self) -> bool:
-        """Whether the term is linear in the motion, so that it needs no measured coordinate."""
+        """Whether the term is linear in the motion, so that its joint need not be measured."""
         return self.expression in ("q", "v")
 
 
 Scale: TypeAlias = Literal["speed", "stroke", "deflection"]
-"""Motion of a joint in a log: highest speed, stroke, largest displacement to either side."""
+"""Motion of a joint in a log: highest speed, stroke, largest displacement in either direction."""
 
 
 @dataclass(frozen=True)
@@ -65,16 +65,16 @@ class ShapeParameter:
     Parameters
     ----------
     field : str
-        The field that holds it, by which formulas name it.
+        Field that holds it; formulas use this name.
     symbol : str
         Its name in a diagnosis.
     scale : str
-        The quantity it is compared with, which determines its unit, see `Scale`.
+        Quantity of the log to which it is relative, which also determines its unit, see `Scale`.
     trials : tuple of (float, float, int), optional
-        Values that a diagnosis tries: lowest and highest in multiples of the scale, and how many, evenly spaced on a
-        logarithmic scale. None if the effect has its own search.
+        Values that a diagnosis tries: lowest and highest in multiples of the scale, and their number, spaced
+        logarithmically. None if the effect has its own search.
     bounds : tuple of (float, float), optional
-        Multiples of the scale between which a fit may move it.
+        Bounds of a fit in multiples of the scale.
     """
 
     field: str
@@ -86,21 +86,21 @@ class ShapeParameter:
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """How a diagnosis considers a law that a model may lack.
+    """The form in which a diagnosis considers a law that may be missing from a model.
 
     Parameters
     ----------
     effect : str
         Name of the effect.
     symbols : tuple of str
-        Names of the parameters in the diagnosis: those of the laws `together` with it, then its own, in the order of
-        their formulas. With fewer symbols than terms, the last terms are left out.
+        Names of the parameters in the diagnosis: those of the laws in `together`, then its own, in the order of the
+        formulas. If there are fewer symbols than terms, the last terms are omitted.
     together : tuple of Law classes
         Laws that are added with it.
     beside : tuple of Law classes
-        Laws that must be declared in the joint already.
+        Laws that must already be declared in the joint.
     without : tuple of Law classes
-        Laws that must not be declared there: they act alike.
+        Laws that must not be declared there, because they act alike.
     """
 
     effect: str
@@ -115,12 +115,12 @@ class Law(ABC):
     """Base of all force laws.
 
     A law is one class: its fields, and its `formula`, the force that opposes the motion of its joint. If it has
-    `hypotheses`, the diagnosis considers it too.
+    `hypotheses`, a diagnosis considers it too.
 
     Parameters
     ----------
     at : Body or Between
-        The joint in which the law acts: a body stands for the joint between it and what it is on.
+        The joint in which the law acts: a body stands for the joint between it and its base.
 
     Examples
     --------
@@ -133,21 +133,21 @@ class Law(ABC):
 
     at: Joint
     formula: ClassVar[tuple[Term, ...]] = ()
-    """The force, in the names of the fields."""
+    """The force, in terms of the fields."""
     shape: ClassVar[tuple[ShapeParameter, ...]] = ()
-    """Fields that are numbers."""
+    """Fields that hold numbers."""
     hypotheses: ClassVar[tuple[Hypothesis, ...]] = ()
-    """How a diagnosis considers the law; the first names all its parameters."""
+    """Forms in which a diagnosis considers the law; the first names all its parameters."""
     once: ClassVar[bool] = False
-    """Whether a diagnosis considers it only in joints for which none is declared."""
+    """Whether a diagnosis considers it only in joints without such a law."""
     in_spring: ClassVar[bool] = False
-    """Whether it belongs to a spring, so that q is the deflection of that."""
+    """Whether it belongs to a spring, with q as the deflection of the spring."""
     moves_hidden: ClassVar[bool] = True
     """Whether it may change the motion of an unmeasured joint so much that a diagnosis must integrate that motion."""
     imitates: ClassVar[tuple[type[Law], ...]] = ()
-    """Simpler laws whose lack it may explain as well: a diagnosis tries them too, and prefers them in a tie."""
+    """Simpler laws that may explain the same gap: a diagnosis tries them too, and prefers them in a tie."""
     advice: ClassVar[str] = ""
-    """Measurement that confirms the law, as the next experiment of a diagnosis."""
+    """Measurement that confirms the law; a diagnosis proposes it as the next experiment."""
 
     def terms(self) -> tuple[Term, ...]:
         """Terms of the force that opposes the motion."""
@@ -162,7 +162,7 @@ class Law(ABC):
         )
 
     def named(self, field: str) -> str:
-        """Name of the parameter in a field; a known value is named after the joint and the field."""
+        """Name of the parameter in a field; a known value gets a name from joint and field."""
         value: str = getattr(self, field)
         return f"{joint_label(self.at)}_{field}" if is_number(value) else value
 
@@ -172,7 +172,7 @@ class Law(ABC):
         return {self.named(field): float(value) for field, value in given.items() if is_number(value)}
 
     def faults(self) -> Iterator[str]:
-        """Faults of the numbers of the law; `Axis` reports them with all others."""
+        """Faults of the law's numbers, which `Axis` reports with all others."""
         for number in self.shape:
             value = getattr(self, number.field)
             if not (is_finite(value) and value > 0):
@@ -180,12 +180,12 @@ class Law(ABC):
 
 
 def is_finite(value: object) -> bool:
-    """Whether a value is a finite number (a truth value is not one)."""
+    """Whether a value is a finite number; booleans are not numbers."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def written(number: float) -> str:
-    """A number as text for an expression, the same for 1, 1.0 and a NumPy number; anything else as it is.
+    """A number as text for an expression, equal for 1, 1.0 and a NumPy number; the `repr` of anything else.
 
     >>> written(1), written(0.02), written("wide")
     ('1.0', '0.02', "'wide'")

@@ -1,4 +1,4 @@
-"""Laws of springs, in their deflection q."""
+"""Laws of springs, with the deflection q."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ __all__ = ["Backlash", "StiffnessNonlinearity"]
 
 @dataclass(frozen=True)
 class StiffnessNonlinearity(Law):
-    """A spring that becomes harder with its deflection, or softer: k3 q^3, beside a `Spring` in the same joint.
+    """A spring that stiffens or softens with its deflection: k3 q^3, beside a `Spring` in the same joint.
 
     Parameters
     ----------
     cubic : str
-        Parameter k3 in N/m^3 or N m/rad^3; negative where the spring becomes softer.
+        Parameter k3 in N/m^3 or N m/rad^3; negative for a softening spring.
 
     Examples
     --------
@@ -39,8 +39,8 @@ class StiffnessNonlinearity(Law):
 class Backlash(Law):
     """Play in a spring: -Kb clip(q, -gap/2, gap/2), beside a `Spring` of stiffness K in the same joint.
 
-    With Kb = K the joint is free within the gap; with a smaller Kb it is softer there. A clipped value is half the
-    difference of two absolute values: clip(q, -b, b) = (abs(q + b) - abs(q - b))/2.
+    With Kb = K the joint is free within the gap; with a smaller Kb it is softer there. The clipped value is written
+    with absolute values: clip(q, -b, b) = (abs(q + b) - abs(q - b))/2.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Backlash(Law):
     stiffness : str
         Parameter Kb in N/m or N m/rad.
     gap : float
-        Width of the play in m or rad, all of it.
+        Total width of the play in m or rad.
 
     Examples
     --------
