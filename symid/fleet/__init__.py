@@ -1,4 +1,4 @@
-"""Many logs: each identified alone into one table, what several share, how they spread, and a fleet's review."""
+"""Many logs: batches that identify each log, joint estimates, spread between runs, and the review of a fleet."""
 
 from symid.fleet.batch import Batch, Interrupted, identify_batch, summary_of
 from symid.fleet.batch_settings import BatchSettings

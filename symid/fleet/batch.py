@@ -1,4 +1,4 @@
-"""`identify_batch`: from many logs to a table with a row for each, and its summary."""
+"""`identify_batch`: many logs identified into a table with one row per log, and its summary."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ class Interrupted(KeyboardInterrupt):
     Attributes
     ----------
     rows : int
-        Rows that are finished.
+        Number of finished rows.
     journal : Path or None
-        File that holds them.
+        File with these rows.
     """
 
     def __init__(self, rows: int, journal: Path | None) -> None:
@@ -67,17 +67,17 @@ class Batch(Shown):
     rows : tuple of mapping
         One for each log, in the order of the logs.
     units : mapping
-        From axis to sensors to parameter to unit.
+        Units by axis, sensors and parameter.
     diagnosed : bool
         Whether the logs were diagnosed.
     joint : bool
         Whether the rows hold the triangular factors of their logs, see `BatchSettings`.
     reused : int
-        Rows that an earlier run had made.
+        Number of rows reused from an earlier run.
     files : tuple of Path
         Files written.
     replaced : Path or None
-        Where the former table is kept if it held logs that this one does not.
+        Copy of the former table if that held logs that are not in this one.
     """
 
     rows: tuple[Row, ...]
@@ -90,22 +90,22 @@ class Batch(Shown):
 
     @cached_property
     def table(self) -> pl.DataFrame:
-        """The rows as a table, as the files hold it."""
+        """The rows as the table that is written to files."""
         return table_of(self.rows, parameter_columns(self.units), self.diagnosed, self.joint)
 
     @property
     def headline(self) -> str:
-        """How many logs there are, and of which status."""
+        """Number of logs, in total and by status."""
         statuses = ", ".join(f"{name} {count}" for name, count in self.statuses.items())
         return f"of {len(self.rows)} logs: {statuses}"
 
     def to_frame(self) -> pl.DataFrame:
-        """The rows as a polars data frame; its ``to_pandas`` and ``to_arrow`` give those of other libraries."""
+        """The rows as a polars data frame; ``to_pandas`` and ``to_arrow`` convert it to those of other libraries."""
         return self.table
 
     @property
     def statuses(self) -> dict[str, int]:
-        """How many logs have each status, the most frequent first."""
+        """Number of logs of each status, the most frequent first."""
         return dict(Counter(str(row["status"]) for row in self.rows).most_common())
 
 
@@ -120,16 +120,15 @@ def identify_batch(
     folder: Path | None = None,
     track: Track = lambda rows, total: rows,
 ) -> Batch:
-    """Identify each of many logs alone; a log that cannot be identified becomes a row that says why.
+    """Identify each log separately. A log that cannot be identified becomes a row with a status and a message.
 
-    With `output` the batch can be stopped at any time, even by a power failure: the same call then does the rest.
-    A row is used again if the bytes of its log, the declaration of its axis, the settings and the version of symid
-    are the same.
+    With `output`, a batch that was interrupted, even by a power failure, is completed by the same call. A row is reused
+    if the contents of its log, the declaration of its axis, the settings and the version of symid are unchanged.
 
     Parameters
     ----------
     axes : str, Axis or sequence of them
-        As in `symid.load_generated`. Of several, a log is one of the first whose force and sensors it holds.
+        As in `symid.load_generated`. A log belongs to the first of these axes whose force and sensors it contains.
     logs : path-like or iterable of path-like
         Files, folders (all logs in them) and glob patterns.
     output : path-like or iterable of path-like, optional
@@ -137,13 +136,13 @@ def identify_batch(
     settings : BatchSettings, optional
         Settings that all logs share.
     jobs : int, optional
-        Processes; as many as there are cores by default. 1 works in this process.
+        Number of processes; that of the cores by default. With 1, this process does the work.
     scheduler : str, optional
         Address of a Dask scheduler, whose workers see the logs under the same paths.
     folder : Path, optional
-        Folder of the generated modules, if it is not the one that belongs to the axis files.
+        Folder of the generated modules; by default that of the axis files.
     track : callable
-        Takes the rows as they come and how many there will be, passes them on, and may show how far they are.
+        Takes the rows as they arrive and their final number, passes them on, and may show progress.
 
     Returns
     -------
@@ -152,7 +151,7 @@ def identify_batch(
     Raises
     ------
     SettingError, GeneratedModuleError, SymidError
-        If a setting is not possible, an axis has no module, or the results cannot be written.
+        If a setting is invalid, an axis has no module, or the results cannot be written.
     Interrupted
         By Ctrl-C; finished rows are kept.
 
@@ -179,14 +178,11 @@ def _identified(
     run: Scheduler,
     track: Track,
 ) -> Batch:
-    """The batch, while nobody else writes its files."""
+    """The batch, while its files are locked."""
     journal = journal_file(files[0]) if files else None
-    table, *_ = [read_rows(file) for file in files] or [[]]  # all are looked at: none must be something else
-    former = {str(row["log"]) for row in table}
-    earlier: dict[str, dict[str, Row]] = defaultdict(dict)
-    for row in (*table, *(read_journal(journal) if journal else ())):
-        if row.get("key") and row.get("status"):
-            earlier[str(row["log"])][str(row["key"])] = row
+    # All files are read, so that a file with other contents is refused before anything is computed.
+    table, *_ = [read_rows(file) for file in files] or [[]]
+    earlier = _by_key([*table, *(read_journal(journal) if journal else ())])
     tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(visible(name), ()))) for name in names]
     rows: dict[str, Row] = {}
     made = 0
@@ -196,7 +192,7 @@ def _identified(
             finished = opened.enter_context(closing(run.run(partial(work, chosen), tasks)))
             for task, outcome in track(finished, len(tasks)):
                 found = outcome or killed(task)
-                if found.row is None:  # log, axis and settings are as they were
+                if found.row is None:  # log, axis and settings are unchanged
                     rows[task.log] = earlier[visible(task.log)][str(found.unchanged)]
                     continue
                 if book:
@@ -209,7 +205,8 @@ def _identified(
         raise SymidError(f"{error}; {_kept(len(rows), journal)}") from error
     ordered = tuple(rows[name] for name in names)
     units = units_of(ordered, chosen)
-    replaced = _former_kept(files, former - set(map(visible, names)))
+    dropped = {str(row["log"]) for row in table}.difference(map(visible, names))
+    replaced = _former_kept(files, dropped)
     diagnosed = any(axis.settings.diagnose for axis in chosen)
     joint = any(axis.settings.joint for axis in chosen)
     batch = Batch(ordered, units, diagnosed, joint, len(names) - made, files, replaced)
@@ -223,15 +220,24 @@ def _identified(
     return batch
 
 
+def _by_key(rows: Iterable[Row]) -> dict[str, dict[str, Row]]:
+    """Finished rows by log and key; a row is reused if the key is unchanged."""
+    found: dict[str, dict[str, Row]] = defaultdict(dict)
+    for row in rows:
+        if row.get("key") and row.get("status"):
+            found[str(row["log"])][str(row["key"])] = row
+    return found
+
+
 def _kept(rows: int, journal: Path | None) -> str:
     if journal is None:
         return f"{rows} rows were finished and are lost: give an output file"
-    kept = len(read_journal(journal))  # an interrupt may come between a line of the journal and its count
+    kept = len(read_journal(journal))  # an interrupt may fall between the writing of a row and its counting
     return f"{kept} finished rows are kept in {journal}: run the same command again to do the rest"
 
 
 def _former_kept(files: Sequence[Path], dropped: set[str]) -> Path | None:
-    """A copy of the table as it was, if it holds logs that the new one does not."""
+    """A copy of the former table, if it holds logs that are not in the new one."""
     if not dropped:
         return None
     place = free_name(files[0], _BEFORE)
@@ -244,15 +250,15 @@ def _former_kept(files: Sequence[Path], dropped: set[str]) -> Path | None:
 
 
 def summary_of(batch: Batch) -> dict[str, Any]:
-    """Record of `symid batch --json`.
+    """Summary of a batch, the record of `symid batch --json`.
 
-    The spread of a parameter is a standard deviation too, from the median absolute deviation over the logs of status
-    "ok", which stray logs do not move; ``std`` is the median of the standard deviations of the logs.
+    ``spread`` is the robust standard deviation of a parameter over the logs of status "ok", from the median absolute
+    deviation; ``std`` is the median of the standard deviations of these logs.
 
     Parameters
     ----------
     batch : Batch
-        Its rows.
+        The batch.
     """
     troubles = [row for row in batch.rows if row["status"] != "ok"][:_MOST_TROUBLES]
     record: dict[str, Any] = {
@@ -274,26 +280,26 @@ def summary_of(batch: Batch) -> dict[str, Any]:
 
 
 def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
-    """Each parameter over the logs of an axis with the same sensors."""
+    """Statistics of each parameter over the logs of an axis, for each set of sensors."""
     found = []
     for measured, units in batch.units[axis].items():
         wanted = {"axis": axis, "measured": measured, "status": "ok"}.items()
         rows = [r for r in batch.rows if wanted <= r.items()]
         for name, unit in units.items():
-            values = np.array([r[name] for r in rows if r.get(name) is not None], dtype=float)
-            found_stds = [r[f"{name}_std"] for r in rows if r.get(f"{name}_std") is not None]
-            deviations = np.array(found_stds, dtype=float)
-            if not values.size:
-                continue
-            found.append(
-                {
-                    "name": name,
-                    "measured": measured,
-                    "logs": values.size,
-                    "median": float(np.median(values)),
-                    "spread": robust_deviation(values),
-                    "std": float(np.median(deviations)) if deviations.size else None,
-                    "unit": unit,
-                }
+            values, deviations = (
+                np.array([row[column] for row in rows if row.get(column) is not None], dtype=float)
+                for column in (name, f"{name}_std")
             )
+            if values.size:
+                found.append(
+                    {
+                        "name": name,
+                        "measured": measured,
+                        "logs": values.size,
+                        "median": float(np.median(values)),
+                        "spread": robust_deviation(values),
+                        "std": float(np.median(deviations)) if deviations.size else None,
+                        "unit": unit,
+                    }
+                )
     return found

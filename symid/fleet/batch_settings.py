@@ -1,8 +1,8 @@
-"""How the logs of a batch are identified."""
+"""Settings of a batch."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
@@ -15,7 +15,7 @@ from symid.identification import Preparation
 from symid.identification.axis_logs import axis_columns
 
 ROW_METHODS = ("wls", "ols")
-"""Methods to which the triangular factors of the rows are all that there is to know of a log."""
+"""Methods that need only the triangular factors of a log."""
 METHODS = (*ROW_METHODS, "iv", "oe")
 
 
@@ -28,43 +28,43 @@ class BatchSettings:
     method : {"wls", "ols", "iv", "oe"}
         Weighted or ordinary least squares, instrumental variables, or output error.
     measured : tuple of str, optional
-        Sensors to use; those that each log holds by default.
+        Sensors to use; by default those that each log contains.
     columns, units, gains : mapping of str to str, str, float
-        Column, unit and factor of signals whose columns are foreign, as in `symid.read_axis_log`.
+        Column, unit and factor of signals in foreign files, as in `symid.read_axis_log`.
     layout, sampling_period, resample
-        Of foreign files, as in `symid.read_axis_log`.
+        Properties of foreign files, as in `symid.read_axis_log`.
     preparation : Preparation
-        Open settings are chosen from each log.
+        Preprocessing; settings that are not given are chosen for each log.
     held : tuple of str
-        Forces that are held from sample to sample, besides those that axes declare as held.
+        Held forces (zero-order hold), in addition to those that axes declare as held.
     ddof : int, optional
         As in `symid.identify`.
     nominal : mapping of str to float, optional
-        Nominal physical parameters, SI: a start of the identification, and the simulation that is diagnosed.
+        Nominal physical parameters, SI: initial values of the identification, and the model that is diagnosed.
     bounds : mapping of str to (float or None, float or None)
-        Between which physical parameters lie, None for no bound.
+        Lower and upper bound of physical parameters, None for no bound.
     prior : mapping of str to (float, float)
         Prior mean and standard deviation of physical parameters.
     controller : mapping of str to float
         Gains of the machine's controller by the fields of `symid.simulation.Cascade`, for "iv" and "oe".
     rate_hz : float, optional
-        Rate of the controller.
+        Sampling rate of the controller.
     diagnose : bool
         Whether each log is diagnosed too, which takes seconds per log.
     examine : bool
         Whether timing and bias are examined, see `symid.identify`.
     joint : bool
-        Whether rows keep the triangular factors of their logs, some hundred numbers each, so that the logs of an axis
+        Whether rows keep the triangular factors of their logs, a few hundred numbers each, so that the logs of an axis
         can be joined without reading them again; for "wls" and "ols".
     memory : int
-        Bytes that a log may take in a process; a longer CSV or Parquet file is identified in blocks by "wls" and "ols".
+        Memory limit of a log in bytes; a longer CSV or Parquet file is identified in blocks by "wls" and "ols".
     seconds : float
-        Longest time for one log; a worker that takes longer is ended.
+        Time limit of a log; a worker that exceeds it is terminated.
 
     Raises
     ------
     SettingError
-        If the method is not known, or cannot be joined.
+        If the method is unknown or does not allow another setting.
     """
 
     method: Literal["wls", "ols", "iv", "oe"] = "wls"
@@ -101,33 +101,33 @@ class BatchSettings:
 
     @property
     def canonical(self) -> str:
-        """Text that is the same for the same settings, in every process."""
+        """Text that is equal for equal settings in every process."""
         return repr(_sorted(replace(self, memory=MEMORY, seconds=LONGEST)))  # limits change no result
 
     def of_axis(self, axis: Axis) -> BatchSettings:
-        """Settings that concern one axis; each axis has its own signals."""
-        known = _signals(axis)
-        chosen = None
-        if self.measured is not None:
-            sensors = {sensor.signal for sensor in axis.sensors}
-            chosen = tuple(name for name in self.measured if name in sensors) or None
-        late = {name: value for name, value in self.preparation.late.items() if name in axis.signal_units}
+        """The settings restricted to the signals and parameters of one axis."""
+
+        def of(mapping: Mapping[str, Any], known: Collection[str]) -> dict[str, Any]:
+            return {name: value for name, value in mapping.items() if name in known}
+
+        signals, free = _signals(axis), axis.physical_parameters
+        sensors = {sensor.signal for sensor in axis.sensors}
         held = True if any(d.signal in self.held for d in axis.drives) else self.preparation.held
-        free = frozenset(axis.physical_parameters)
+        late = of(self.preparation.late, axis.signal_units)
         return replace(
             self,
-            measured=chosen,
-            columns=_of(self.columns, known),
-            units=_of(self.units, known),
-            gains=_of(self.gains, known),
-            bounds=_of(self.bounds, free),
-            prior=_of(self.prior, free),
+            measured=tuple(name for name in self.measured or () if name in sensors) or None,
+            columns=of(self.columns, signals),
+            units=of(self.units, signals),
+            gains=of(self.gains, signals),
+            bounds=of(self.bounds, free),
+            prior=of(self.prior, free),
             preparation=replace(self.preparation, late=late, held=held),
             held=(),
         )
 
     def check(self, axes: tuple[Axis, ...]) -> None:
-        """SettingError for a signal that none of the axes has."""
+        """SettingError for a signal, parameter or nominal value that does not match the axes."""
         known = frozenset().union(*map(_signals, axes))
         named = (*(self.measured or ()), *self.columns, *self.units, *self.gains)
         for signal in (*named, *self.preparation.late):
@@ -150,18 +150,14 @@ class BatchSettings:
             missing = [name for name in axis.physical_parameters if name not in given]
             if missing:
                 raise SettingError(
-                    f"nominal values lack {', '.join(missing)} of axis {axis.name!r}: give them"
+                    f"nominal values without {', '.join(missing)} of axis {axis.name!r}: give all"
                 )
 
 
 def _signals(axis: Axis) -> frozenset[str]:
-    """All names that a setting may use for a column of a log."""
+    """All names that settings may use for the columns of a log."""
     expected, alternatives = axis_columns(axis)
     return frozenset({"t", "reference", *expected, *(column for column, _ in alternatives.values())})
-
-
-def _of(mapping: Mapping[str, Any], known: frozenset[str]) -> dict[str, Any]:
-    return {name: value for name, value in mapping.items() if name in known}
 
 
 def _sorted(value: object) -> object:

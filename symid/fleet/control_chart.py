@@ -1,15 +1,14 @@
-"""Control chart of a parameter over time: which runs are outliers, and when the parameter stepped or drifted.
+"""Control chart of a parameter over time: outliers among the runs, and steps and drifts of the parameter.
 
-An individuals chart (Shewhart; Montgomery, ch. 6) whose limits follow each run: the run's own standard deviation s_i
-and the deviation between runs tau,
+An individuals chart (Shewhart; Montgomery, ch. 6) with separate limits for each run, from its standard deviation s_i
+and the standard deviation between runs tau:
 
     centre +- 3 sqrt(s_i^2 + tau^2).
 
-The centre is the level, or the line, of the segment that the run belongs to (`symid.fleet.segments`). The variance
-between runs is at first taken from successive differences, as a moving range is, by their median, so that steps and
-drifts do not enter; then from the residuals within the segments, by Paule and Mandel's equation. Single runs, or two
-in a row, that stand off the median of five neighbours are outliers and take no part in the search for changes; three
-in a row may be a step.
+The centre is the level, or the line, of the segment that contains the run (`symid.fleet.segments`). The variance
+between runs is first estimated from the median of successive differences, which steps and drifts do not affect, and
+then from the residuals within the segments, by Paule and Mandel's equation. One or two successive runs far from the
+median of five neighbours are outliers, which the search for changes ignores; three successive runs may be a step.
 """
 
 from __future__ import annotations
@@ -30,13 +29,14 @@ from symid.fleet.segments import Series, TrendChange, TrendSegment, cut, places_
 from symid.fleet.spread import variance_where_zero
 
 LEAST_RUNS = 8
-"""Runs from which changes are looked for."""
-_LIMIT = 3.0
-_STANDS_OFF = 4.5
-_LEAST_STEP = 3.0
-"""Standard deviations that the jump between two segments must have to be called a step."""
-_TINY, _SMALLEST = np.finfo(np.float64).tiny, 1e-100
-"""Least standard deviation, and its least ratio to the value; no measurement has a smaller one."""
+"""Smallest number of runs for which changes are sought."""
+_LIMIT = 3.0  # control limits, in standard deviations
+_OUTLYING = 4.5  # distance of an outlier from the median of its neighbours, in standard deviations
+_LEAST_STEP = 3.0  # smallest jump between two segments that counts as a step, in standard deviations
+_TINY, _SMALLEST = (
+    np.finfo(np.float64).tiny,
+    1e-100,
+)  # smallest standard deviation, absolute and relative to the value
 _MEDIAN_OF_SQUARE = float(scipy.special.chdtri(1, 0.5))
 _ROUNDS = 5
 _NEIGHBOURS = 5
@@ -44,28 +44,28 @@ _NEIGHBOURS = 5
 
 @dataclass(frozen=True, eq=False)
 class ControlChart:
-    """A parameter over time. Arrays are read-only, one entry a run, in order of time.
+    """A parameter over time. Arrays are read-only, with one entry per run in order of time.
 
     Parameters
     ----------
     time : tuple of datetime or of float
-        When each run was recorded; its number where that is not known.
+        Time of each run; its number if times are unknown.
     order : array of int
-        Place of each run in what was given.
+        Index of each run in the given order.
     values, deviations : array of shape (n,)
-        Value and promised standard deviation of each run.
+        Value and stated standard deviation of each run.
     centre, limit : array of shape (n,)
         Line of the segment, and three standard deviations about it.
     outside : bool array of shape (n,)
         Runs beyond their limits.
     isolated : bool array of shape (n,)
-        Outliers, alone or two in a row: far from their neighbours on both sides, and left out of all estimates.
+        Outliers, single or two in a row, which no estimate uses.
     between : float
         Standard deviation between runs within the segments.
     segments : tuple of TrendSegment
-        Their times are days since the first run, or numbers of runs.
+        Segments, with times in days since the first run, or in numbers of runs.
     changes : tuple of TrendChange
-        In order of time.
+        Steps and drifts in order of time.
     """
 
     time: tuple[datetime, ...] | tuple[float, ...]
@@ -89,14 +89,14 @@ def control_chart(
     Parameters
     ----------
     values, deviations : array of shape (n_runs,)
-        Value and standard deviation from each run; runs without both are left out.
+        Value and standard deviation of each run; incomplete runs are left out.
     times : sequence of datetime, optional
-        When they were recorded, all with a time zone or all without; by default they come in order.
+        Times of the runs, all with a time zone or all without; without times, runs are in order.
 
     Returns
     -------
     ControlChart
-        Below eight runs, no changes are looked for.
+        Changes are sought from eight runs on.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def control_chart(
 
     Examples
     --------
-    A bolt was tightened before the 30th run:
+    A bolt was tightened before run 30:
 
     >>> import numpy as np
     >>> stiffness = np.where(np.arange(50) < 30, 4.0, 4.4) + 0.05 * np.random.default_rng(2).standard_normal(50)
@@ -134,7 +134,8 @@ def _charted(
     deviations: FloatArray,
     order: npt.NDArray[np.intp],
 ) -> ControlChart:
-    """Chart of runs in order of time; internally in a unit in which squares of small values keep their digits."""
+    """Chart of runs in order of time."""
+    # In units of the median deviation, squares of very small values do not lose digits.
     unit = float(np.median(deviations)) if order.size else 1.0
     x, variance = values / unit, (deviations / unit) ** 2
     days = [(one - when[0]) / timedelta(days=1) if isinstance(one, datetime) else one for one in when]  # type: ignore[operator]
@@ -145,7 +146,6 @@ def _charted(
     segments = series.refitted(segments)
     centre = np.concatenate([series.fit(s) for s in segments] or [x])
     limit = _LIMIT * np.sqrt(variance + between)
-    found = list(_shifts(series, segments))
     freedom = max(int(np.count_nonzero(weights)) - sum(1 + s.drifts for s in segments), 1)
     factor = float(scipy.special.stdtrit(freedom, 0.975))
     return ControlChart(
@@ -159,44 +159,29 @@ def _charted(
         isolated=read_only(outlying),
         between=math.sqrt(between) * unit,
         segments=tuple(s.scaled(unit) for s in segments),
-        changes=tuple(
-            TrendChange(
-                kind=one.kind,
-                log=one.run,
-                when=when[one.run],
-                earliest=when[one.earliest],
-                latest=when[one.latest],
-                size=unit * one.size,
-                std=unit * one.std,
-                interval=(unit * (one.size - factor * one.std), unit * (one.size + factor * one.std)),
-                before=unit * one.before,
-                after=unit * one.after,
-            )
-            for one in found
-        ),
+        changes=tuple(_changes(series, segments, when, unit, factor)),
     )
 
 
-@dataclass(frozen=True)
-class _Shift:
-    """A step or a drift between runs given by their places; values in the unit of the computation."""
+def _changes(
+    series: Series,
+    segments: Sequence[TrendSegment],
+    when: Sequence[datetime] | Sequence[float],
+    unit: float,
+    factor: float,
+) -> Iterator[TrendChange]:
+    """Steps between the segments and drifts within them; intervals are `factor` standard deviations to either side."""
 
-    kind: Literal["step", "drift"]
-    run: int
-    earliest: int
-    latest: int
-    before: float
-    after: float
-    std: float
+    def change(
+        kind: Literal["step", "drift"], places: tuple[int, int, int], before: float, after: float, std: float
+    ) -> TrendChange:
+        run, earliest, latest = places
+        size, reach = unit * (after - before), unit * factor * std
+        interval, levels = (size - reach, size + reach), (unit * before, unit * after)
+        return TrendChange(
+            kind, run, when[run], when[earliest], when[latest], size, unit * std, interval, *levels
+        )
 
-    @property
-    def size(self) -> float:
-        """Change of the value."""
-        return self.after - self.before
-
-
-def _shifts(series: Series, segments: Sequence[TrendSegment]) -> Iterator[_Shift]:
-    """Steps between the segments and drifts within them; a drift may begin or end without a step."""
     for i, segment in enumerate(segments):
         first, last = segment.first, segment.end - 1
         start, stop = float(series.time[first]), float(series.time[last])
@@ -206,10 +191,10 @@ def _shifts(series: Series, segments: Sequence[TrendSegment]) -> Iterator[_Shift
             std = math.sqrt(old_variance + variance)
             if abs(begin - old) >= _LEAST_STEP * std:
                 earliest, latest = places_of_step(series, segments[i - 1], segment)
-                yield _Shift("step", first, earliest - 1, latest, old, begin, std)
+                yield change("step", (first, earliest - 1, latest), old, begin, std)
         if segment.drifts:
             std = math.sqrt(segment.slope_variance) * (stop - start)
-            yield _Shift("drift", first, first, last, begin, end, std)
+            yield change("drift", (first, first, last), begin, end, std)
 
 
 def _segmented(
@@ -223,15 +208,19 @@ def _segmented(
     if x.size < LEAST_RUNS:
         segments = (Series(time, x, 1 / variance).segment(0, x.size, sloping=False),)
         return outlying, segments, _variance_within(x, variance, time, segments, ~outlying)
-    # The three depend on each other: they are found in turn until the segments no longer change.
-    # At first the variance comes from the median of successive differences, squared and over their variances.
-    squares, promised = np.diff(x) ** 2, variance[1:] + variance[:-1]
+    # Outliers, segments and variance depend on each other: they are computed in turn until the segments do not change.
+    # The first variance makes the median of the squared successive differences that of their chi-square distribution.
+    squares, stated = np.diff(x) ** 2, variance[1:] + variance[:-1]
     between = variance_where_zero(
-        lambda tau2: float(np.median(squares / (promised + 2 * tau2))) - _MEDIAN_OF_SQUARE,
+        lambda tau2: float(np.median(squares / (stated + 2 * tau2))) - _MEDIAN_OF_SQUARE,
         float(squares.max()) / _MEDIAN_OF_SQUARE,
     )
+    starts = np.clip(np.arange(x.size) - _NEIGHBOURS // 2, 0, x.size - _NEIGHBOURS)
+    away = np.abs(
+        x - np.median(x[starts[:, None] + np.arange(_NEIGHBOURS)], axis=1)
+    )  # neighbours include the run
     for _ in range(_ROUNDS):
-        outlying, before = _stand_off(x, variance + between), segments
+        outlying, before = np.asarray(away > _OUTLYING * np.sqrt(variance + between)), segments
         weights = np.where(outlying, 0.0, 1 / (variance + between))
         segments = cut(Series(time, x, weights), slope_penalty(x.size))
         between = _variance_within(x, variance, time, segments, ~outlying)
@@ -241,7 +230,7 @@ def _segmented(
 
 
 def slope_penalty(runs: int) -> float:
-    """Penalty of a slope in the criterion: a chi-square of one in a hundred, and more for long series.
+    """Penalty of a slope in the criterion: the 1 % quantile of chi-square, plus the logarithm of the length.
 
     >>> round(slope_penalty(100), 1)
     11.2
@@ -249,17 +238,10 @@ def slope_penalty(runs: int) -> float:
     return float(scipy.special.chdtri(1, 1e-2)) + math.log(runs)
 
 
-def _stand_off(x: FloatArray, variance: FloatArray) -> BoolArray:
-    """Runs far from the median of five neighbours, themselves included; at the ends, of the nearest five."""
-    starts = np.clip(np.arange(x.size) - _NEIGHBOURS // 2, 0, x.size - _NEIGHBOURS)
-    middles = np.median(x[starts[:, None] + np.arange(_NEIGHBOURS)], axis=1)
-    return np.asarray(np.abs(x - middles) > _STANDS_OFF * np.sqrt(variance))
-
-
 def _variance_within(
     x: FloatArray, variance: FloatArray, time: FloatArray, segments: Sequence[TrendSegment], used: BoolArray
 ) -> float:
-    """Variance between runs about the lines of the segments: the root of Q = degrees of freedom."""
+    """Variance between runs about the lines of the segments, at which Q equals its degrees of freedom."""
     freedom = int(used.sum()) - sum(1 + s.drifts for s in segments)
     if freedom < 1:
         return 0.0

@@ -1,13 +1,13 @@
-"""Several logs of one axis as one estimate, from their triangular factors alone.
+"""Joint estimate from several logs of one axis, from their triangular factors alone.
 
-The information of a log about the parameters is in the triangular factor R of its [W | y], a few hundred numbers.
-With the weight 1/sigma of each residual, the factors of all logs stacked give the joint weighted estimate, the
-same as if all rows had been read at once [24]-[30]. Its covariance allows for the correlated residual of each log:
-with A_k the weighted information W'S^2 W of log k, A their sum, and C_k the corrected covariance of log k alone,
+The triangular factor R of [W | y], a few hundred numbers, holds the information of a log about the parameters. Stacking
+the factors of all logs, each weighted with 1/sigma of its residual, gives the same weighted estimate as all rows
+together [24]-[30]. Its covariance accounts for the correlated residual of each log: with the weighted information
+A_k = W'S^2 W of log k, their sum A, and the corrected covariance C_k of log k alone,
 
     C = A^-1 (sum_k A_k C_k A_k) A^-1,
 
-as logs are independent of each other. Cost and memory are linear in the number of logs.
+since logs are independent. Cost and memory are linear in the number of logs.
 """
 
 from __future__ import annotations
@@ -41,10 +41,9 @@ class LogFactors:
         One for each equation.
     covariance : array of shape (n_parameters, n_parameters)
         Covariance of the minimal parameters from this log alone, corrected for the correlation of its residual; nan
-        where this log alone does not determine them.
+        where this log does not determine them.
     dependence : float
-        Rows for each independent sample of the residual; 1 for a white one. Takes the place of `covariance` where
-        that is not known.
+        Rows per independent sample of the residual, 1 for a white one. It is used if `covariance` has nan.
     """
 
     log: str
@@ -54,23 +53,23 @@ class LogFactors:
 
     def __post_init__(self) -> None:
         if not self.factors:
-            raise SettingError(f"{self.log}: no triangular factor; one for each equation is required")
+            raise SettingError(f"{self.log}: no triangular factor: one for each equation is required")
         covariance = np.array(self.covariance, dtype=np.float64)
         if covariance.shape != (self.factors[0].parameters,) * 2:
             raise SettingError(
-                f"{self.log}: covariance of shape {covariance.shape} for {self.factors[0].parameters} parameters; "
+                f"{self.log}: covariance of shape {covariance.shape} for {self.factors[0].parameters} parameters: "
                 "it must be square with a row for each"
             )
         object.__setattr__(self, "covariance", read_only(covariance))
 
 
 def log_factors(found: Identification) -> LogFactors:
-    """Triangular factors of an identified log: keep these, and the log need not be read again to join it.
+    """Triangular factors of an identified log, from which it can be joined without being read again.
 
     Parameters
     ----------
     found : Identification
-        Of one log alone.
+        Identification from a single log.
 
     Raises
     ------
@@ -90,37 +89,33 @@ def log_factors(found: Identification) -> LogFactors:
         raise SettingError(f"identified from {len(found.logs)} logs: identify each log alone to join them")
     (seen,) = found.observations
     count = found.correlated.effective_samples
-    rows = max(found.fit.rows)
-    return LogFactors(
-        found.logs[0],
-        triangular_factors(seen.W, seen.y, seen.valid),
-        found.covariance,
-        max(1.0, rows / count) if np.isfinite(count) and count > 0 else 1.0,
-    )
+    dependence = max(1.0, max(found.fit.rows) / count) if np.isfinite(count) and count > 0 else 1.0
+    factors = triangular_factors(seen.W, seen.y, seen.valid)
+    return LogFactors(found.logs[0], factors, found.covariance, dependence)
 
 
 @dataclass(frozen=True, eq=False)
 class JointIdentification(EstimatedParameters):
-    """Parameters that several logs of one axis share.
+    """Joint estimate of the parameters that several logs of one axis share.
 
     Parameters
     ----------
     model : GeneratedModel
-        The model identified.
+        The identified model.
     logs : tuple of str
         Sources of the logs.
     fit : LeastSquares
-        Weighted estimate and its classical covariance; equations of all logs, log after log.
+        Weighted estimate and its classical covariance, with the equations of all logs, log after log.
     covariance : array of shape (n_minimal, n_minimal)
-        Of the minimal parameters, corrected for the correlation of each log's residual.
+        Covariance of the minimal parameters, corrected for the correlation of each log's residual.
     physical : tuple of PhysicalEstimate
-        One for each branch of the inverse map; empty where there are none.
+        One for each branch of the inverse map; may be empty.
     status, message : str
         As those of an `Identification`.
     disagreement : float
-        Chi-square of the logs' own estimates about the joint one; nan with fewer than two that stand alone.
+        Chi-square of the separate estimates of the logs; nan unless two logs or more determine all parameters.
     degrees_of_freedom : int
-        Of the disagreement.
+        Those of the disagreement.
     """
 
     model: GeneratedModel
@@ -140,18 +135,18 @@ class JointIdentification(EstimatedParameters):
 
     @property
     def standard_deviations(self) -> FloatArray:
-        """Of the minimal parameters, shape (n_minimal,)."""
+        """Standard deviations of the minimal parameters, shape (n_minimal,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def noise(self) -> dict[str, FloatArray]:
-        """sigma_rho of each equation of each log, by log: the inverse of its weight."""
+        """sigma_rho of each equation, by log: the inverse of its weight."""
         levels = self.fit.sigma_rho_equation.reshape(len(self.logs), -1)
         return dict(zip(self.logs, levels, strict=True))
 
     @property
     def disagreement_probability(self) -> float:
-        """Probability of at least this disagreement if all logs share the parameters; nan if unknown."""
+        """Probability of at least this disagreement if the logs share their parameters; nan if unknown."""
         if not self.degrees_of_freedom:
             return float("nan")
         return float(scipy.special.chdtrc(self.degrees_of_freedom, self.disagreement))
@@ -160,30 +155,30 @@ class JointIdentification(EstimatedParameters):
 def identify_jointly(
     model: GeneratedModel, logs: Sequence[LogFactors], *, nominal: Mapping[str, float] | None = None
 ) -> JointIdentification:
-    """Identify the parameters that logs of one axis share, each log weighted by its own noise.
+    """Identify the parameters that logs of one axis share, each log weighted by its noise.
 
     Parameters
     ----------
     model : GeneratedModel
-        Model from which the factors came.
+        Model with which the logs were identified.
     logs : sequence of LogFactors
-        From `log_factors`.
+        Factors of the logs, from `log_factors`.
     nominal : mapping of str to float, optional
-        Nominal physical parameters, a start where the inverse map has no closed form.
+        Nominal physical parameters, initial values if the inverse map has no closed form.
 
     Returns
     -------
     JointIdentification
-        Logs that determine only some parameters, such as one that never reverses, contribute to those.
+        A log that determines only some parameters, such as one without reversals, contributes to these.
 
     Raises
     ------
     SettingError
-        If there is no log, the factors are not those of the model, or it has a parameter of each log.
+        If there is no log, the factors are not those of the model, or it has a parameter that differs between logs.
 
     Examples
     --------
-    A quiet and a loud log of one axis: the quiet one decides.
+    Of a quiet and a noisy log, the quiet one dominates:
 
     >>> import numpy as np
     >>> from symid import Log, identify, load_generated
@@ -228,7 +223,8 @@ def _check(model: GeneratedModel, logs: Sequence[LogFactors]) -> None:
 
 def _covariance(logs: Sequence[LogFactors], fit: LeastSquares) -> FloatArray:
     """Covariance of the joint estimate; nan where the classical one is."""
-    # Sandwich estimate: the bread is A^-1, the meat the covariance of each log's scores, A_k C_k A_k.
+    # Sandwich estimator: A_k C_k A_k is the covariance of the scores of log k; without C_k, it is A_k times the
+    # number of rows per independent sample.
     inverse = fit.rank.inverse_root @ fit.rank.inverse_root.T
     scores = np.zeros_like(inverse)
     for log, weights in zip(logs, fit.weights.reshape(len(logs), -1), strict=True):
@@ -241,7 +237,7 @@ def _covariance(logs: Sequence[LogFactors], fit: LeastSquares) -> FloatArray:
 
 
 def _disagreement(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[float, int]:
-    """Chi-square of the logs' own estimates about their mean of least variance, and its degrees of freedom."""
+    """Chi-square of the separate estimates about their weighted mean, and its degrees of freedom."""
     alone = [
         (own.parameters, log.covariance)
         for log, own in ((log, estimate(log.factors)) for log in logs)
@@ -249,8 +245,8 @@ def _disagreement(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[float,
     ]
     if len(alone) < 2 or fit.status != "ok":
         return float("nan"), 0
-    # Parameters in units of their typical deviation, so that large and small ones keep their digits; then the mean
-    # weighted by the inverse covariances, and the sum of squared distances from it.
+    # In units of their typical deviations, neither large nor small parameters lose digits. The mean is weighted with
+    # the inverse covariances; the sum of squared Mahalanobis distances from it is the chi-square.
     scale = np.sqrt(np.mean([np.diag(covariance) for _, covariance in alone], axis=0))
     scale = np.where(scale > 0, scale, 1.0)
     precisions = [np.linalg.pinv(C / np.outer(scale, scale), hermitian=True) for _, C in alone]

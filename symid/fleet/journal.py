@@ -1,4 +1,4 @@
-"""The journal of a batch: finished rows, kept while the batch runs, whatever ends it; and the lock of its results."""
+"""The journal of a batch, which keeps finished rows however the batch ends, and the lock of its results."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from symid.errors import SettingError, SymidError
 from symid.files import is_finite_number
 from symid.fleet.row import TEXT_COLUMNS, Row
 
-_ROWS = 64
-_SECONDS = 1.0
-"""Rows and seconds after which rows are forced to the disk; the death of the process alone loses none."""
+_ROWS, _SECONDS = (
+    64,
+    1.0,
+)  # after which rows are synchronised to the disk; if only the process dies, none is lost
 
 
 def journal_file(results: Path) -> Path:
@@ -27,7 +28,7 @@ def journal_file(results: Path) -> Path:
 
 
 def read_journal(file: Path) -> list[Row]:
-    """Rows of a journal; a line that was torn when its process ended is left out.
+    """Rows of a journal, without a line that was not completed before its process ended.
 
     Examples
     --------
@@ -48,7 +49,7 @@ def read_journal(file: Path) -> list[Row]:
 
 
 def _is_row(row: object) -> bool:
-    """Whether a line has the form that a batch writes: texts in columns of texts, numbers in the others."""
+    """Whether a line has the form that a batch writes: text in text columns, numbers in the others."""
     if not isinstance(row, dict) or not isinstance(row.get("log"), str):
         return False
     return all(
@@ -58,9 +59,9 @@ def _is_row(row: object) -> bool:
 
 
 class Journal:
-    """Appends rows to a file, which is continued if it exists.
+    """Appends rows to a file, which may exist already.
 
-    SymidError if a row cannot be written, as on a full disk; the rows before stay whole.
+    SymidError if a row cannot be written, as on a full disk; earlier rows remain intact.
     """
 
     def __init__(self, file: Path) -> None:
@@ -72,10 +73,10 @@ class Journal:
             raise _cannot_write(self.file, error) from error
         size = os.fstat(self._handle).st_size
         if size and os.pread(self._handle, 1, size - 1) != b"\n":
-            self._write(b"\n")  # ends a torn line
+            self._write(b"\n")  # ends an incomplete line
 
     def append(self, row: Row) -> None:
-        """Append a row to the journal."""
+        """Append a row."""
         self._write(json.dumps(row, allow_nan=False).encode() + b"\n")
         self._pending += 1
         if self._pending >= _ROWS or time.monotonic() - self._since > _SECONDS:
@@ -96,7 +97,7 @@ class Journal:
         os.close(self._handle)
 
     def _write(self, line: bytes) -> None:
-        """Write a line as a whole or not at all."""
+        """Write a line completely or not at all."""
         before, rest = os.fstat(self._handle).st_size, memoryview(line)
         try:
             while rest:
@@ -113,7 +114,7 @@ def _cannot_write(file: Path, error: OSError) -> SymidError:
 
 @contextlib.contextmanager
 def locked(files: Sequence[Path]) -> Iterator[None]:
-    """Hold tables of results against other batches, by a hidden file beside each, whose lock ends with its process."""
+    """Lock tables of results against other batches, by a hidden file beside each; the lock ends with its process."""
     with contextlib.ExitStack() as held:
         for file in sorted(files):
             try:
@@ -135,10 +136,10 @@ def _acquired(file: Path) -> BaseFileLock:
         lock.acquire()
         if place.exists():
             return lock
-        lock.release()  # the batch before has removed it since it was opened
+        lock.release()  # the previous batch has removed the file since it was opened
 
 
 def _release(lock: BaseFileLock) -> None:
-    with contextlib.suppress(OSError):  # Windows does not remove what is open
+    with contextlib.suppress(OSError):  # Windows does not remove open files
         Path(lock.lock_file).unlink()
     lock.release()

@@ -1,4 +1,4 @@
-"""Triangular factors of a log as text, so that they stand in its row, and logs are joined from a table of results."""
+"""Triangular factors of logs as text in a table of results, and joint estimates from such a table."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from symid.fleet.row import FACTORS
 
 
 def packed(found: LogFactors) -> str:
-    """Factors as text: all numbers, little-endian, in base 64.
+    """Factors as text: all numbers as little-endian doubles in base 64.
 
     >>> factor = TriangularFactor.empty(1).update(np.array([[3.0], [4.0]]), np.array([3.0, 4.0]))
     >>> text = packed(LogFactors("a", (factor,), np.eye(1)))
@@ -32,7 +32,7 @@ def packed(found: LogFactors) -> str:
 
 
 def unpacked(log: str, text: str) -> LogFactors:
-    """Factors of a log from the text that `packed` made; SettingError for any other."""
+    """Factors of a log from the text of `packed`; SettingError for any other text."""
     try:
         numbers = np.frombuffer(base64.b64decode(text, validate=True), "<f8")
         n, p = int(numbers[1]), int(numbers[2])
@@ -54,21 +54,21 @@ def join_results(
     statuses: Sequence[str] = ("ok",),
     by_folder: bool = False,
 ) -> dict[str, JointIdentification]:
-    """Joint identification of each axis in a table of results; no log is read.
+    """Joint identification of each axis in a table of results, without reading logs.
 
     Parameters
     ----------
     table : polars.DataFrame
-        Of a batch with `joint`.
+        Results of a batch with `joint`.
     model_of : callable
-        Takes an axis and its sensors, gives the model that they were identified with.
+        Returns the model of an axis and its sensors with which the logs were identified.
     statuses, by_folder
-        As in `review_fleet`; axes have the names that they have there.
+        As in `review_fleet`; axes are named as there.
 
     Raises
     ------
     SettingError
-        If the table holds no factors, or those of an axis cannot be joined.
+        If the table contains no factors, or those of an axis cannot be joined.
     """
     if FACTORS not in table.columns:
         raise SettingError("the results hold no factors to join: make the batch with `joint`")

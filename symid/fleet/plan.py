@@ -1,4 +1,4 @@
-"""Plan of a batch: its log files, and its axes in a form for other processes and machines."""
+"""Plan of a batch: its log files, and its axes in a form that other processes and machines can use."""
 
 from __future__ import annotations
 
@@ -25,23 +25,22 @@ PathLike = str | os.PathLike[str]
 
 @dataclass(frozen=True)
 class FleetAxis:
-    """An axis with its generated modules as text and its share of the settings: all that a worker needs."""
+    """An axis with its generated modules as text and its settings: all that a worker needs."""
 
     axis: Axis  # the declaration
-    # generated module of each set of sensors that has one
-    modules: tuple[tuple[tuple[str, ...], StoredModule], ...]
-    settings: BatchSettings  # those that concern this axis
+    modules: tuple[tuple[tuple[str, ...], StoredModule], ...]  # generated modules by set of sensors
+    settings: BatchSettings  # those that apply to this axis
 
     @cached_property
     def fingerprint(self) -> str:
-        """Hash of declaration, modules, settings and version of symid: a row depends on these and on its log."""
+        """Hash of declaration, modules, settings and version of symid, on which a row depends besides its log."""
         texts = [module.text for _, module in self.modules]
         declared = (self.axis.name, self.axis.elements, self.axis.drive, self.axis.sensors)
         whole = (symid.__version__, self.axis.signature, repr(declared), self.settings.canonical, *texts)
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
     def model(self, measured: Sequence[str]) -> GeneratedModel:
-        """Generated model of a set of sensors; GeneratedModuleError if it does not exist or is old."""
+        """Generated model of a set of sensors; GeneratedModuleError if it does not exist or is outdated."""
         wanted = tuple(sensor.signal for sensor in self.axis.measured(tuple(measured)))
         for signals, module in self.modules:
             if signals == wanted:
@@ -50,7 +49,7 @@ class FleetAxis:
         raise GeneratedModuleError(f"there is no generated module for {', '.join(wanted)}; run: {command}")
 
     def is_held_in(self, columns: frozenset[str]) -> bool:
-        """Whether a file of these columns has the forces and a sensor of the axis."""
+        """Whether a file with these columns contains the forces and a sensor of the axis."""
         expected, alternatives = axis_columns(self.axis, self.settings.measured)
         mapped = self.settings.columns
 
@@ -71,7 +70,7 @@ def _compiled(module: StoredModule) -> GeneratedModel:
 def fleet_axes(
     axes: str | Axis | Sequence[str | Axis], settings: BatchSettings, folder: Path | None = None
 ) -> tuple[FleetAxis, ...]:
-    """Axes of a batch, given by name, path or declaration; `folder` holds their generated modules, if not their own."""
+    """Axes of a batch from names, paths or declarations; `folder` replaces the folder of their generated modules."""
     given = (axes,) if isinstance(axes, (str, Axis)) else tuple(axes)
     declared = tuple(axis if isinstance(axis, Axis) else load_axis(axis) for axis in given)
     names = [axis.name for axis in declared]
@@ -90,7 +89,7 @@ def fleet_axes(
 
 
 def _require_no_column(axes: Sequence[Axis]) -> None:
-    """SettingError if a parameter bears the name of a column of the results, or of another's deviation."""
+    """SettingError if a parameter has the name of a column of the results."""
     names = [(axis, name) for axis in axes for name in axis.physical_parameters]
     columns = {*BEFORE, *AFTER, *DIAGNOSIS, FACTORS}
     deviations = {f"{name}_std" for _, name in names}
@@ -104,7 +103,7 @@ def _require_no_column(axes: Sequence[Axis]) -> None:
 def _modules(
     source: str | Axis, axis: Axis, sets: Sequence[tuple[str, ...]], folder: Path | None
 ) -> Iterator[tuple[tuple[str, ...], StoredModule]]:
-    """Modules that there are; where none is, or an old one, the first that sensors allow is derived on the spot."""
+    """Current modules of an axis; if there is none, the first one that can be derived."""
     found, refused = False, list[EliminationError]()
     for measured in sets:
         try:
@@ -126,10 +125,10 @@ def _modules(
 
 
 def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] = ()) -> tuple[str, ...]:
-    """Files of logs, each once: all logs of a folder, and all matches of a pattern.
+    """Paths of logs without duplicates: files, all logs in folders, and all matches of patterns.
 
-    A missing file stays and becomes a row with its error; those to `exclude`, such as earlier results, do not.
-    SettingError if a folder or a pattern holds no log.
+    A missing file is kept and becomes a row with an error. Paths to `exclude`, such as earlier results, are dropped.
+    SettingError if a folder or a pattern contains no log.
     """
     given = (logs,) if isinstance(logs, (str, os.PathLike)) else tuple(logs)
     skipped = {os.path.abspath(path) for path in exclude}
@@ -148,7 +147,7 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
 
 
 def _expanded(item: str) -> list[str]:
-    """Files that an item stands for, and the folders in it that cannot be read, which become rows with errors."""
+    """Files of a path, folder or pattern, and unreadable folders in it, which become rows with errors."""
     if os.path.isdir(item):
         return sorted(_logs_in(item))
     if has_magic(item) and not os.path.exists(item):

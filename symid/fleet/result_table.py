@@ -22,9 +22,9 @@ _TYPES = {str: pl.String(), int: pl.Int64(), float: pl.Float64()}
 def table_of(
     rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool, joint: bool = False
 ) -> pl.DataFrame:
-    """Rows, one per log, as a table with columns of parameters; a value that a row lacks is null.
+    """Rows, one per log, as a table with columns of parameters; missing values are null.
 
-    Columns of a diagnosis, or of triangular factors for a joint estimate, are added if asked for.
+    Columns of a diagnosis and of triangular factors for a joint estimate are optional.
 
     >>> table_of([{"log": "a.csv", "M": 5.0}], ["M"], False).select("log", "M", "status").row(0)
     ('a.csv', 5.0, None)
@@ -36,9 +36,9 @@ def table_of(
 
 
 def units_of(rows: Iterable[Row], axes: Iterable[FleetAxis]) -> dict[str, dict[str, dict[str, str]]]:
-    """Units of the parameters of each axis and set of sensors that occurs in the rows.
+    """Units of the parameters, by axis and sensors that occur in the rows.
 
-    Names such as X1 mean another thing for other sensors, so that units belong to an axis and its sensors.
+    Minimal parameters such as X1 differ between sets of sensors, and so do their units.
     """
     seen = dict.fromkeys((row.get("axis"), row.get("measured")) for row in rows if "condition_number" in row)
     units: dict[str, dict[str, dict[str, str]]] = {}
@@ -53,7 +53,7 @@ def units_of(rows: Iterable[Row], axes: Iterable[FleetAxis]) -> dict[str, dict[s
 
 
 def parameter_columns(units: Units) -> tuple[str, ...]:
-    """Columns of all parameters, each followed by that of its standard deviation."""
+    """Columns of all parameters, each followed by the column of its standard deviation."""
     names = dict.fromkeys(name for sets in units.values() for named in sets.values() for name in named)
     return tuple(column for name in names for column in (name, f"{name}_std"))
 
@@ -61,9 +61,9 @@ def parameter_columns(units: Units) -> tuple[str, ...]:
 def result_files(
     output: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] | None,
 ) -> tuple[Path, ...]:
-    """Files of the results, one of each kind at most, the Parquet file first.
+    """Files of the results, at most one of each format, the Parquet file first.
 
-    SettingError if a suffix is not known, or the folder is not there.
+    SettingError if a suffix is unknown, or a folder does not exist.
     """
     if output is None:
         return ()
@@ -84,12 +84,12 @@ def result_files(
 
 
 def read_rows(file: Path) -> list[Row]:
-    """Rows of a file that `write_table` wrote; none if there is no file.
+    """Rows of a file written by `write_table`; none if the file does not exist.
 
     Raises
     ------
     SettingError
-        If the file is something else, which must not be overwritten.
+        If the file has other contents, which must not be overwritten.
     """
     if not file.exists():
         return []
@@ -104,7 +104,7 @@ def read_rows(file: Path) -> list[Row]:
 
 
 def write_table(table: pl.DataFrame, units: Units, file: Path) -> None:
-    """Write a table as a whole or not at all; SymidError if that is not possible, as on a full disk."""
+    """Write a table atomically; SymidError if that fails, as on a full disk."""
     try:
         if file.suffix == ".parquet":
             write_frame(table, file, {UNITS: json.dumps(units)})

@@ -1,4 +1,4 @@
-"""The table of results of a batch: one row per log, with columns for the parameters it has."""
+"""The table of results of a batch: one row per log, with columns for its parameters."""
 
 from __future__ import annotations
 
@@ -19,27 +19,23 @@ from symid.files import require_regular
 from symid.fleet.row import TEXT_COLUMNS, TIMES
 
 UNKNOWN = "unknown axis"
-"""Axis of logs that failed before it was known."""
+"""Axis of logs that failed before their axis was known."""
 UNITS = "symid.units"
 """Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
 Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 _NEEDED = ("log", "axis", "status")
 _FORMULA, _MADE_SAFE = r"^('*[=+\-@\t\r])", r"^'('*[=+\-@\t\r])"
-"""Texts that a spreadsheet would take for formulas, and those with an apostrophe before them."""
-_LARGEST = 1e150
-"""Largest value of a parameter whose square is finite."""
+"""Text that a spreadsheet would interpret as a formula, and the same with an apostrophe before it."""
+_LARGEST = 1e150  # square of a parameter must not overflow
 
 
 @dataclass(frozen=True)
 class Group:
-    """Rows of results that belong to one axis; the name shows its sensors or its folder where there are several.
+    """Rows of results of one axis."""
 
-    `sensors` are those it was identified from; empty where they are not known.
-    """
-
-    name: str
+    name: str  # the axis, with its sensors or its folder if there are several
     axis: str
-    sensors: tuple[str, ...]
+    sensors: tuple[str, ...]  # those of the identification; empty if unknown
     rows: pl.DataFrame
 
 
@@ -49,7 +45,7 @@ def read_results(file: str | Path) -> pl.DataFrame:
     Raises
     ------
     SettingError
-        If the file is of another kind, cannot be read, or lacks a column that all results have.
+        If the file has another format, cannot be read, or has no column that all results have.
     """
     path = Path(file)
     kind = path.suffix.lower()
@@ -75,7 +71,7 @@ def read_results(file: str | Path) -> pl.DataFrame:
 
 
 def with_safe_cells(table: pl.DataFrame) -> pl.DataFrame:
-    """The table with an apostrophe before texts that a spreadsheet would take for formulas; `read_results` drops it.
+    """The table with an apostrophe before texts that look like formulas of a spreadsheet; `read_results` removes it.
 
     >>> with_safe_cells(pl.DataFrame({"log": ["=1+1.csv", "-2.csv", "a.csv"]}))["log"].to_list()
     ["'=1+1.csv", "'-2.csv", 'a.csv']
@@ -84,12 +80,12 @@ def with_safe_cells(table: pl.DataFrame) -> pl.DataFrame:
 
 
 def units_in(file: str | Path) -> Units:
-    """Units of a Parquet file of results; none of another file.
+    """Units in a Parquet file of results; empty for a CSV file.
 
     Parameters
     ----------
     file : path-like
-        One that `read_results` reads.
+        File of results, as for `read_results`.
     """
     if Path(file).suffix.lower() != ".parquet":
         return {}
@@ -100,10 +96,10 @@ def units_in(file: str | Path) -> Units:
 
 
 def checked_results(table: pl.DataFrame) -> pl.DataFrame:
-    """The table; SettingError if it lacks a column that all results have."""
+    """The table; SettingError if it does not have the columns of results."""
     if missing := [name for name in _NEEDED if name not in table.columns]:
         raise SettingError(
-            f"results without column {', '.join(missing)}: {', '.join(_NEEDED)} are required, one row a log"
+            f"results without column {', '.join(missing)}: {', '.join(_NEEDED)} are required, one row per log"
         )
     for name in (name for name in TEXT_COLUMNS if name in table.columns):
         kind = table.schema[name]
@@ -115,7 +111,7 @@ def checked_results(table: pl.DataFrame) -> pl.DataFrame:
 
 
 def parameter_names(table: pl.DataFrame) -> tuple[str, ...]:
-    """Parameters in a table: columns that have a column of standard deviations beside them.
+    """Parameters in a table: columns with a corresponding column of standard deviations.
 
     >>> parameter_names(pl.DataFrame({"log": ["a"], "M": [1.0], "M_std": [0.1], "seconds": [2.0]}))
     ('M',)
@@ -125,7 +121,7 @@ def parameter_names(table: pl.DataFrame) -> tuple[str, ...]:
 
 
 def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
-    """Rows by axis, apart for each set of sensors; also by folder of logs, where that identifies the machine.
+    """Rows by axis and set of sensors, and optionally by folder of the logs, if that identifies the machine.
 
     >>> table = pl.DataFrame({"log": ["x/1.csv", "y/1.csv"], "axis": ["emps"] * 2, "status": ["ok"] * 2})
     >>> [group.name for group in groups(table, by_folder=True)]
@@ -149,7 +145,7 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
 
 
 def _filled(table: pl.DataFrame) -> pl.DataFrame:
-    """The table with axis and sensors of logs that failed before they were known, where there is only one choice."""
+    """The table with axis and sensors filled in for logs that failed early, where there is only one choice."""
     axis, sensors = pl.col("axis").cast(pl.String), pl.col("_SENSORS")
     only = pl.when(axis.n_unique() - axis.is_null().any() == 1).then(axis.drop_nulls().first())
     table = table.with_columns(_AXIS=axis.fill_null(only.over("_FOLDER")).fill_null(UNKNOWN))
@@ -167,7 +163,7 @@ def _sensors(table: pl.DataFrame) -> pl.Expr:
 
 
 def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
-    """A column as numbers; nan where a value is missing or its square is not finite.
+    """A column as numbers; nan for a missing value and for one whose square is not finite.
 
     >>> numbers(pl.DataFrame({"M": [1.0, None]}), "M").tolist()
     [1.0, nan]
@@ -179,7 +175,7 @@ def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
 
 
 def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
-    """When each log was recorded, in UTC; None if that is not known of every row, or all are of one moment.
+    """Recording time of each log in UTC; None unless all are known and not all equal.
 
     >>> moments(pl.DataFrame({"recorded": ["2026-03-01T06:00:00Z"]}))[0].isoformat()
     '2026-03-01T06:00:00+00:00'
@@ -189,7 +185,7 @@ def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
     found = [_moment(value) for value in rows["recorded"]]
     known = [moment for moment in found if moment is not None]
     if len(known) > 1 and len(set(known)) == 1:
-        return None  # the time of a copy, which is not when they were recorded
+        return None  # times of a copy of the files, not of the recordings
     return known if len(known) == len(found) else None
 
 
@@ -206,7 +202,7 @@ def _moment(value: object) -> datetime | None:
 
 @dataclass(frozen=True)
 class EffectCount:
-    """In how many logs diagnoses found an effect at a place, and in how many of each axis."""
+    """Number of logs in which a diagnosis found an effect at a place, in total and by axis."""
 
     effect: str
     at: str
@@ -215,7 +211,7 @@ class EffectCount:
 
 
 def count_effects(found: Iterable[tuple[str, object, object]]) -> tuple[EffectCount, ...]:
-    """Effects over the fleet, the most frequent first, from axis, effect (or none) and place of each log.
+    """Effects in a fleet, the most frequent first, from the axis, effect (or None) and place of each log.
 
     >>> count_effects([("emps", "backlash", "load"), ("rig", None, None), ("emps", "backlash", "load")])
     (EffectCount(effect='backlash', at='load', logs=2, axes={'emps': 2}),)

@@ -28,8 +28,7 @@ from symid.fleet.results import (
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, robust_deviation, spread_between
 from symid.text import counted
 
-_LEAST_OUTLYING = 3.5
-"""Robust z from which a value is an outlier (Iglewicz and Hoaglin 1993), at least."""
+_LEAST_OUTLYING = 3.5  # smallest robust z-score of an outlier (Iglewicz and Hoaglin 1993)
 _FALSE_OUTLIERS = 0.05
 
 
@@ -54,21 +53,21 @@ class ParameterReview:
     Parameters
     ----------
     name : str
-        Of the parameter.
+        Name of the parameter.
     logs : tuple of str
-        Logs that enter, in the order of the table.
+        Logs that are used, in the order of the table.
     median : float
-        Of their values.
+        Median of their values.
     spread : Spread
-        Between runs, against the promise of the intervals; isolated outliers are left out.
+        Spread between runs compared with their intervals, without isolated outliers.
     within : float
-        Standard deviation between runs that is left within the segments of the chart.
+        Standard deviation between runs within the segments of the chart.
     chart : ControlChart
-        Over time.
+        The parameter over time.
     outliers : tuple of Outlier
-        The farthest first.
+        Outliers, the farthest first.
     unit : str
-        Of the parameter; empty where it is not known.
+        Unit of the parameter; empty if unknown.
     """
 
     name: str
@@ -88,15 +87,15 @@ class AxisReview:
     Parameters
     ----------
     name : str
-        Axis; with its sensors or its folder where there are several.
+        Name of the axis, with its sensors or its folder if there are several.
     axis : str
         The declared axis.
     logs, trusted : int
-        Number of logs, and of those whose parameters enter.
+        Number of logs, and of those whose parameters are used.
     statuses : mapping of str to int
-        Logs by status.
+        Number of logs by status.
     parameters : tuple of ParameterReview
-        Those that some log has.
+        Parameters of at least one log.
     verdict : SpreadVerdict
         Whether the axis differs from run to run.
     dated : bool
@@ -122,13 +121,13 @@ class FleetReview:
     table : polars.DataFrame
         The results.
     axes : tuple of AxisReview
-        By name.
+        Reviews of the axes, by name.
     statuses, verdicts : mapping of str to int
-        Logs by status; logs by verdict of their diagnosis, empty without one.
+        Number of logs by status and by verdict of the diagnosis; the latter empty without diagnoses.
     effects : tuple of EffectCount
-        The most frequent first.
+        Effects found, the most frequent first.
     sentence : str
-        All in short.
+        Summary.
     """
 
     table: pl.DataFrame
@@ -154,23 +153,22 @@ def review_fleet(
     ----------
     table : polars.DataFrame
         One row per log with `log`, `axis`, `status`; `NAME` and `NAME_std` for each parameter; `recorded` (ISO) for
-        charts over time; `effect` and `at` where a diagnosis was made.
+        charts over time; `effect` and `at` of a diagnosis.
     units : mapping, optional
-        From axis to sensors to parameter to unit, as a batch has them and `units_in` finds them in its file.
+        Units by axis, sensors and parameter, from `Batch.units` or `units_in`.
     statuses : sequence of str
-        Logs whose parameters enter.
+        Statuses of the logs whose parameters are used.
     without : sequence of str
-        Parameters that are expected to differ from log to log, such as the unknown zero of a sensor.
+        Parameters that may differ from log to log, such as the unknown zero of a sensor.
     by_folder : bool
         Whether the folder of a log identifies its machine.
     by_name : bool
-        Whether logs are in the order of their names, not of `recorded`: that is the time of the file, which copying may
-        have changed.
+        Whether logs are ordered by name instead of `recorded`, the time of the file, which copying may have changed.
 
     Raises
     ------
     SettingError
-        If the table lacks a column that all results have.
+        If the table has no column that all results have.
 
     Examples
     --------
@@ -199,7 +197,7 @@ def review_fleet(
 
 def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], units: Units) -> AxisReview:
     rows = group.rows.filter(pl.col("status").is_in(list(statuses)))
-    # A minimal parameter that is a physical one has the same numbers under a second name, and is left out.
+    # A minimal parameter that equals a physical one has the same numbers under a second name and is left out.
     last = {numbers(rows, name).tobytes(): name for name in names}
     distinct = [name for name in names if last[numbers(rows, name).tobytes()] == name]
     own = units.get(group.axis, {}).get(",".join(group.sensors), {})
@@ -217,7 +215,7 @@ def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], un
 
 
 def _parameter_review(rows: pl.DataFrame, name: str, units: Mapping[str, str]) -> ParameterReview | None:
-    """A parameter over the logs; None if none of them has it."""
+    """A parameter over the logs; None if no log has it."""
     values, deviations = numbers(rows, name), numbers(rows, f"{name}_std")
     known = np.isfinite(values)
     if not known.any():
@@ -259,7 +257,7 @@ def _outliers(
 
 
 def _counts(rows: pl.DataFrame, column: str) -> dict[str, int]:
-    """Number of rows for each value of a column, the most frequent first; empty without the column."""
+    """Number of rows by value of a column, the most frequent first; empty without the column."""
     if column not in rows.columns:
         return {}
     return dict(Counter(str(value) for value in rows[column] if value is not None).most_common())
@@ -271,7 +269,6 @@ def _sentence(
     statuses: Mapping[str, int],
     effects: Sequence[EffectCount],
 ) -> str:
-    """Counts, axes that differ, changes and the most frequent effect."""
     if not table.height:
         return "No log."
     known = sum(one.axis != UNKNOWN for one in axes)

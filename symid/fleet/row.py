@@ -1,4 +1,4 @@
-"""A row of the results: columns, and texts of times and errors."""
+"""A row of the results: its columns, times and error messages."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ AFTER: Mapping[str, type] = {
 }
 """Columns before and after those of the parameters.
 
-The signal that seems late and by how much, the largest expected error of a parameter as part of its value, and what the
-reader of the log and the identification noted come from the examination.
+`late_*` is the signal that seems to be recorded late and its delay, `largest_bias` the largest expected bias relative
+to the parameter, `notes` the notes from reading and identifying the log.
 """
 FACTORS = "factors"
 """Column of the triangular factors of a log."""
@@ -51,7 +51,7 @@ TEXT_COLUMNS = tuple(n for n, kind in {**BEFORE, **AFTER, **DIAGNOSIS, FACTORS: 
 
 
 def finite(value: Any) -> Value:
-    """A number as rows hold it: None for nan, infinity and a missing value.
+    """A number for a row: None for nan, infinity and a missing value.
 
     >>> finite(float("nan")), finite(2)
     (None, 2.0)
@@ -80,7 +80,7 @@ def time_text(seconds: float) -> str:
 
 
 def trouble(log: str, error: BaseException) -> dict[str, Value]:
-    """Status and message of a log that an error kept from being identified."""
+    """Status and message of a log whose identification failed with an error."""
     match error:
         case LogError():
             status, message = "bad_log", str(error)

@@ -1,7 +1,7 @@
-"""Where the logs of a batch are worked on: in this process, in processes of this machine, on a cluster.
+"""Schedulers of a batch: this process, processes of this machine, or a cluster.
 
-All of them take a function and tasks, and yield each task once with its result, in any order; the result is None for a
-task that killed its process twice.
+Each takes a function and tasks, and yields each task once with its result, in any order. The result of a task that
+killed its process twice is None.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ class Scheduler(Protocol):
     """Runs tasks in processes or on a cluster."""
 
     def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
-        """Each task once with its result; None for one that twice killed the process that worked on it."""
+        """Each task once with its result, None for a task that killed its process twice."""
 
 
 @dataclass(frozen=True)
 class Processes:
     """Processes of this machine.
 
-    One job works in this very process, which then shares the fate of a log that kills it. A process that takes longer
-    than `seconds` for a task is ended as if the task had killed it.
+    A single job runs in the calling process, which a log can then kill. A process that takes longer than `seconds` for
+    a task is terminated as if the task had killed it.
 
     >>> list(Processes(1).run(abs, [-1, 2]))
     [(-1, 1), (2, 2)]
@@ -64,29 +64,26 @@ class Processes:
         left = dict(enumerate(tasks))
         while left:
             begun: list[int] = []
+
+            def calls() -> Iterator[Any]:
+                for place, task in list(left.items()):
+                    begun.append(place)  # noqa: B023  consumed within this round
+                    yield joblib.delayed(_placed)(work, place, task, self.seconds)
+
+            # A dead worker ends the whole pool: each task that was begun but not finished is run again alone, then
+            # the rest in a new pool.
             try:
-                for place, result in self._together(work, left, begun):
+                for place, result in _pool(self.jobs)(calls()):
                     yield left.pop(place), result
             except TerminatedWorkerError:
                 for place in [place for place in begun if place in left]:
                     task = left.pop(place)
                     yield task, self._alone(work, task)
 
-    def _together(
-        self, work: Callable[[Task], Result], left: dict[int, Task], begun: list[int]
-    ) -> Iterator[tuple[int, Result]]:
-        def calls() -> Iterator[Any]:
-            for place, task in list(left.items()):
-                begun.append(place)
-                yield joblib.delayed(_placed)(work, place, task, self.seconds)
-
-        results: Iterator[tuple[int, Result]] = _pool(self.jobs)(calls())
-        return results
-
     def _alone(self, work: Callable[[Task], Result], task: Task) -> Result | None:
-        """Result of a task that may have killed its process, in one that does nothing else.
+        """Result of a suspected task in a process of its own.
 
-        None if it kills two of these, or one after half the time that a task may take.
+        None if the task kills two processes, or one after more than half of its time limit.
         """
         for _ in range(2):
             begun = time.monotonic()
@@ -112,7 +109,7 @@ def _pool(jobs: int) -> joblib.Parallel:
 
 
 def _serve(memory: float) -> None:
-    """Make a worker leave Ctrl-C to the main process, end when that is gone, and not take all memory."""
+    """Set up a worker: it ignores Ctrl-C, ends with the main process, and has a limit of memory."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
     limit_memory(memory)
@@ -123,13 +120,12 @@ def _placed(work: Callable[[Task], Result], place: int, task: Task, seconds: flo
         return place, work(task)
 
 
-_PATIENCE = 10.0
-"""Seconds in which the scheduler of a cluster must answer."""
+_PATIENCE = 10.0  # s, within which the scheduler of a cluster must answer
 
 
 @dataclass(frozen=True)
 class Cluster:
-    """Workers of a Dask cluster (``tcp://10.0.0.1:8786``), with symid and the same paths of logs."""
+    """Workers of a Dask cluster (``tcp://10.0.0.1:8786``) that have symid and see the logs under the same paths."""
 
     address: str
 
@@ -146,10 +142,8 @@ class Cluster:
             yield from _submitted(client, work, tasks)
 
 
-_GROUP = 8
-"""Tasks that go to a worker together: one by one, the scheduler is busier than a hundred workers."""
-_AHEAD = 3
-"""Groups that are submitted for each thread of the cluster."""
+_GROUP = 8  # tasks sent together: one by one, the scheduler would limit a hundred workers
+_AHEAD = 3  # groups submitted in advance for each thread of the cluster
 
 
 def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
@@ -175,7 +169,7 @@ def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task
             yield from zip(group, results, strict=True)
         if (following := next(groups, None)) is not None:
             submit(following)
-    for task in suspects:  # one at a time: all tasks that waited for a dead worker are suspects
+    for task in suspects:  # one at a time, since all tasks of a dead worker are suspected
         results = _results(client.submit(_grouped, work, [task], pure=False))
         yield task, None if results is None else results[0]
 
@@ -206,9 +200,9 @@ def _distributed() -> Any:
 
 
 def scheduler_of(jobs: int | None, address: str | None, n_tasks: int, seconds: float = LONGEST) -> Scheduler:
-    """The cluster at an address, else as many processes as are asked for or as there are cores.
+    """The cluster at an address, else the given number of processes, or one per core.
 
-    SettingError if their number or the time is not positive, or Dask is not installed.
+    SettingError if the number of processes or the time limit is not positive, or Dask is not installed.
     """
     if not 0 < seconds < math.inf:
         raise SettingError(f"a limit of {seconds:g} s for each log is not possible: give more than 0")

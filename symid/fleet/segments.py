@@ -1,12 +1,12 @@
-"""Segments of time in which a parameter is constant or drifts evenly, and the changes between them.
+"""Segments of time in which a parameter is constant or drifts linearly, and the changes between them.
 
-A series is cut into segments, each with a level or with a level and a slope, so that
+A series is cut into segments, each with a level or with a level and a slope, such that the criterion
 
     sum_i w_i (x_i - fit_i)^2 + sum_j log(n_j / K) + 3 log K (segments - 1) + slope penalty (sloping segments)
 
-is least; w_i is the inverse variance of x_i. This is the modified information criterion of Zhang and Siegmund (2007),
-which counts that the place of a change is searched for. The minimum over all cuts is exact: optimal partitioning
-(Jackson et al. 2005), without approximation, O(K^2) with sums that are updated.
+is smallest, with the inverse variance w_i of x_i. This is the modified information criterion of Zhang and Siegmund
+(2007), which accounts for the search for the place of a change. The minimum over all cuts is exact, by optimal
+partitioning (Jackson et al. 2005), in O(K^2) with cumulative sums.
 """
 
 from __future__ import annotations
@@ -23,30 +23,28 @@ import numpy.typing as npt
 from symid.arrays import FloatArray
 
 LEAST_LEVEL = 3
-"""Points of a segment without slope: fewer are outliers."""
+"""Smallest number of points in a segment without slope; fewer are outliers."""
 LEAST_SLOPE = 6
-"""Points of a segment with a slope."""
+"""Smallest number of points in a segment with a slope."""
 _CREDIBLE = 0.95
-_MOST_PLACES = 1000
-"""Places of cuts that are compared at once; those of a longer series are refined afterwards."""
-_SHORT = 5.0
-"""Runs by which a series counts as short: its scale is estimated, and false alarms would be more frequent."""
+_MOST_PLACES = 1000  # cuts that are compared at once; those of a longer series are refined afterwards
+_SHORT = 5.0  # raises the penalty for short series, whose estimated variance would cause more false alarms
 
 
 @dataclass(frozen=True)
 class TrendSegment:
-    """Points `first` up to, not including, `end`, and the line through them.
+    """Points from `first` to before `end`, and the line through them.
 
     Parameters
     ----------
     first, end : int
-        Places in the series.
+        Indices in the series.
     middle : float
-        Time of reference of the line: weighted mean of the times.
+        Reference time of the line, the weighted mean of the times.
     level, slope : float
-        Value at `middle` and its change by unit of time; a slope of 0 means a level.
+        Value at `middle`, and change per unit of time; a slope of 0 means a level.
     level_variance, slope_variance : float
-        Of these two, which are independent of each other.
+        Variances of level and slope, which are independent.
     """
 
     first: int
@@ -63,7 +61,7 @@ class TrendSegment:
         return self.level + self.slope * away, self.level_variance + self.slope_variance * away**2
 
     def scaled(self, unit: float) -> TrendSegment:
-        """The segment of values that are all multiplied by a unit."""
+        """The segment of all values multiplied by a unit."""
         return replace(
             self,
             level=self.level * unit,
@@ -86,13 +84,12 @@ class Series:
     2.0
     """
 
-    # time, values: shape (n,): times and values
-    time: FloatArray
-    values: FloatArray
-    weights: FloatArray  # shape (n,): inverse variances of the values; 0 leaves one out
+    time: FloatArray  # shape (n,)
+    values: FloatArray  # shape (n,)
+    weights: FloatArray  # shape (n,): inverse variances of the values; 0 excludes a value
 
     def segment(self, first: int, end: int, *, sloping: bool) -> TrendSegment:
-        """Level, or sloping line, through the values from `first` to before `end`."""
+        """Level, or sloping line, of the values from `first` to before `end`."""
         t, x, w = self.time[first:end], self.values[first:end], self.weights[first:end]
         if not w.any():
             w = np.ones_like(w)
@@ -105,7 +102,7 @@ class Series:
         return TrendSegment(first, end, middle, level, slope, float(1 / w.sum()), 1 / spread)
 
     def refitted(self, segments: Iterable[TrendSegment]) -> tuple[TrendSegment, ...]:
-        """The same segments with the lines of these values."""
+        """The same segments with lines through these values."""
         return tuple(self.segment(s.first, s.end, sloping=s.drifts) for s in segments)
 
     def fit(self, line: TrendSegment) -> FloatArray:
@@ -113,7 +110,7 @@ class Series:
         return line.level + line.slope * (self.time[line.first : line.end] - line.middle)
 
     def squared_error(self, *sides: tuple[int, int, bool]) -> float:
-        """Weighted squared distance from the lines of segments, each given by its ends and whether it has a slope."""
+        """Weighted squared distance from the lines of segments, each given as (first, end, whether it has a slope)."""
         total = 0.0
         for first, end, sloping in sides:
             away = self.values[first:end] - self.fit(self.segment(first, end, sloping=sloping))
@@ -128,20 +125,20 @@ class TrendChange:
     Parameters
     ----------
     kind : {"step", "drift"}
-        Step: tightening, a lost preload, a part replaced. Drift: wear, running in, warming.
+        Step: tightening, lost preload, replaced part. Drift: wear, running-in, warming.
     log : int
-        Place of the first run after a step, or of the first of a drift.
+        Index of the first run after a step, or of the first run of a drift.
     when : datetime or float
-        Time of that run; its number where times are not known.
+        Time of that run; its number if times are unknown.
     earliest, latest : datetime or float
-        Of a step: it lies after the first and not after the second, with a probability of 95 %. Of a drift: where it
-        begins and ends.
+        A step occurred after `earliest` and not after `latest`, with a probability of 95 %. A drift starts at
+        `earliest` and ends at `latest`.
     size, std : float
-        Change and its standard deviation; of a drift from its begin to its end.
+        Change, of a drift from its start to its end, and its standard deviation.
     interval : tuple of float
         95 % interval of the size.
     before, after : float
-        Value before and after.
+        Value before and after the change.
     """
 
     kind: Literal["step", "drift"]
@@ -157,7 +154,7 @@ class TrendChange:
 
     @property
     def relative(self) -> float:
-        """Size for each unit of the value before; nan if that is 0."""
+        """Size relative to the value before; nan if that is 0."""
         return self.size / abs(self.before) if self.before else math.nan
 
 
@@ -181,16 +178,16 @@ def cut(series: Series, slope_penalty: float) -> tuple[TrendSegment, ...]:
 
 
 def _best_cut(series: Series, slope_penalty: float) -> tuple[list[int], list[bool]]:
-    """Ends of the best segments, 0 first, and which have a slope; of a long series cuts are at every few places."""
+    """Ends of the best segments, 0 first, and which have a slope; a long series is cut at every few places only."""
     count = series.time.size
     places = np.append(np.arange(0, count, -(-count // _MOST_PLACES)), count)
     sums = _Sums.of(series, places)
     step = 3 * math.log(count) * (1 + _SHORT / count)
     best, came_from = np.full(places.size, np.inf), np.zeros(places.size, dtype=int)
     with_slope = np.zeros(places.size, dtype=bool)
-    # best[k] is the least cost of all runs before place k, came_from[k] the begin of its last segment: any optimal cut
-    # of more runs extends an optimal cut of fewer, so one pass over k compares all cuts. `step` is paid once less than
-    # there are segments.
+    # best[k] is the least cost of all runs before place k, came_from[k] the start of its last segment. An optimal cut
+    # of more runs extends an optimal cut of fewer, so one pass over k compares all cuts. Starting at -step, the penalty
+    # counts changes, one fewer than segments.
     best[0] = -step
     for k in range(1, places.size):
         level, line = sums.costs(k)
@@ -211,7 +208,7 @@ def _best_cut(series: Series, slope_penalty: float) -> tuple[list[int], list[boo
 
 
 def _refined(series: Series, ends: list[int], sloping: list[bool]) -> int:
-    """Best place of the middle one of three ends, of those that the cut has left out around it."""
+    """Best place of the middle one of three ends, among those around it that the coarse cut skipped."""
     reach = -(-series.time.size // _MOST_PLACES) - 1
     first, middle, last = ends
     places = range(max(middle - reach, first + LEAST_LEVEL), min(middle + reach, last - LEAST_LEVEL) + 1)
@@ -223,10 +220,7 @@ def _refined(series: Series, ends: list[int], sloping: list[bool]) -> int:
 
 
 def places_of_step(series: Series, before: TrendSegment, after: TrendSegment) -> tuple[int, int]:
-    """First and last place at which a step between two segments of a series may lie, with 95 % probability.
-
-    All places are equally likely a priori.
-    """
+    """First and last place of a step between two segments, with 95 % probability and a uniform prior."""
     places = np.arange(before.first + 1, after.end)
     costs = [
         series.squared_error((before.first, place, before.drifts), (place, after.end, after.drifts))
@@ -241,20 +235,20 @@ def places_of_step(series: Series, before: TrendSegment, after: TrendSegment) ->
 
 @dataclass(frozen=True)
 class _Sums:
-    """Cumulative weighted sums of a series, from which the cost of every segment follows; shape (6, n_places)."""
+    """Cumulative weighted sums of a series, shape (6, n_places), from which the cost of every segment follows."""
 
     rows: FloatArray
 
     @classmethod
     def of(cls, series: Series, places: npt.NDArray[np.int64]) -> _Sums:
-        """Sums of a series up to each place, centred and scaled so that differences of sums keep their digits."""
+        """Sums of a series up to each place, centred and scaled so that differences of sums do not lose digits."""
         w, t = series.weights, (series.time - series.time.mean()) / (np.ptp(series.time) or 1.0)
         x = series.values - np.median(series.values)
         terms = np.stack([w, w * t, w * t * t, w * x, w * x * t, w * x * x])
         return cls(np.concatenate([np.zeros((6, 1)), np.cumsum(terms, axis=1)], axis=1)[:, places])
 
     def costs(self, end: int) -> tuple[FloatArray, FloatArray]:
-        """Least squares of a level and of a line that ends at a place, from every place before it."""
+        """Squared errors of a level and of a line from every earlier place to `end`."""
         w, wt, wtt, wx, wxt, wxx = self.rows[:, end : end + 1] - self.rows[:, :end]
         w = np.maximum(w, np.finfo(float).tiny)
         level = np.maximum(wxx - wx * wx / w, 0.0)

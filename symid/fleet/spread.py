@@ -1,15 +1,15 @@
-"""How much a parameter differs from run to run, against the intervals of the runs.
+"""Spread of a parameter between runs, compared with the intervals of the runs.
 
-The value x_i of run i is mu + b_i + e_i: e_i has the standard deviation s_i that its identification promises, b_i the
-variance tau^2 between runs. All that is asked of tau^2 follows from the generalised statistic
+The value of run i is x_i = mu + b_i + e_i, where e_i has the standard deviation s_i stated by the identification and
+b_i the variance tau^2 between runs. Test, estimate and interval of tau^2 follow from the generalised statistic
 
     Q(tau^2) = sum_i w_i (x_i - mean)^2,  w_i = 1 / (s_i^2 + tau^2),  mean = sum w_i x_i / sum w_i,
 
-which is chi-square with K - 1 degrees of freedom at the true tau^2. Q(0) is Cochran's test of heterogeneity (1954);
-Q(tau^2) = K - 1 is the estimate of Paule and Mandel (1982), which assumes no distribution of b; the two tau^2 at which
-Q is a quantile of its distribution bound it (Q-profile, Viechtbauer 2007). Veroniki et al. (2016) recommend both.
-Hartung and Knapp (2001) give the deviation of the mean. Several parameters are tested together by Holm's step-down
-(1979), which holds whatever their dependence.
+which is chi-square with K - 1 degrees of freedom at the true tau^2. Q(0) is Cochran's test of heterogeneity (1954).
+Q(tau^2) = K - 1 is the estimate of Paule and Mandel (1982), which assumes no distribution of b. The values of tau^2 at
+which Q is a quantile of its distribution are its confidence limits (Q-profile, Viechtbauer 2007). Veroniki et al.
+(2016) recommend both. The deviation of the mean is that of Hartung and Knapp (2001). Several parameters are tested
+together by Holm's step-down procedure (1979), which is valid for any dependence between them.
 """
 
 from __future__ import annotations
@@ -26,32 +26,33 @@ from symid.arrays import FloatArray
 from symid.errors import SettingError
 
 LEAST_RUNS = 3
-"""Least number of runs for a spread."""
+"""Smallest number of runs for a spread."""
 _TAIL = 0.025
-_LEAST_SHARE = 0.1
-"""Part of the promised variance by which the spread must exceed it: no interval is known to better than 5 %."""
+_LEAST_SHARE = (
+    0.1  # variance between runs that counts, relative to the stated one, which has an accuracy of some 5 %
+)
 
 
 @dataclass(frozen=True)
 class Spread:
-    """One parameter over several runs. All fields but the probability and Q have the unit of the parameter.
+    """One parameter over several runs. All fields except probability and Q have the unit of the parameter.
 
     Parameters
     ----------
     runs : int
-        Runs that have a value and a deviation.
+        Number of runs with a value and a deviation.
     mean, mean_std : float
-        Mean over the runs, and its deviation by Hartung and Knapp.
+        Mean over the runs, and its standard deviation by Hartung and Knapp.
     between : float
-        Standard deviation between runs, tau; 0 where the intervals explain everything.
+        Standard deviation between runs, tau; 0 if the intervals explain all scatter.
     between_interval : tuple of float
-        Its 95 % interval.
+        95 % interval of `between`.
     promised : float
-        Standard deviation that the intervals promise for one run (typical one of Higgins and Thompson, 2002).
+        Typical standard deviation of a run as stated by its interval (Higgins and Thompson, 2002).
     statistic : float
-        Cochran's Q, chi-square with `runs` - 1 degrees of freedom if nothing differs.
+        Cochran's Q, chi-square with `runs` - 1 degrees of freedom if runs do not differ.
     probability : float
-        Of a Q as large as this if nothing differs; nan below three runs.
+        Probability of a Q at least as large if runs do not differ; nan below three runs.
     """
 
     runs: int
@@ -65,22 +66,22 @@ class Spread:
 
     @property
     def relative_between(self) -> float:
-        """Standard deviation between runs for each unit of the mean; nan if that is 0."""
+        """Standard deviation between runs relative to the mean; nan if that is 0."""
         return self.between / abs(self.mean) if self.mean else math.nan
 
     @property
     def relative_promised(self) -> float:
-        """Promised standard deviation for each unit of the mean; nan if that is 0."""
+        """Stated standard deviation relative to the mean; nan if that is 0."""
         return self.promised / abs(self.mean) if self.mean else math.nan
 
     @property
     def exceeds_tolerance(self) -> bool:
-        """Whether the interval of the variance between runs begins above a tenth of the promised variance."""
+        """Whether the variance between runs exceeds a tenth of the stated one, at its lower confidence limit."""
         return self.between_interval[0] ** 2 > _LEAST_SHARE * self.promised**2
 
     @property
     def share(self) -> float:
-        """Part of the variance of one run that is between runs, I^2."""
+        """Share of the variance between runs in that of one run, I^2."""
         total = self.between**2 + self.promised**2
         return self.between**2 / total if total > 0 else 0.0
 
@@ -92,13 +93,13 @@ class SpreadVerdict:
     Parameters
     ----------
     differs : bool
-        Whether some parameter differs beyond its intervals.
+        Whether a parameter differs beyond its intervals.
     parameters : tuple of str
-        Which ones, that with the largest share first.
+        Parameters that differ, the one with the largest share first.
     sentence : str
-        The same in words.
+        Verdict in words.
     probabilities : mapping of str to float
-        Adjusted for the number of parameters (Holm).
+        Probabilities adjusted for the number of parameters (Holm).
     """
 
     differs: bool
@@ -108,7 +109,7 @@ class SpreadVerdict:
 
 
 def robust_deviation(values: FloatArray) -> float:
-    """Standard deviation of normal values from their median absolute deviation, which stray values do not move.
+    """Robust standard deviation, from the median absolute deviation.
 
     >>> import numpy as np
     >>> round(robust_deviation(np.array([1.0, 2.0, 3.0, 1000.0])), 2)
@@ -123,8 +124,8 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     Parameters
     ----------
     values, deviations : array of shape (n_runs,)
-        Value and standard deviation from each run; runs where one of them is not finite, or the deviation is not
-        above 0, are left out.
+        Value and standard deviation of each run. Runs with a value that is not finite, or a deviation that is not
+        positive and finite, are left out.
 
     Raises
     ------
@@ -133,7 +134,7 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
 
     Examples
     --------
-    Ten runs that promise 0.1 and scatter by far more:
+    Ten runs with a stated deviation of 0.1 and a larger scatter:
 
     >>> import numpy as np
     >>> values = 5 + np.array([0.4, -0.5, 0.1, 0.6, -0.3, -0.2, 0.5, -0.6, 0.2, -0.2])
@@ -149,7 +150,7 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     if x.size < LEAST_RUNS:
         return _too_few(x, s)
     freedom = x.size - 1
-    # in this unit, squares of very small parameters stay in the range of numbers
+    # In units of the mean deviation, squares of very small parameters do not underflow.
     unit = float(np.exp(np.mean(np.log(s))))
     x, variance = x / unit, (s / unit) ** 2
     tau2 = variance_at(x, variance, freedom)
@@ -175,7 +176,7 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
 
 
 def generalised_statistic(x: FloatArray, variance: FloatArray, between: float) -> float:
-    """Q of values with the variances that their intervals promise, at a variance between runs.
+    """Q of values with their stated variances, at a variance between runs.
 
     >>> import numpy as np
     >>> generalised_statistic(np.array([0.0, 2.0]), np.ones(2), 1.0)
@@ -187,7 +188,7 @@ def generalised_statistic(x: FloatArray, variance: FloatArray, between: float) -
 
 
 def variance_at(x: FloatArray, variance: FloatArray, target: float) -> float:
-    """Variance between runs at which Q is the target; 0 where Q is below it without any.
+    """Variance between runs at which Q equals a target; 0 if Q(0) is below it.
 
     >>> import numpy as np
     >>> round(variance_at(np.array([0.0, 2.0]), np.ones(2), 1.0), 9)
@@ -198,7 +199,7 @@ def variance_at(x: FloatArray, variance: FloatArray, target: float) -> float:
 
 
 def variance_where_zero(excess: Callable[[float], float], high: float) -> float:
-    """Variance up to `high` at which a falling function of it is zero; 0 where it is nowhere positive.
+    """Zero of a decreasing function of a variance below `high`; 0 if the function is not positive at 0.
 
     >>> round(variance_where_zero(lambda tau2: 3.0 - tau2, 10.0), 9), variance_where_zero(lambda tau2: -1.0, 10.0)
     (3.0, 0.0)
@@ -212,11 +213,11 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
     Parameters
     ----------
     spreads : mapping of str to Spread
-        By parameter.
+        Spreads by parameter.
     level : float
-        Probability that an axis which is always the same is said to differ in any parameter. A spread that exceeds
-        the promised variance by less than a tenth is never called a difference: with thousands of runs it would be
-        significant, but intervals are not known that well.
+        Probability of a false verdict for an axis that does not differ in any parameter. A variance between runs below
+        a tenth of the stated one never counts as a difference: it would be significant with thousands of runs, but
+        intervals are not that accurate.
 
     Examples
     --------
@@ -247,7 +248,7 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
 
 
 def _size(name: str, spread: Spread) -> str:
-    """A spread in percent; in the parameter's unit where the mean may be 0."""
+    """A spread in percent, or in the unit of the parameter if the mean may be 0."""
     if abs(spread.mean) > 2 * math.hypot(spread.between, spread.promised):
         sizes = [f"{100 * one:.2g} %" for one in (spread.relative_between, spread.relative_promised)]
     else:
@@ -256,7 +257,6 @@ def _size(name: str, spread: Spread) -> str:
 
 
 def _too_few(x: FloatArray, s: FloatArray) -> Spread:
-    """Mean of too few runs for a spread."""
     nan = math.nan
     if not x.size:
         return Spread(0, nan, nan, nan, (nan, nan), nan, nan, nan)
@@ -267,7 +267,7 @@ def _too_few(x: FloatArray, s: FloatArray) -> Spread:
 
 
 def _holm(probabilities: Sequence[float]) -> FloatArray:
-    """Probabilities adjusted for their number, none smaller than that before it in order."""
+    """Probabilities adjusted for their number, monotone in their order."""
     order = np.argsort(probabilities)
     stepped = np.array(probabilities)[order] * np.arange(len(order), 0, -1)
     adjusted = np.empty(len(order))

@@ -1,7 +1,7 @@
 """Limits of a worker: time, memory, and its end with the batch.
 
-The system itself ends a worker that takes too long, by an alarm: no computation, however it holds the interpreter, can
-keep that from happening. Systems without alarms (Windows) have no limits but the check of the parent.
+An alarm of the operating system ends a worker that takes too long; no computation, even one that blocks the
+interpreter, can prevent that. Systems without alarms (Windows) only have the check of the parent process.
 """
 
 from __future__ import annotations
@@ -19,18 +19,19 @@ from typing import Final
 LONGEST: Final = 3600.0
 """Default time limit of a log, s."""
 _LEAST_MEMORY: Final = 4e9
-_SHARES: Final = 2.0
-"""A worker may take twice its share of the memory, as few need it at the same time, and 4 GB in any case."""
+_SHARES: Final = (
+    2.0  # multiple of its share of memory that a worker may take, since few need it at the same time
+)
 _PARENT_DEATH: Final = 1  # PR_SET_PDEATHSIG of prctl
 _ALARMS: Final = hasattr(signal, "setitimer")
 
 
 class TooLongError(Exception):
-    """A log took longer than it may."""
+    """A log exceeded its time limit."""
 
 
 def share_of_memory(jobs: int) -> float:
-    """Bytes that each of several workers may take."""
+    """Memory limit of each of several workers in bytes."""
     try:
         whole = float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, OSError, ValueError):
@@ -39,7 +40,7 @@ def share_of_memory(jobs: int) -> float:
 
 
 def limit_memory(n_bytes: float) -> None:
-    """Limit the memory of this process: an allocation beyond it fails here, and not elsewhere on the machine."""
+    """Limit the memory of this process: a larger allocation fails here, not elsewhere on the machine."""
     try:
         import resource  # not on Windows
     except ImportError:
@@ -49,7 +50,7 @@ def limit_memory(n_bytes: float) -> None:
 
 
 def end_with_parent() -> None:
-    """End this process when its parent is gone: at once on Linux, else within a second of being able to look."""
+    """End this process with its parent: immediately on Linux, otherwise within about a second."""
     parent = os.getppid()
     with contextlib.suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).prctl(_PARENT_DEATH, signal.SIGKILL, 0, 0, 0)
@@ -64,7 +65,7 @@ def _end_after(parent: int) -> None:
 
 @contextlib.contextmanager
 def ending_after(seconds: float) -> Iterator[None]:
-    """Let the system end this process if the block takes longer."""
+    """Let the operating system end this process if the block takes longer."""
     if not _ALARMS:
         yield
         return
@@ -77,7 +78,7 @@ def ending_after(seconds: float) -> Iterator[None]:
 
 @contextlib.contextmanager
 def raising_after(seconds: float) -> Iterator[None]:
-    """Raise TooLongError if the block takes longer; only in a main thread, since no other can be interrupted."""
+    """Raise TooLongError if the block takes longer; only in the main thread, since others cannot be interrupted."""
     if not _ALARMS or threading.current_thread() is not threading.main_thread():
         yield
         return
