@@ -1,4 +1,4 @@
-"""Export of an identified axis to where its users simulate and control."""
+"""Export of an identified axis to the programs in which its users simulate and control."""
 
 from symid.export.c_source import c_source
 from symid.export.exported import Exported

@@ -19,12 +19,12 @@ _RESERVED = {
         wanted change now has_jump""",
     ),
 }
-"""Words of C and names that the functions use themselves."""
+"""Words of C and names that the exported functions use."""
 _MOST_FACTORS = 4
 
 
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy has no types
-    """All numbers are doubles; small powers are products; laws call `sign` and `positive`."""
+    """Prints numbers as doubles, small powers as products, and jumps as calls of `sign` and `positive`."""
 
     def _print_Integer(self, expression: Any) -> str:
         return f"{int(expression)}.0"
@@ -56,7 +56,7 @@ def c_code(expression: sp.Expr) -> str:
 
 
 def c_name(name: str) -> str:
-    """A name that C leaves free; names of parameters and signals do not end with an underscore.
+    """A name that is free in C; an appended underscore occurs in no name of a parameter or signal.
 
     >>> c_name("Mm"), c_name("double")
     ('Mm', 'double_')
@@ -66,7 +66,7 @@ def c_name(name: str) -> str:
 
 
 def assignments(targets: Sequence[str], expressions: Sequence[sp.Expr], taken: Iterable[str]) -> list[str]:
-    """Statements that write expressions into targets; what they share is computed once before.
+    """Statements that assign expressions to targets, after their common subexpressions.
 
     >>> a, b = sp.symbols("a b")
     >>> assignments(["u", "w"], [sp.sin(a + b), 2 * sp.sin(a + b)], ())

@@ -1,19 +1,18 @@
-"""C functions for signals on their way: the force that was sent, and readings, each late by a known time.
+"""C functions for delayed signals: the drive force and the readings of sensors, each late by a known time.
 
-Both are looked up in notes of earlier steps, on a straight line between two of them: a reading itself, and
-for the force its integral, whose change over the step gives the mean of what arrives in it.
+Earlier values are stored in a ring buffer and interpolated linearly: of a reading the value itself, of the force its
+integral, whose change over a step gives the mean force that arrives in the step.
 """
 
 from __future__ import annotations
 
 import math
 
-from symid.axis import Axis, Sensor
-from symid.export.c_motion import force_parameters, in_steps, sent_forces
+from symid.export.c_motion import force_parameters, in_steps, lines, sent_forces
 from symid.export.dynamics import SymbolicDynamics
 
 SHORTEST_STEP = 5e-6
-"""Steps, s, from which on everything on its way is kept."""
+"""Shortest step for which the ring buffers suffice, s."""
 
 _HEADER = """\
 /* What is on its way for up to {longest!r} s, in steps h of at least {shortest:.2g} s. Begin with all of it 0. */
@@ -75,65 +74,40 @@ void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_sta
 def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> dict[str, str]:
     """Fields that delays add to header and source, for steps of at least `shortest` s; empty without delays."""
     axis, drive = dynamics.axis, dynamics.imperfect.delay
-    late = [(i, s) for i, s in enumerate(axis.sensors) if s.delay]
-    longest = max([drive, *(s.delay for _, s in late)])
+    late = [(i, sensor) for i, sensor in enumerate(axis.sensors) if sensor.delay]
+    longest = max([drive, *(sensor.delay for _, sensor in late)])
     if not longest:
         return {"way_header": "", "way_source": ""}
+    # Before the first step, readings and force are taken as constant. Lane 0 is that of the force, of which there is
+    # only one (`symbolic_dynamics` refuses several drives); late readings follow.
+    force = sent_forces(axis)
+    begin = [f"{axis.name}_derivative(p, x, {force}, change);", f"{axis.name}_sensors(x, change, y);"]
+    arrive, read = list[str](), list[str]()
+    if drive:
+        begin += [f"note(way, 0, {-2 * drive!r}, {-2 * drive!r}*{force});", "note(way, 0, 0.0, 0.0);"]
+        arrive = [
+            f"way->sent += h*{force};",
+            "note(way, 0, now + h, way->sent);",
+            f"const double late = (noted(way, 0, now + h - {drive!r}) - noted(way, 0, now - {drive!r}))/h;",
+        ]
+    for lane, (i, sensor) in enumerate(late, int(drive > 0)):
+        begin.append(f"note(way, {lane}, 0.0, y[{i}]);")
+        read.append(f"note(way, {lane}, way->now, y[{i}]);")
+        read.append(f"y[{i}] = noted(way, {lane}, way->now - {sensor.delay!r});  /* {sensor.signal} */")
+        if sensor.resolution:
+            read.append(in_steps(f"y[{i}]", sensor.resolution))
     words = {
         "name": axis.name,
         "forces": force_parameters(axis),
-        "acting": "late" if drive else sent_forces(axis),
+        "acting": "late" if drive else force,
         "n_state": dynamics.n_states,
         "n_sensors": len(axis.sensors),
         "cells": math.ceil(longest / shortest) + 3,
         "lanes": (drive > 0) + len(late),
         "longest": longest,
         "shortest": shortest,
+        "begin": "\n".join(["    if (!way->lane[0].count) {", lines(f"    {one}" for one in begin), "    }"]),
+        "late": lines(arrive),
+        "read": lines(read),
     }
-    source = _SOURCE.format(
-        **words, begin=_begin(axis, drive), late=_late(axis, drive), read=_read(axis, drive)
-    )
-    return {"way_header": _HEADER.format(**words), "way_source": source}
-
-
-def _begin(axis: Axis, delay: float) -> str:
-    """Statements before the first step: readings and force are taken as constant until then."""
-    found = [
-        f"{axis.name}_derivative(p, x, {sent_forces(axis)}, change);",
-        f"{axis.name}_sensors(x, change, y);",
-    ]
-    if delay:
-        found.append(f"note(way, 0, {-2 * delay!r}, {-2 * delay!r}*{sent_forces(axis)});")
-        found.append("note(way, 0, 0.0, 0.0);")
-    for lane, i, _ in _lanes(axis, delay):
-        found.append(f"note(way, {lane}, 0.0, y[{i}]);")
-    inner = "".join(f"        {statement}\n" for statement in found)
-    return f"    if (!way->lane[0].count) {{\n{inner}    }}"
-
-
-def _late(axis: Axis, delay: float) -> str:
-    """Statements for the force that arrives; only one drive has a delay (`symbolic_dynamics`)."""
-    if not delay:
-        return ""
-    found = [
-        f"way->sent += h*{sent_forces(axis)};",
-        "note(way, 0, now + h, way->sent);",
-        f"const double late = (noted(way, 0, now + h - {delay!r}) - noted(way, 0, now - {delay!r}))/h;",
-    ]
-    return "\n".join(f"    {statement}" for statement in found)
-
-
-def _read(axis: Axis, delay: float) -> str:
-    found = []
-    for lane, i, sensor in _lanes(axis, delay):
-        found.append(f"note(way, {lane}, way->now, y[{i}]);")
-        found.append(f"y[{i}] = noted(way, {lane}, way->now - {sensor.delay!r});  /* {sensor.signal} */")
-        if sensor.resolution:
-            found.append(in_steps(f"y[{i}]", sensor.resolution))
-    return "\n".join(f"    {statement}" for statement in found)
-
-
-def _lanes(axis: Axis, delay: float) -> list[tuple[int, int, Sensor]]:
-    """Lane, number and sensor of each late reading."""
-    late = [(i, s) for i, s in enumerate(axis.sensors) if s.delay]
-    return [(lane, i, s) for lane, (i, s) in enumerate(late, int(delay > 0))]
+    return {"way_header": _HEADER.format(**words), "way_source": _SOURCE.format(**words)}

@@ -1,4 +1,4 @@
-"""C statements of an axis' motion: the derivative of its state, and what its sensors read."""
+"""C statements for the motion of an axis: the derivative of its state, and the readings of its sensors."""
 
 from __future__ import annotations
 
@@ -16,10 +16,14 @@ from symid.symbolic.expressions import READING, misread
 
 
 def derivative(dynamics: SymbolicDynamics) -> str:
-    """Velocities, forces of the laws in each joint, then the accelerations that balance them."""
+    """Statements for dx/dt: the forces of the laws in each joint, then the accelerations M^-1 (sum of all forces)."""
     n, axis = len(dynamics.bodies), dynamics.axis
     x, v = state_symbols(n)
-    statements = [*clock(dynamics, "0.0"), *acting_force(dynamics, _lagging)]
+
+    def lagging(_: int, memory: Memory) -> tuple[list[str], str]:
+        return [f"d{memory.symbol} = {c_code(memory.rate)};"], str(memory.symbol)
+
+    statements = [*clock(dynamics, "0.0"), *acting_force(dynamics, lagging)]
     force = smooth_force(dynamics)
     taken = {*axis.physical_parameters, *dynamics.constants, *(drive.signal for drive in axis.drives)}
     rates = []
@@ -56,13 +60,13 @@ def derivative(dynamics: SymbolicDynamics) -> str:
 
 
 def state_symbols(n: int) -> tuple[sp.Matrix, sp.Matrix]:
-    """Displacements and velocities of n bodies as they stand in C."""
+    """Displacements and velocities of n bodies as entries of the state in C."""
     x, v = ([sp.Symbol(f"x[{first + i}]") for i in range(n)] for first in (0, n))
     return sp.Matrix(x), sp.Matrix(v)
 
 
 def smooth_force(dynamics: SymbolicDynamics) -> sp.Matrix:
-    """B F + c - C v - K x, F being the forces that act."""
+    """B F + c - C v - K x with the acting forces F."""
     x, v = state_symbols(len(dynamics.bodies))
     symbols = [ACTING] if acts_otherwise(dynamics) else [sp.Symbol(d.signal) for d in dynamics.axis.drives]
     acting = sp.Matrix(symbols)
@@ -80,13 +84,13 @@ def force_parameters(axis: Axis) -> str:
 
 
 def acts_otherwise(dynamics: SymbolicDynamics) -> bool:
-    """Whether the force that acts differs from the force that is sent."""
+    """Whether the acting force differs from the commanded one."""
     imperfect = dynamics.imperfect
     return bool(imperfect.drive) or any(ACTING in joint.law.free_symbols for joint in imperfect.joints)
 
 
 def clock(dynamics: SymbolicDynamics, ahead: str) -> list[str]:
-    """The time for which forces and masses are taken, and by how much masses have grown."""
+    """Statements for the time of forces and masses, `ahead` of the state's, and for the added masses at that time."""
     imperfect = dynamics.imperfect
     if not imperfect.clock:
         return []
@@ -101,7 +105,7 @@ def clock(dynamics: SymbolicDynamics, ahead: str) -> list[str]:
 def acting_force(
     dynamics: SymbolicDynamics, lag: Callable[[int, Memory], tuple[list[str], str]]
 ) -> list[str]:
-    """Statements for the force that acts; `lag` gives those of a force that lags, by its place, and its value."""
+    """Statements for the acting force; `lag` gives statements and value of a lagging force from its index and state."""
     if not acts_otherwise(dynamics):
         return []
     found = [f"double {ACTING} = {c_name(dynamics.axis.only_drive.signal)};"]
@@ -110,10 +114,6 @@ def acting_force(
         first, *others = [*before, f"{ACTING} = {value};"]
         found += [f"{first}  /* {type(element).__name__} */", *others]
     return found
-
-
-def _lagging(_: int, memory: Memory) -> tuple[list[str], str]:
-    return [f"d{memory.symbol} = {c_code(memory.rate)};"], str(memory.symbol)
 
 
 def readings(dynamics: SymbolicDynamics) -> str:
@@ -145,12 +145,12 @@ def readings(dynamics: SymbolicDynamics) -> str:
 
 
 def in_steps(name: str, step: float) -> str:
-    """Statement that rounds a number to a resolution."""
+    """Statement that rounds a variable to a resolution."""
     return f"{name} = {float(step)!r}*nearbyint({name}/{float(step)!r});"
 
 
 def used_parameters(dynamics: SymbolicDynamics, *matrices: sp.Matrix) -> list[str]:
-    """Parameters in some matrices, in the order of the declaration."""
+    """Parameters that occur in matrices, in the order of the declaration."""
     symbols = set().union(*(matrix.free_symbols for matrix in matrices))
     return [name for name in dynamics.axis.physical_parameters if sp.Symbol(name) in symbols]
 
@@ -161,7 +161,7 @@ def members(names: Iterable[str]) -> list[str]:
 
 
 def renamed(expression: sp.Expr) -> sp.Expr:
-    """An expression with names that C leaves free."""
+    """An expression with names that are free in C."""
     return expression.xreplace({s: sp.Symbol(c_name(str(s))) for s in expression.free_symbols})
 
 

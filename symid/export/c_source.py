@@ -1,6 +1,6 @@
 """C99 source of an axis: its forward dynamics, and regressor, output and minimal parameters of its minimal model.
 
-Plain functions of numbers and arrays, without allocation, state or any library but the mathematical one.
+Plain functions of numbers and arrays, without allocation and static state, which need the mathematical library only.
 """
 
 from __future__ import annotations
@@ -168,11 +168,11 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
     Parameters
     ----------
     model : DerivedModel or Axis
-        Axis and sensors with their minimal model; an axis alone is written without a regressor.
+        Axis and sensors with their minimal model; an axis alone is exported without a regressor.
     values : mapping of str to float
-        Physical parameters, SI; they stand in the source as `<axis>_values`.
+        Physical parameters, SI: the constant `<axis>_values` of the source.
     header : str, optional
-        Name of the header's file without its suffix; that of the axis by default.
+        File name of the header without suffix; by default that of the axis.
 
     Examples
     --------
@@ -210,7 +210,7 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
 
 
 def internal_step(axis: Axis, values: Mapping[str, float]) -> float:
-    """Step that follows the motion, s: a hundredth of the fastest mode's radian, 20 us at most."""
+    """Step of an accurate integration, s: a hundredth of a radian of the fastest mode, 20 us at most."""
     fastest = 2 * math.pi * plant_of(axis, values).highest_mode  # rad/s
     return float(f"{min(_LONGEST, 1 / (_STEPS_A_RADIAN * max(fastest, 1.0))):.2g}")
 
@@ -218,7 +218,7 @@ def internal_step(axis: Axis, values: Mapping[str, float]) -> float:
 def _words(
     axis: Axis, dynamics: SymbolicDynamics, values: Mapping[str, float], texts: Sequence[str]
 ) -> dict[str, object]:
-    """Texts for the fields of the templates, except for those of the regressor."""
+    """Fields of the templates, except those of the regressor."""
     parameters = axis.physical_parameters
     notes = [part for text in texts for part in textwrap.wrap(text, 105, subsequent_indent="    ")]
     return {
@@ -275,7 +275,7 @@ def _regressor_words(model: DerivedModel | Axis) -> dict[str, str]:
 
 
 def _feedforward_words(axis: Axis) -> dict[str, str]:
-    """Fields that a feed-forward adds to header and source; empty where an axis has none."""
+    """Fields that a feed-forward adds to header and source; empty if the axis has none."""
     try:
         force = feedforward(axis).force
     except SettingError:
@@ -289,7 +289,7 @@ def _feedforward_words(axis: Axis) -> dict[str, str]:
 
 
 def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:
-    """A body that computes expressions of the signals."""
+    """Body of a function that computes expressions of the signals."""
     used = set(signal_names(list(entries.values())))
     read = [f"const double {c_name(s)} = signals[{i}];" for i, s in enumerate(signals) if s in used]
     unused = [] if read else ["(void)signals;"]
@@ -299,7 +299,7 @@ def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:
 
 
 def _forward(model: DerivedModel) -> str:
-    """Minimal parameters by Horner's rule, what they share computed once."""
+    """Body of the function for minimal parameters, by Horner's rule."""
     names = [None, *(c_name(str(symbol)) for symbol in model.minimal.source.operators.ring.symbols[1:])]
     shared, results = minimal_parameter_code(model.minimal.parameters, names, c_code)
     used = {name for p in model.minimal.parameters for name in p.function.names}

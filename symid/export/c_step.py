@@ -1,8 +1,9 @@
 """C function that advances an axis by a time step: friction is set-valued at rest, so joints stick and break loose.
 
-Moreau's time stepping: v+ = v + h M^-1 (B F + c - C v - K x) - M^-1 sum_j d_j l_j, each impulse l_j of a joint with
-friction lying within h times what its law can give, and being what keeps the joint at rest if that is enough. The
-impulses are found by projected Gauss-Seidel iteration, exact in one sweep for one joint; then x+ = x + h v+.
+Moreau's time stepping: v+ = v + h M^-1 (B F + c - C v - K x) - M^-1 sum_j d_j l_j, then x+ = x + h v+. The impulse l_j
+of a joint with friction lies between h times the forces of its law for motion in either direction; if an impulse in
+this range keeps the joint at rest, it is that one. Projected Gauss-Seidel iteration finds the impulses; for one joint,
+the first sweep is exact.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ static double {name}_law(const {name}_parameters *p, int joint, double joint_q_,
 """
 
 _FOLLOWED = """\
-/* What has followed z(1) = gain - decay z for a time h. */
+/* Solution of z(1) = gain - decay z after a time h. */
 static double followed(double z, double gain, double decay, double h)
 {
     return decay > 0.0 ? z - (gain/decay - z)*expm1(-decay*h) : z + gain*h;
@@ -93,6 +94,7 @@ _JOINTS = """\
         if (!has_jump[j] || low[j] > high[j]) low[j] = high[j] = h*now;
         impulse[j] = 0.0;
     }}
+    /* Each joint in turn takes the impulse that stops it, limited to what its law can give. */
     for (int sweep = 0, moved = 1; sweep < sweeps && moved; sweep++) {{
         moved = 0;
         for (int j = 0; j < joints; j++) {{
@@ -113,16 +115,15 @@ _JOINTS = """\
 
 
 def step_function(dynamics: SymbolicDynamics) -> str:
-    """Text of the function `<axis>_step`, and of those that it calls."""
-    n, name = len(dynamics.bodies), dynamics.axis.name
+    """Text of the function `<axis>_step` and of the functions that it calls."""
+    n = len(dynamics.bodies)
     smooth = smooth_force(dynamics)
     inverse = dynamics.mass.inv(method="LU")
     used = used_parameters(dynamics, smooth, inverse)
-    remembers = bool(dynamics.imperfect.memories)
     return _STEP.format(
-        followed=_FOLLOWED if remembers else "",
+        followed=_FOLLOWED if dynamics.imperfect.memories else "",
         law=_law(dynamics) if dynamics.laws else "",
-        name=name,
+        name=dynamics.axis.name,
         forces=force_parameters(dynamics.axis),
         n=n,
         n_state=dynamics.n_states,
@@ -135,12 +136,12 @@ def step_function(dynamics: SymbolicDynamics) -> str:
 
 
 def _lagging(place: int, memory: Memory) -> tuple[list[str], str]:
-    """The mean of a lagging force over the step."""
+    """Statements for a lagging force, and its mean over the step."""
     before = f"before{place}_"
-    return [
-        f"const double {before} = {memory.symbol};",
-        _follows(memory),
-    ], f"({before} + {memory.symbol})/2.0"
+    return (
+        [f"const double {before} = {memory.symbol};", _follows(memory)],
+        f"({before} + {memory.symbol})/2.0",
+    )
 
 
 def _after(dynamics: SymbolicDynamics) -> str:
@@ -177,7 +178,7 @@ def _law(dynamics: SymbolicDynamics) -> str:
 
 
 def _beyond(dynamics: SymbolicDynamics) -> list[tuple[str, str]]:
-    """Inputs of laws besides the motion, as parameters of a C function and as arguments."""
+    """Inputs of laws other than the motion, as parameters of a C function and as arguments."""
     symbols = set().union(*(joint.force.free_symbols for joint in dynamics.laws))
     found = []
     if any(memory.symbol in symbols for joint in dynamics.laws for memory in joint.memories):

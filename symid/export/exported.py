@@ -1,4 +1,4 @@
-"""Result of an export: files, and what the axis lost on the way."""
+"""Result of an export: its files, and the parts of the axis that they do not model."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Exported:
     Parameters
     ----------
     files : mapping of str to str
-        Text by the suffix of its file, the main one first.
+        Texts by file suffix, the main file first.
     losses : tuple of str
         Parts of the axis that the target cannot express, one sentence each.
     """
@@ -31,7 +31,7 @@ class Exported:
 
     @property
     def whole(self) -> str:
-        """All files as one text: what the main one includes stands before it."""
+        """All files as one text: included files precede the main one."""
         main, *others = self.files.values()
         lines = (line for line in main.splitlines(keepends=True) if not line.startswith('#include "'))
         return "\n".join([*others, "".join(lines)])
@@ -40,7 +40,7 @@ class Exported:
 def losses_of_imperfections(
     axis: Axis, program: str, held: tuple[type[Imperfection], ...] = ()
 ) -> Iterator[str]:
-    """Losses of a format that has no imperfections but those of some kinds.
+    """Losses of a format that has imperfections of the given kinds only.
 
     >>> from symid.axis import ActuatorDelay, load_axis
     >>> list(losses_of_imperfections(load_axis("rigid_1m").with_effect(ActuatorDelay(1e-3)), "URDF"))
@@ -52,7 +52,7 @@ def losses_of_imperfections(
 
 
 def losses_of_signals(axis: Axis) -> Iterator[str]:
-    """Losses of every format: values that belong to a log and not to the axis, and noise of the recorded force.
+    """Losses of every format: parameters that differ from log to log, and noise of the recorded force.
 
     >>> from symid.axis import load_axis
     >>> list(losses_of_signals(load_axis("motor_bench")))

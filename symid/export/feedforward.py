@@ -1,7 +1,9 @@
-"""Force that a motion needs: the axis as one rigid motion, without the deflection of its springs.
+"""Feed-forward force of a motion, for the axis as a rigid body whose springs do not deflect.
 
-With x = r q, r being the motion of all bodies in which no spring deflects, and q the displacement along which the drive
-acts (B r = 1, for a force of 1), F = r M r q(2) + r C r q(1) + r K r q - r c + sum_j (d_j r) f_j(d_j r q, d_j r q(1)).
+Let x = r q, where r is the motion of all bodies in which no spring deflects, scaled such that B r = 1 for a unit force,
+and q the displacement along which the drive acts. Then
+
+    F = r M r q(2) + r C r q(1) + r K r q - r c + sum_j (d_j r) f_j(d_j r q, d_j r q(1)).
 """
 
 from __future__ import annotations
@@ -13,21 +15,22 @@ import sympy as sp
 from symid.axis import Axis
 from symid.errors import SettingError
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, symbolic_dynamics
+from symid.symbolic.expressions import positive
 
 POSITION, SPEED, ACCELERATION = sp.symbols("position_ velocity_ acceleration_")
-"""Of the drive; no parameter's name ends with an underscore."""
+"""Motion of the drive; no name of a parameter ends with an underscore."""
 
 
 @dataclass(frozen=True, eq=False)
 class Feedforward:
-    """Force of the drive along a motion in `POSITION`, `SPEED` and `ACCELERATION`, and its part that is friction."""
+    """Force of the drive in terms of `POSITION`, `SPEED` and `ACCELERATION`, and the part of it that is friction."""
 
     force: sp.Expr
     friction: sp.Expr
 
 
 def feedforward(axis: Axis) -> Feedforward:
-    """Force that a motion of the drive needs.
+    """Feed-forward force for a motion of the drive.
 
     >>> from symid.axis import load_axis
     >>> feedforward(load_axis("direct_2m1s")).force
@@ -46,7 +49,7 @@ def feedforward(axis: Axis) -> Feedforward:
         raise SettingError(
             f"axis {axis.name!r} has {len(free)} motions in which no spring deflects: a feed-forward needs one"
         )
-    # A constant of the drive that is a parameter stands in B too; it scales the force and not the motion.
+    # B also contains the constant of the drive if that is a parameter; it scales the force, not the motion.
     gain = works[0] / works[0].subs(dict.fromkeys(works[0].free_symbols, 1))
     rigid = (free[0] * gain / works[0]).applyfunc(sp.cancel)
 
@@ -59,7 +62,7 @@ def feedforward(axis: Axis) -> Feedforward:
         share = (joint.direction.xreplace(known) @ rigid)[0]
         law = joint.force.xreplace(known)
         force = sp.expand(share * law.subs({DISPLACEMENT: share * POSITION, VELOCITY: share * SPEED}))
-        for term in sp.Add.make_args(force.replace(_is_step, _step)):
+        for term in sp.Add.make_args(force.replace(lambda e: isinstance(e, (sp.sign, positive)), _at_drive)):
             friction, other = (friction + term, other) if term.has(SPEED) else (friction, other + term)
     allowed = {*map(sp.Symbol, axis.physical_parameters), POSITION, SPEED, ACCELERATION}
     if strange := (friction + other).free_symbols - allowed:
@@ -70,12 +73,8 @@ def feedforward(axis: Axis) -> Feedforward:
     return Feedforward((friction + other) / gain, friction / gain)
 
 
-def _is_step(expression: sp.Expr) -> bool:
-    return isinstance(expression, sp.Function) and str(expression.func) in ("sign", "positive")
-
-
-def _step(expression: sp.Expr) -> sp.Expr:
-    """Sign of a speed, or whether it is positive, by the sign of the drive's speed where they go together."""
-    ratio = sp.cancel(expression.args[0] / SPEED)
-    sign = sp.sign(ratio) * sp.sign(SPEED) if ratio.is_number else sp.sign(expression.args[0])
-    return sign if str(expression.func) == "sign" else (1 + sign) / 2
+def _at_drive(jump: sp.Expr) -> sp.Expr:
+    """A jump in terms of the sign of the drive's speed, if its argument is proportional to that."""
+    ratio = sp.cancel(jump.args[0] / SPEED)
+    sign = sp.sign(ratio) * sp.sign(SPEED) if ratio.is_number else sp.sign(jump.args[0])
+    return sign if isinstance(jump, sp.sign) else (1 + sign) / 2

@@ -1,4 +1,4 @@
-"""An axis as a functional mock-up unit: FMI 2.0 or 3.0 for co-simulation, made of the exported C and a compiler."""
+"""An axis as a functional mock-up unit: FMI 2.0 or 3.0 for co-simulation, compiled from the exported C."""
 
 from __future__ import annotations
 
@@ -63,27 +63,27 @@ FmiVersion = Literal[2, 3]
 def write_fmu(
     model: DerivedModel | Axis, values: Mapping[str, float], file: str | Path, fmi: FmiVersion = 2
 ) -> tuple[str, ...]:
-    """Write an axis as a unit for co-simulation, and return what it loses.
+    """Write an axis as a unit for co-simulation, and return its losses.
 
-    Inputs are the signals of the drives (their commands where they have a gain), held over a step; outputs
-    are the readings of all sensors; physical parameters and `internal_step` can be set before the start.
-    Inside, `<axis>_step` runs at `internal_step`.
+    Inputs are the signals of the drives (their commands if they have a gain), held over a step; outputs are the
+    readings of all sensors. Physical parameters and `internal_step`, the step of `<axis>_step`, can be set before the
+    start.
 
     Parameters
     ----------
     model : DerivedModel or Axis
-        Axis; the regressor of a model is in the unit's sources.
+        The axis; the unit's sources contain the regressor of a model.
     values : mapping of str to float
         Physical parameters, SI.
     file : path-like
-        Ends with .fmu.
+        File with suffix .fmu.
     fmi : {2, 3}
         FMI 2.0 or 3.0.
 
     Raises
     ------
     SettingError
-        If the suffix is another one, or there is no C compiler.
+        If the suffix is not .fmu, or there is no C compiler.
     """
     path, axis = Path(file), model if isinstance(model, Axis) else model.axis
     if path.suffix != ".fmu":
@@ -93,24 +93,23 @@ def write_fmu(
         raise SettingError(
             f"no unit can be made on {sys.platform}: export to C and compile the sources there"
         )
-    folder, suffix = _LIBRARIES[sys.platform]
     with tempfile.TemporaryDirectory() as place:
         sources = Path(place)
-        for ending, text in exported.files.items():
+        files = {**exported.files, "_fmu.c": _wrapper(axis, exported.text, fmi)}
+        for ending, text in files.items():
             (sources / f"{axis.name}{ending}").write_text(text, encoding="utf-8")
-        (sources / f"{axis.name}_fmu.c").write_text(_wrapper(axis, exported.text, fmi), encoding="utf-8")
-        built = {folder: sources / f"{axis.name}{suffix}"}
-        _compile(sources / f"{axis.name}_fmu.c", built[folder], _compiler())
-        if folder != "win64" and find_spec("ziglang") is not None:
-            built["win64"] = sources / f"{axis.name}.dll"
-            zig = (sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu")
-            _compile(sources / f"{axis.name}_fmu.c", built["win64"], zig)
+        built = _binaries(sources / f"{axis.name}_fmu.c", axis.name)
         with replacing(path) as unfinished, zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as unit:
             unit.writestr("modelDescription.xml", _description(axis, values, fmi))
             if fmi == 3:
                 unit.writestr("sources/buildDescription.xml", _BUILD_3.format(name=axis.name))
+            own = platform.machine().lower()
+            own = {"amd64": "x86_64", "arm64": "aarch64"}.get(own, own)
             for machine, library in built.items():
-                unit.write(library, f"binaries/{_machine_3(machine) if fmi == 3 else machine}/{library.name}")
+                # In FMI 3.0 a folder is named such as x86_64-linux; the Windows binary is for x86_64.
+                processor = "x86_64" if machine == "win64" else own
+                folder = f"{processor}-{_FOLDERS_3[machine]}" if fmi == 3 else machine
+                unit.write(library, f"binaries/{folder}/{library.name}")
             for source in sorted(sources.glob("*.[ch]")):
                 unit.write(source, f"sources/{source.name}")
     kept = [loss for loss in exported.losses if not loss.startswith("Friction at rest")]
@@ -121,20 +120,21 @@ def write_fmu(
     )
 
 
-def _machine_3(folder: str) -> str:
-    """Folder of a binary in FMI 3.0, such as ``x86_64-linux``; Windows is cross-compiled for x86_64."""
-    turned = {"amd64": "x86_64", "arm64": "aarch64"}
-    own = turned.get(platform.machine().lower(), platform.machine().lower())
-    return f"{'x86_64' if folder == 'win64' else own}-{_FOLDERS_3[folder]}"
-
-
-def _compiler() -> tuple[str, ...]:
+def _binaries(source: Path, name: str) -> dict[str, Path]:
+    """Libraries compiled beside a source, by platform: this one, and Windows if its cross compiler is installed."""
     compiler = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
     if compiler is None:
         raise SettingError(
             "a unit needs a C compiler, and none is on the path: install gcc or clang, or take `to=c`"
         )
-    return (compiler,)
+    folder, suffix = _LIBRARIES[sys.platform]
+    built = {folder: source.parent / f"{name}{suffix}"}
+    _compile(source, built[folder], (compiler,))
+    if folder != "win64" and find_spec("ziglang") is not None:
+        built["win64"] = source.parent / f"{name}.dll"
+        zig = (sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu")
+        _compile(source, built["win64"], zig)
+    return built
 
 
 def _compile(source: Path, library: Path, compiler: Sequence[str]) -> None:
@@ -142,12 +142,12 @@ def _compile(source: Path, library: Path, compiler: Sequence[str]) -> None:
     command = [*compiler, *options, source.name, "-lm", "-o", library.name]
     done = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
     if done.returncode:
-        said = next(iter(done.stderr.splitlines()), "it says nothing")
+        said = next(iter(done.stderr.splitlines()), "no message")
         raise SettingError(f"{' '.join(compiler)} cannot compile the unit: {said}")
 
 
 def _description(axis: Axis, values: Mapping[str, float], fmi: FmiVersion) -> str:
-    """The variables, numbered as the wrapper numbers them: inputs, readings, parameters, internal step, time."""
+    """Model description. Its variables have the order of the wrapper: inputs, readings, parameters, step, time."""
     units, fed = axis.signal_units, 'causality="input" variability="continuous"'
     sent = [drive.command or drive.signal for drive in axis.drives]
     rows = [_Variable(name, fed, units.get(name), "what the drive is sent", 0.0) for name in sent]
@@ -217,7 +217,7 @@ class _Variable:
 
 
 def _defined(unit: Unit) -> str:
-    """Definition of a unit by those of the SI."""
+    """Definition of a unit by SI base units."""
     powers = dict(zip(BASE_UNITS, unit.exponents, strict=True))
     volts = powers.pop("V")
     for base, power in {"kg": 1, "m": 2, "s": -3, "A": -1}.items():

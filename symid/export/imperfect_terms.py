@@ -1,4 +1,4 @@
-"""Imperfections of an axis as expressions: of the drive, in time, with memory, of a reading."""
+"""Imperfections of an axis as expressions: in the drive, in time, with memory."""
 
 from __future__ import annotations
 
@@ -29,18 +29,15 @@ from symid.symbolic.expressions import (
 )
 
 ACTING, NOW = sp.Symbol("force_"), sp.Symbol("now_")
-"""The force that acts, and the time, in expressions; no parameter's name ends with an underscore."""
+"""The acting force and the time in expressions; no name of a parameter ends with an underscore."""
 
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """State of an imperfection with memory, z(1) = gain - decay z, in `ACTING`, or in q and v of its joint.
-
-    `symbol` stands for the state in C.
-    """
+    """State of an imperfection with memory: z(1) = gain - decay z, in `ACTING`, or in q and v of its joint."""
 
     name: str
-    symbol: sp.Symbol
+    symbol: sp.Symbol  # the state in C
     gain: sp.Expr
     decay: sp.Expr
 
@@ -51,7 +48,7 @@ class Memory:
 
 
 class JointForce(NamedTuple):
-    """An imperfection that acts in a joint: its force in q, v, `ACTING`, `NOW` and the state of its memory."""
+    """An imperfection in a joint: its force in terms of q, v, `ACTING`, `NOW` and the state of its memory."""
 
     element: JointImperfection
     law: sp.Expr
@@ -62,13 +59,13 @@ class JointForce(NamedTuple):
 class Imperfect:
     """The imperfections of an axis."""
 
-    # those of the drive without its delay, in the order in which a force passes them, with what each remembers
+    # those of the drive except its delay, in signal-flow order, with their states
     drive: tuple[tuple[DriveImperfection, Memory | None], ...]
     joints: tuple[JointForce, ...]  # those that act as forces in joints
-    memories: tuple[Memory, ...]  # all memories, in the order of the state
+    memories: tuple[Memory, ...]  # all states, in order
     delay: float  # delay of the drive, s
     changes: tuple[PayloadChange, ...]  # changes of masses over time
-    clock: str  # C expression of the time, which is a state where anything depends on it; else empty
+    clock: str  # C expression of the time, a state of the axis if anything depends on it; else empty
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -77,7 +74,7 @@ class Imperfect:
 
 
 def imperfections_of(axis: Axis, first: int) -> Imperfect:
-    """The imperfections of an axis as expressions; `first` is the place in the state of the first memory."""
+    """The imperfections of an axis as expressions; `first` is the index of the first memory in the state."""
     memories: list[Memory] = []
 
     def remembered(element: Imperfection) -> Memory | None:
@@ -91,7 +88,7 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
 
     def force(element: JointImperfection) -> JointForce:
         law, memory = imperfection_law(element), remembered(element)
-        if isinstance(element, PreslidingFriction):  # at most the level that is declared
+        if isinstance(element, PreslidingFriction):  # limited to the declared Coulomb level
             levels = [w for w in axis.laws if isinstance(w, CoulombFriction) and w.at == element.at]
             declared = sp.Add(*(parameter_symbol(w.named("level")) for w in levels))
             law = law / element.level * sp.Min(element.level, declared)
@@ -114,14 +111,14 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
 
 
 def of_force(element: Imperfection) -> bool:
-    """Whether an imperfection is one of the drive, or a law that feels its force."""
+    """Whether an imperfection is in the drive, or a law that depends on the drive force."""
     return isinstance(element, DriveImperfection) or (
         isinstance(element, JointImperfection) and FORCE in imperfection_law(element).free_symbols
     )
 
 
 def sent(element: DriveImperfection) -> sp.Expr:
-    """The force that leaves an imperfection of the drive for one that enters it."""
+    """Output force of an imperfection in the drive, in terms of its input force `ACTING`."""
     return imperfection_law(element).xreplace({FORCE: ACTING})
 
 

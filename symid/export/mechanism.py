@@ -1,4 +1,4 @@
-"""An axis as what simulators of mechanisms know: inertias, and linear or simple properties along paths of joints."""
+"""An axis in the terms of multibody simulators: inertias, and simple properties along combinations of joints."""
 
 from __future__ import annotations
 
@@ -38,22 +38,23 @@ _NO_MASS = 1e-9
 
 @dataclass(frozen=True)
 class Properties:
-    """Forces along a path of displacement q and speed v."""
+    """Forces and inertia along a path with displacement q and velocity v.
 
-    # stiffness, cubic, damping, drag, frictionloss: force against the motion: stiffness q + cubic q^3 + damping v
-    # + drag v abs(v) + frictionloss sign(v)
+    The force against the motion is stiffness q + cubic q^3 + damping v + drag v abs(v) + frictionloss sign(v).
+    """
+
     stiffness: float = 0.0
     cubic: float = 0.0
     damping: float = 0.0
     drag: float = 0.0
     frictionloss: float = 0.0
     constant: float = 0.0  # force in the positive direction
-    armature: float = 0.0  # inertia that resists its acceleration
+    armature: float = 0.0  # inertia
 
 
 @dataclass(frozen=True)
 class Play:
-    """A spring along a path that is loose within a gap."""
+    """A spring along a path with play."""
 
     path: Path
     stiffness: float
@@ -73,29 +74,33 @@ class Mechanism:
     """The axis in these terms."""
 
     bodies: tuple[Body, ...]  # free bodies
-    # of each free body where its joint is that of a tree; 0 where an armature holds it
-    inertia: Mapping[str, float]
-    moments: Mapping[str, float]  # m l of each pendulum, in units of the first one's gravity
+    inertia: Mapping[
+        str, float
+    ]  # of each free body in the tree of joints; 0 if it is an armature of a path instead
+    moments: Mapping[
+        str, float
+    ]  # m l of each pendulum, scaled by its gravity relative to that of the first one
     paths: Mapping[Path, Properties]  # forces and inertias along each path
     plays: tuple[Play, ...]  # springs with play
-    drives: tuple[Path, ...]  # along which each drive pushes
+    drives: tuple[Path, ...]  # path of each drive
     gains: tuple[float, ...]  # force per unit of each drive's command, or of its signal without a command
-    readings: Mapping[str, Path]  # displacement of each sensor, before it is differentiated
-    losses: tuple[str, ...]  # parts of the axis that none of these holds
+    readings: Mapping[str, Path]  # displacement of which each sensor measures a derivative
+    losses: tuple[str, ...]  # parts of the axis that cannot be expressed
 
     @property
     def roots(self) -> tuple[Body, ...]:
-        """Bodies that are on no other one."""
+        """Bodies without a parent in the tree."""
         return tuple(b for b in self.bodies if _parent_in_tree(b) is None)
 
     def children(self, body: Body) -> tuple[Body, ...]:
-        """Bodies that a body carries."""
+        """Bodies whose parent in the tree is the given one."""
         return tuple(b for b in self.bodies if _parent_in_tree(b) == body)
 
     def inertial(self, body: Body) -> Inertial:
-        """Inertia of a body; readers demand some where the axis has it in an armature.
+        """Inertia of a body, at least a tiny one, which simulators require where an armature holds the inertia.
 
-        A pendulum's centre of mass hangs below its hinge; half of its inertia is then about that centre.
+        The centre of mass of a pendulum is below its hinge; half of the inertia about the hinge is that about the
+        centre.
         """
         inertia, moment = max(self.inertia[body.name], _NO_MASS), self.moments.get(body.name, 0.0)
         if not moment:
@@ -104,7 +109,7 @@ class Mechanism:
         return Inertial(mass, -moment / mass, inertia / 2)
 
     def moves_freely(self, body: Body) -> bool:
-        """Whether a body is one of the tree, with a frame that moves as it does."""
+        """Whether a body is part of the tree and has its own frame."""
         return body.geared is None and bool(self.inertia[body.name])
 
 
@@ -120,18 +125,18 @@ def mechanism(axis: Axis, values: Mapping[str, float]) -> Mechanism:
 
 
 def is_joint(path: Path) -> bool:
-    """Whether a path is the joint of one body and nothing else."""
+    """Whether a path is the joint of a single body."""
     return len(path) == 1 and path[0][1] == 1.0
 
 
 def _parent_in_tree(body: Body) -> Body | None:
-    """The free body under which a body is nested: what carries it, or what turns the geared body that carries it."""
+    """Parent of a body: the free body that carries it, or that turns the geared body that carries it."""
     gears = body.on.gears if isinstance(body.on, Body) else ()
     return gears[0].to if gears else body.carrier
 
 
 def _upwards(body: Body, parent: Callable[[Body], Body | None]) -> list[Body]:
-    """A body, its parent, and so on."""
+    """A body and its ancestors."""
     line = [body]
     while (above := parent(line[-1])) is not None:
         line.append(above)
@@ -139,8 +144,6 @@ def _upwards(body: Body, parent: Callable[[Body], Body | None]) -> list[Body]:
 
 
 class _Collector:
-    """Goes through the elements of an axis once."""
-
     def __init__(self, axis: Axis, values: Mapping[str, float]) -> None:
         self.axis, self.values = axis, axis.with_known_values(values)
         self.kinematics = Kinematics(axis)
@@ -150,7 +153,7 @@ class _Collector:
         self.moments: dict[str, float] = {}
 
     def mechanism(self) -> Mechanism:
-        """The mechanism of all elements."""
+        """The mechanism of all elements of the axis."""
         inertia = {}
         for body in self.axis.bodies:
             value, path = self.values[body.inertial], self.path(self.kinematics.absolute(body))
@@ -183,7 +186,7 @@ class _Collector:
         return tuple((name, float(factor.xreplace(constants))) for name, factor in factors if factor != 0)
 
     def add(self, path: Path, name: str, value: float) -> None:
-        """One more property along a path; along a single joint, it becomes one of that joint."""
+        """Add a property along a path; along a single joint with a ratio, it becomes a property of that joint."""
         if len(path) == 1:
             ((body, ratio),) = path
             power = {"stiffness": 2, "damping": 2, "armature": 2, "cubic": 4, "drag": 3}.get(name, 1)
@@ -193,7 +196,7 @@ class _Collector:
         self.paths[path] = replace(found, **{name: getattr(found, name) + value})
 
     def _check_coupling(self, body: Body, path: Path) -> None:
-        """MuJoCo couples the inertia of joints only where one is nested under the other."""
+        """SettingError if a body couples joints that are not nested: MuJoCo cannot couple the inertia of these."""
         moved = [b for b in self.axis.free_bodies if b.name in dict(path)]
         lines = [_upwards(one, _parent_in_tree) for one in moved]
         longest = max(lines, key=len)
@@ -204,7 +207,7 @@ class _Collector:
             )
 
     def _is_in_tree(self, body: Body) -> bool:
-        """Whether its displacement is the sum of the joints down to the ground."""
+        """Whether the displacement of a body is the sum of the joints between it and the ground."""
         joints = {above.name: 1.0 for above in _upwards(body, lambda one: one.carrier)}
         return body.geared is None and dict(self.path(self.kinematics.absolute(body))) == joints
 

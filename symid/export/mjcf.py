@@ -1,7 +1,7 @@
 """An axis as a MuJoCo model: slides and hinges, joint and tendon properties, actuators and sensors.
 
-Every free body gets one slide along x or one hinge about x. A force in the joint of one body becomes a property of
-it; one between bodies, or on a geared body, a fixed tendon: a linear combination of joints.
+Every free body has one slide along x or one hinge about x. A force in the joint of one body becomes a property of the
+joint; a force between bodies, or on a geared body, becomes a fixed tendon, a linear combination of joints.
 """
 
 from __future__ import annotations
@@ -46,8 +46,7 @@ _TEMPLATE = """\
 
 _LONGEST_STEP = 2.5e-4
 _STEPS_A_RADIAN = 20
-_SITE = 0.05
-"""Half a side of the boxes that are drawn, m; they have no mass and touch nothing."""
+_SITE = 0.05  # half the side of the boxes that are drawn, m; they have neither mass nor contact
 
 _SOFT = (
     "Coulomb friction: MuJoCo's friction constraint is soft, so a joint at rest creeps instead of sticking; "
@@ -61,14 +60,14 @@ def mjcf(axis: Axis, values: Mapping[str, float]) -> Exported:
     Parameters
     ----------
     axis : Axis
-        Its laws that MuJoCo cannot express become losses.
+        The axis; laws that MuJoCo cannot express become losses.
     values : mapping of str to float
         Physical parameters, SI.
 
     Raises
     ------
     SettingError
-        If a parameter is missing, a mass is not positive, or a body has none.
+        If a parameter is missing, a mass is not positive, or a body has no mass.
 
     Examples
     --------
@@ -94,7 +93,7 @@ class _Writer:
         self.axis, self.machine, self.timestep = axis, machine, timestep
         self.tendons: dict[Path, str] = {}
         self.losses = [*machine.losses, *losses_of_signals(axis)]
-        # MuJoCo has delay, limit and one lag of the drive, and no other imperfection.
+        # Of the imperfections, MuJoCo has delay, limit and one lag of the drive.
         lags = sorted(
             (e for e in axis.imperfections if isinstance(e, ActuatorLag)), key=lambda lag: lag.seconds
         )
@@ -122,7 +121,7 @@ class _Writer:
             tendons=self._tendons(),
             actuators=actuators,
             sensors=sensors,
-            notes="".join(f"  <!-- {line} -->\n" for line in self._notes()),
+            notes="".join(f"  <!-- {line} -->\n" for line in self._notes()),  # last: all losses are known
         )
         return Exported({".xml": text}, tuple(self.losses))
 
@@ -168,7 +167,7 @@ class _Writer:
         return "".join(f' {name}="{text}"' for name, text in written.items())
 
     def _tendon(self, path: Path) -> str:
-        """Name of a tendon along a path, which is written if it was not before."""
+        """Name of the tendon along a path, which is created if necessary."""
         return self.tendons.setdefault(path, "_".join([body for body, _ in path]) + f"_{len(self.tendons)}")
 
     def _tendons(self) -> str:
@@ -185,7 +184,7 @@ class _Writer:
         return "\n".join(["  <tendon>", *lines, "  </tendon>\n"]) if lines else ""
 
     def _transmission(self, path: Path) -> tuple[str, float]:
-        """Joint or tendon along a path, and how far the path moves with it."""
+        """Attribute of the joint or tendon along a path, and the ratio of the path to it."""
         if len(path) == 1:
             return f"joint={quoteattr(path[0][0])}", path[0][1]
         return f"tendon={quoteattr(self._tendon(path))}", 1.0
@@ -208,7 +207,7 @@ class _Writer:
         return f"<motor {words}/>"
 
     def _constants(self) -> list[str]:
-        """Constant forces: actuators whose force is their bias."""
+        """Constant forces, as actuators with a bias only."""
         lines = []
         for path, found in self.machine.paths.items():
             if found.constant:
@@ -276,7 +275,7 @@ class _Writer:
 
 
 def _written(number: float) -> str:
-    """A number in full, without a needless point.
+    """A number with all digits, without a trailing ".0".
 
     >>> _written(200.0), _written(0.1)
     ('200', '0.1')

@@ -1,4 +1,4 @@
-"""Identified parameters with their units and covariance, for programs of any kind."""
+"""Identified parameters with their units and covariance, as a record for JSON."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def parameter_record(
     covariances: Mapping[str, Any] | None = None,
     minimal: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
-    """Minimal and physical parameters: values, deviations, units, covariance, correlation.
+    """Minimal and physical parameters: values, standard deviations, units, covariance and correlation.
 
     Parameters
     ----------
@@ -29,14 +29,14 @@ def parameter_record(
         Physical parameters, SI.
     covariances : mapping, optional
         ``minimal`` and ``physical`` covariance in the order of the declaration, as `symid identify --json` writes
-        them; without them deviations and correlations are None.
+        them; without them, deviations and correlations are None.
     minimal : mapping of str to float, optional
-        Estimated minimal parameters; those of `values` by default.
+        Estimated minimal parameters; by default they are computed from `values`.
 
     Raises
     ------
     SettingError
-        If a covariance is not of this axis and these sensors.
+        If a covariance does not match this axis and these sensors.
 
     Examples
     --------

@@ -1,10 +1,10 @@
-"""IEC 61131-3 Structured Text: feed-forward and friction compensation of an axis as a function block."""
+"""Feed-forward and friction compensation of an axis as a function block in IEC 61131-3 Structured Text."""
 
 from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import sympy as sp
@@ -38,17 +38,9 @@ friction := {friction};
 force := {force};{command}
 END_FUNCTION_BLOCK
 """
-_LONGEST = 10**6
-"""Numerator or denominator of a fraction that is written as one."""
-_FUNCTIONS = {
-    "Abs": "ABS",
-    "sin": "SIN",
-    "cos": "COS",
-    "tan": "TAN",
-    "exp": "EXP",
-    "log": "LN",
-    "atan": "ATAN",
-}
+_LONGEST = 10**6  # numerator or denominator up to which a number is written as a fraction
+_NAMES_OF_FUNCTIONS = ("ABS", "SIN", "COS", "TAN", "EXP", "LN", "ATAN")
+_FUNCTIONS = dict(zip(("Abs", "sin", "cos", "tan", "exp", "log", "atan"), _NAMES_OF_FUNCTIONS, strict=True))
 _TAKEN = frozenset(
     re.findall(
         r"\w+",
@@ -58,11 +50,11 @@ _TAKEN = frozenset(
     dt int dint real lreal bool byte word en eno on var task type with step action array struct string pi""",
     )
 )
-"""Words of the language and of the block; letters of case do not matter there."""
+"""Words of the language and of the block, which are not case-sensitive."""
 
 
 class _StructuredTextPrinter(StrPrinter):  # type: ignore[misc]  # sympy has no types
-    """All numbers are LREAL; powers are products or EXPT."""
+    """Prints numbers as LREAL, and powers as products or EXPT."""
 
     def _print_Integer(self, expression: Any) -> str:
         return f"{int(expression)}.0"
@@ -98,20 +90,20 @@ class _StructuredTextPrinter(StrPrinter):  # type: ignore[misc]  # sympy has no 
 def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     """Feed-forward and friction compensation of an axis as a function block.
 
-    The axis moves as one, without the deflection of its springs. `friction` is the part of `force` that depends on the
-    speed; within `rest_speed` of standstill its steps are straight lines.
+    The axis is treated as rigid, without deflection of its springs. `friction` is the part of `force` that depends on
+    the speed; below `rest_speed`, its jumps are replaced by straight lines.
 
     Parameters
     ----------
     axis : Axis
-        Imperfections are left out, which is said.
+        The axis; its imperfections become losses.
     values : mapping of str to float
         Physical parameters, SI: the initial values of inputs.
 
     Raises
     ------
     SettingError
-        If the axis has no single motion without deflection, or a law that the language cannot express.
+        If the axis does not have exactly one motion without deflection, or has a law that the language cannot express.
 
     Examples
     --------
@@ -122,31 +114,6 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     """
     found, drive = feedforward(axis.without(*axis.imperfections)), axis.only_drive
     named = {name: _name(name, axis.physical_parameters) for name in axis.physical_parameters}
-    at = drive.at.second if isinstance(drive.at, Between) else drive.at
-    length = "rad" if isinstance(at, Body) and at.inertia else "m"
-    unit = axis.signal_units[drive.signal]
-    used = sorted(
-        found.force.free_symbols & set(map(sp.Symbol, named)), key=lambda one: list(named).index(str(one))
-    )
-    inputs = [
-        f"    position : LREAL; (* reference of the drive, {length} *)",
-        f"    velocity : LREAL; (* {length}/s *)",
-        f"    acceleration : LREAL; (* {length}/s^2 *)",
-        f"    rest_speed : LREAL := 0.0001; (* {length}/s *)",
-        *(
-            f"    {named[str(p)]} : LREAL := {_StructuredTextPrinter().doprint(sp.Float(values[str(p)], 17))}; "
-            f"(* {axis.physical_parameters[str(p)] or '1'} *)"
-            for p in used
-        ),
-    ]
-    outputs = [
-        f"    force : LREAL; (* {unit} *)",
-        f"    friction : LREAL; (* its part that depends on the speed, {unit} *)",
-    ]
-    command = ""
-    if drive.command:
-        outputs.append(f"    command : LREAL; (* {drive.command}, what the drive takes for this force *)")
-        command = f"\ncommand := force / {_StructuredTextPrinter().doprint(sp.Float(drive.factor, 17))};"
     losses = list(losses_of_imperfections(axis, "a feed-forward"))
     if len(axis.bodies) > 1:
         losses.append("Deflection of springs: the force is that of the axis as one rigid motion.")
@@ -154,24 +121,50 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
         "force = what the motion needs, without feedback; friction = its part that depends on the speed.",
         *(f"Lost: {loss}" for loss in losses),
     ]
+    wrapped = (part for note in notes for part in textwrap.wrap(note, 97))
     text = _BLOCK.format(
         name=axis.name,
-        notes="\n".join(
-            part
-            for note in notes
-            for part in textwrap.wrap(note, 100, initial_indent="   ", subsequent_indent="   ")
-        ),
-        inputs="\n".join(inputs),
-        outputs="\n".join(outputs),
+        notes="\n".join(f"   {line}" for line in wrapped),
+        inputs="\n".join(f"    {line}" for line in _inputs(axis, values, found.force, named)),
+        outputs="\n".join(f"    {line}" for line in _outputs(axis)),
         friction=_statement(found.friction, named),
         force=_statement(found.force - found.friction, named, "friction"),
-        command=command,
+        command=f"\ncommand := force / {_number(drive.factor)};" if drive.command else "",
     )
     return Exported({".st": text}, tuple(losses))
 
 
+def _inputs(
+    axis: Axis, values: Mapping[str, float], force: sp.Expr, named: Mapping[str, str]
+) -> Iterator[str]:
+    """Declarations of the motion and of the parameters of a force."""
+    drive = axis.only_drive.at
+    at = drive.second if isinstance(drive, Between) else drive
+    length = "rad" if isinstance(at, Body) and at.inertia else "m"
+    yield f"position : LREAL; (* reference of the drive, {length} *)"
+    yield f"velocity : LREAL; (* {length}/s *)"
+    yield f"acceleration : LREAL; (* {length}/s^2 *)"
+    yield f"rest_speed : LREAL := 0.0001; (* {length}/s *)"
+    for name, unit in axis.physical_parameters.items():
+        if sp.Symbol(name) in force.free_symbols:
+            yield f"{named[name]} : LREAL := {_number(values[name])}; (* {unit or '1'} *)"
+
+
+def _outputs(axis: Axis) -> Iterator[str]:
+    drive = axis.only_drive
+    unit = axis.signal_units[drive.signal]
+    yield f"force : LREAL; (* {unit} *)"
+    yield f"friction : LREAL; (* its part that depends on the speed, {unit} *)"
+    if drive.command:
+        yield f"command : LREAL; (* {drive.command}, what the drive takes for this force *)"
+
+
+def _number(value: float) -> str:
+    return str(_StructuredTextPrinter().doprint(sp.Float(value, 17)))
+
+
 def _name(name: str, names: Collection[str]) -> str:
-    """A name that the language leaves free; its names are not case-sensitive."""
+    """A free name: names are not case-sensitive, and words of the language are taken."""
     same = [other for other in names if other.lower() == name.lower()]
     suffix = f"_{same.index(name) + 1}" if len(same) > 1 else "_p" if name.lower() in _TAKEN else ""
     return f"{name}{suffix}"

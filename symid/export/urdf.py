@@ -1,6 +1,6 @@
 """An axis as URDF: links with masses, prismatic and continuous joints with damping and friction.
 
-URDF has neither springs nor drives nor sensors: what it lacks is said.
+URDF has no springs, drives or sensors; these become losses.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ from symid.axis import Axis, Body
 from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
 from symid.export.mechanism import Mechanism, is_joint, mechanism
 
-_WIDE = "1e9"
-"""Limits that URDF demands of a prismatic joint and the axis does not have."""
+_WIDE = "1e9"  # limits that URDF requires of a prismatic joint
 _HELD = ("damping", "frictionloss")
 _LOST = ("stiffness", "cubic", "drag", "constant", "armature")
 
@@ -24,7 +23,7 @@ def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
     Parameters
     ----------
     axis : Axis
-        Parts that URDF cannot express become losses.
+        The axis; parts that URDF cannot express become losses.
     values : mapping of str to float
         Physical parameters, SI.
 
@@ -51,7 +50,7 @@ def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
 
 
 def _linked(machine: Mechanism, parent: str, body: Body) -> Iterator[str]:
-    """Link and joint of a body, then those of what it carries."""
+    """Link and joint of a body, then those of the bodies that it carries."""
     mass, height, own = machine.inertial(body)
     found = machine.paths.get(((body.name, 1.0),))
     damping, friction = (found.damping, found.frictionloss) if found else (0.0, 0.0)
