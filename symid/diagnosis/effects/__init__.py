@@ -1,4 +1,4 @@
-"""The library of effects: everything that a diagnosis considers."""
+"""The library of effects that a diagnosis considers."""
 
 from symid.axis import Cogging, PeriodicFriction
 from symid.diagnosis.effects.declared_imperfections import (

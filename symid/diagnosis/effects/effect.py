@@ -1,4 +1,4 @@
-"""The interface of an effect: where it may sit, its shape and how it changes the predicted outputs."""
+"""The interface of an effect: its places, its shape, and its change of the predicted outputs."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from symid.diagnosis.prediction.record import Record
 from symid.units import Unit
 
 Shape = tuple[float, ...]
-"""Values of the shape parameters of an effect: those in which its force is not linear."""
+"""Values of the shape parameters of an effect, in which its force is not linear."""
 Key = tuple[str, str]
 """Names of an effect and of its place."""
 
 MatchedFilter = Callable[[ComplexArray], FloatArray]
-"""For the response of the outputs to a signal: the course of the signal, on the fine grid, that the residual asks for
-(the adjoint of the weighting applied to the residual)."""
+"""From the response of the outputs to a signal: the correlation of that signal with the residual over time, on the fine
+grid (the adjoint of the weighting, applied to the residual)."""
 
 ACTUATOR = "actuator"
 
 
 class Effect(ABC):
-    """An effect that a model may lack. It changes the predicted outputs by a sum of amplitude times column."""
+    """An effect that may be missing from a model. It adds amplitudes times columns to the predicted outputs."""
 
     name: str
     """Name of the effect, see `symid.diagnosis.effects`."""
@@ -44,20 +44,19 @@ class Effect(ABC):
     fixed: ClassVar[bool] = False
     """Whether its amplitude is 1, so that only the shape is free."""
     implicit: ClassVar[bool] = False
-    """Whether its force depends on what it changes itself, so that a balance is to be solved."""
+    """Whether its force depends on outputs that it changes itself, so that an equation has to be solved."""
     moments: ClassVar[tuple[str, ...]] = ()
-    """Shape parameters that a log need not determine, such as when something changed while the axis was at rest."""
+    """Shape parameters that a log need not determine, such as the time of a change while the axis was at rest."""
     may_be_zero: ClassVar[tuple[str, ...]] = ()
-    """Shape parameters that may be as small as their deviation, such as the damping of a mode."""
+    """Shape parameters that may be as small as their standard deviation, such as the damping of a mode."""
     per_log: ClassVar[bool] = False
-    """Whether its amplitudes belong to a log: time starts at 0 in each."""
-
+    """Whether its amplitudes are properties of a log, for instance because time starts at 0 in each."""
     imitates: tuple[str, ...] = ()
-    """Names of simpler effects whose lack it may explain as well."""
+    """Names of simpler effects that may explain the same gap."""
 
     @property
     def in_doubt(self) -> frozenset[str]:
-        """Shape parameters whose deviation may exceed them."""
+        """Shape parameters whose standard deviation may exceed them."""
         return frozenset((*self.moments, *self.may_be_zero))
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
@@ -65,23 +64,23 @@ class Effect(ABC):
         return not (self.positive and placed.amplitudes[0] < 0)
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """Whether values are of a size that machines have; what lies at a bound of the search has none."""
+        """Whether the values are of the size of those of machines, and not at a bound of the search."""
         return True
 
     @abstractmethod
     def places(self, prediction: Prediction) -> Iterable[str]:
-        """Where it may sit."""
+        """Places at which the effect is possible."""
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        """Shapes worth a trial."""
+        """Shapes to be tried."""
         return ((),)
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
-        """Shapes worth a trial under another log, where part of the shape belongs to a log."""
+        """Shapes to be tried for another log, if part of the shape is a property of a log."""
         return ()
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
-        """The nearest shape that makes sense."""
+        """The nearest admissible shape."""
         return shape
 
     @abstractmethod
@@ -90,15 +89,15 @@ class Effect(ABC):
 
     @property
     def is_of_command(self) -> bool:
-        """Whether the drive makes it of its command, before any delay or lag."""
+        """Whether it acts on the command of the drive, before any delay or lag."""
         return False
 
     def passed_on(self, prediction: Prediction, placed: Placed, outputs: ComplexArray) -> ComplexArray | None:
-        """Its change of small changes of the predicted outputs, (..., n_outputs, n_bins); None if it leaves them."""
+        """Its response to small changes of the predicted outputs, (..., n_outputs, n_bins); None without response."""
         return None
 
     def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
-        """Error of the driven positions, of shape (n_drives, n_bins); None if it makes none."""
+        """Error of the driven positions, of shape (n_drives, n_bins); None without error."""
         return None
 
     @abstractmethod
@@ -114,7 +113,7 @@ class JointEffect(Effect):
         """Spectra of the forces for unit amplitudes, of shape (n_amplitudes, n_bins)."""
 
     def forces_at(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
-        """The same as `forces`, which follow from the motion of the joint unless they are implicit."""
+        """The same as `forces`, kept with the joint unless they depend on more than its motion."""
         if self.implicit:
             return self.forces(prediction, joint, shape)
         return joint.memory.of(self, shape, lambda: self.forces(prediction, joint, shape))
@@ -122,15 +121,15 @@ class JointEffect(Effect):
     def pointwise(
         self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]
     ) -> Pointwise | None:
-        """Its force point by point, for hidden joints; None if it does not depend on the motion there."""
+        """Its force as a function of the motion at an instant, for hidden joints; None if it is not one."""
         return None
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
-        """Shapes and amplitudes that change the motion of a hidden joint as much as its spring, of that stiffness."""
+        """Shapes and amplitudes that change the motion of a hidden joint as much as its spring of that stiffness."""
         return ()
 
     def joint(self, prediction: Prediction, place: str) -> Joint:
-        """The joint that stands for a place."""
+        """The joint at a place."""
         return prediction.joints[place]
 
     def places(self, prediction: Prediction) -> Iterable[str]:
@@ -153,7 +152,7 @@ class LinearEffect(JointEffect):
 
 
 def sampled(prediction: Prediction, *forces: FloatArray, joint: Joint | None = None) -> ComplexArray:
-    """Spectra of signals on the fine grid, one a row; those that jump with the velocity of a joint if it is given."""
+    """Spectra of signals on the fine grid, one per row; `joint` is given if they jump with its velocity."""
     values = np.stack(forces)
     return prediction.record.from_grid(values if joint is None else joint.averaged(values))
 
@@ -171,13 +170,13 @@ class Placed:
     Parameters
     ----------
     effect : Effect
-        What it is.
+        The effect.
     at : str
-        Where it sits.
+        Its place.
     shape, amplitudes : tuple of float
-        Values.
+        Values of its shape parameters and amplitudes.
     integrated : bool
-        Whether a hidden joint is integrated with its force.
+        Whether the motion of a hidden joint is integrated with its force.
     """
 
     effect: Effect
@@ -192,13 +191,13 @@ class Placed:
         return self.effect.name, self.at
 
     def contains(self, key: Key) -> bool:
-        """Whether it is a refinement of the effect and place named, as presliding is one of Coulomb friction."""
+        """Whether it refines an effect at a place, as presliding friction refines Coulomb friction."""
         name, place = key
         return self.at == place and name in self.effect.imitates
 
     @property
     def n_free(self) -> int:
-        """Free values."""
+        """Number of free values."""
         return len(self.shape) + (0 if self.effect.fixed else len(self.amplitudes))
 
     def change(self, prediction: Prediction) -> ComplexArray:

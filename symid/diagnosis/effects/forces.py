@@ -1,4 +1,4 @@
-"""Forces, springs and masses that a model may lack."""
+"""Effects of forces, springs and masses that may be missing from a model."""
 
 from __future__ import annotations
 
@@ -28,23 +28,40 @@ from symid.units import Unit
 
 _TRIALS = 4
 _SHARE_OF_BAND = 0.6
-_PERIODS_OF_MODE = 3.0
-"""Of a mode that a log shows, at least."""
-_LOWEST_MODES = (0.5, 3.0)
-"""Between which frequencies the lowest mode lies that is sought, Hz: below, a mode looks like a weight or a spring."""
+_PERIODS_OF_MODE = 3.0  # least periods of a mode within a log
+_LOWEST_MODES = (
+    0.5,
+    3.0,
+)  # range of the lowest frequency sought, Hz: below it, a mode looks like a weight or a spring
 _SHARE_OF_MOTION = 0.9
 _MODES_APART = 1.09
-_SWINGS = 0.3
-"""Damping ratio from which on a mode hardly swings: beside a delay it looks like a lag."""
+_MOST_DAMPING = 0.3  # damping ratio from which on a mode, beside a delay, looks like a lag
+# Half of the squared acceleration must be more than 25 % off the mode: a single sine does not tell mode from inertia.
 _NEAR_MODE, _AT_MODE = 0.25, 0.5
-"""Share of the acceleration, squared, that may lie within some of a mode: one sine tells a mode from no inertia."""
 _MOST_OF_MASS = 0.95
 _INSIDE = 0.99
 _MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
 _USUAL_CHANGE = 0.1
-_MOMENTS_TRIED = np.linspace(0.1, 0.9, 17)
-"""Of the log, at which the most usual change is also tried."""
+_MOMENTS_TRIED = np.linspace(
+    0.1, 0.9, 17
+)  # times relative to the log at which the usual change is also tried
 _DAMPINGS = (0.01, 0.05, 0.2)
+_LINE = 3.0  # amplitude of a spectral line relative to its neighbourhood
+_NEIGHBOURS = 8
+_FAST = 0.1
+_FEWEST_CYCLES = 4.0  # of a disturbance within a log; with fewer, it is any slow course
+_HARMONICS = (
+    5  # cycles of a disturbance per cycle of the motion up to which it may be a harmonic of the motion
+)
+_CHANGES_WITHIN = np.array(
+    [0.1, 0.9]
+)  # part of the log in which a mass may change: at its ends, unknown states decay
+_MOMENTS = np.linspace(
+    0.03, 0.97, 48
+)  # times of a change that are tried in another log, relative to its length
+_UNSETTLED = (
+    12  # points around the change, and after the end of the log, at which pulses have not yet decayed
+)
 
 
 class PeriodicDisturbanceEffect(JointEffect):
@@ -56,7 +73,7 @@ class PeriodicDisturbanceEffect(JointEffect):
     per_log = True
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """A line of the motion itself is not a disturbance: a force that repeats with it belongs to it."""
+        """A spectral line of the motion is not a disturbance: a force that repeats with the motion belongs to it."""
         if placed.shape[0] * prediction.record.duration < _FEWEST_CYCLES:
             return False
         return not is_line_of_motion(prediction, placed.shape[0], math.hypot(*placed.amplitudes))
@@ -83,29 +100,17 @@ class PeriodicDisturbanceEffect(JointEffect):
         return force, force, "Hz"
 
 
-_LINE = 3.0
-"""Amplitude of a line relative to that of its neighbourhood."""
-_NEIGHBOURS = 8
-_FAST = 0.1
-_FEWEST_CYCLES = 4.0
-"""Cycles of a disturbance within a log: of fewer, it is a slow course of any kind."""
-_HARMONICS = 5
-"""Cycles of a disturbance for each of the motion, up to which it may be the motion's own."""
-
-
 def is_line_of_motion(prediction: Prediction, frequency: float, amplitude: float) -> bool:
-    """Whether the force that the motion asks for has a line at a frequency, stronger than a disturbance there.
+    """Whether the force of the motion has a spectral line at a frequency, stronger than a disturbance there.
 
-    What lies within one bin of a log of that length is held against the median of its neighbours. A controller
-    answers a slow disturbance by a force, so that the motion shows less of it; a fast one is not a harmonic of it.
+    The bins at the frequency are compared with the median of their neighbours. A controller counteracts a slow
+    disturbance, so that the motion shows little of it; a fast one is not a harmonic of the motion.
     """
-    return any(
-        _has_line(prediction, drive, frequency, amplitude) for drive in range(prediction.record.n_drives)
-    )
+    drives = range(prediction.record.n_drives)
+    return any(_has_line(prediction, drive, frequency, amplitude) for drive in drives)
 
 
 def _has_line(prediction: Prediction, drive: int, frequency: float, amplitude: float) -> bool:
-    """The same of one drive."""
     record = prediction.record
     inside = record.rows_in_log
     force = record.rows(prediction.outputs[drive] * record.taper)[inside]
@@ -123,19 +128,8 @@ def _has_line(prediction: Prediction, drive: int, frequency: float, amplitude: f
     return line > max(_LINE * float(np.median(lines[low:high])), amplitude)
 
 
-_CHANGES_WITHIN = np.array([0.1, 0.9])
-"""Shares of the log between which a mass may change: what differs at the ends is a start that is not known."""
-
-_MOMENTS = np.linspace(0.03, 0.97, 48)
-"""Moments of a change that are tried under another log, relative to its length."""
-
-
-_UNSETTLED = 12
-"""Points around the moment, and after the end of the log, at which pulses are not yet over."""
-
-
 class PayloadChangeEffect(Effect):
-    """The mass of a body is greater by dm from a moment t0 on; before and after it the axis is a linear one."""
+    """The mass of a body is larger by dm from the time t0 on; before and after, the axis is linear."""
 
     name = "payload_change"
     amplitudes = ("share",)
@@ -150,10 +144,12 @@ class PayloadChangeEffect(Effect):
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         body, record = prediction.bodies[place], prediction.record
         response = -prediction.response.of_force(body.direction)
-        felt = record.from_grid(body.a)
-        energy = np.sum(record.fine(response * prediction.density * felt) ** 2, axis=0) * record.in_log
+        inertial = record.from_grid(body.a)
+        energy = np.sum(record.fine(response * prediction.density * inertial) ** 2, axis=0) * record.in_log
         if not 0 < energy.sum() < np.inf:
             return []
+        # Matched filter for an inertial force from each time on: its correlation with the residual, less the part that
+        # a constant change of the mass would explain, relative to its energy.
         later = np.cumsum((matched_filter(response) * body.a * record.in_log)[::-1])[::-1]
         after = np.cumsum(energy[::-1])[::-1] / energy.sum()
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
@@ -171,11 +167,11 @@ class PayloadChangeEffect(Effect):
         return [(shape[0], float(share * record.duration)) for share in _MOMENTS]
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        """What the force of the added inertia does to the axis that has it throughout.
+        """Change of the outputs by the added inertia, computed with the axis that has it throughout.
 
-        With the motion x of the axis as it is, (M + dm) x'' + ... = f + dm x''. From the moment on the last term is
-        gone, so that the outputs change by the response of this axis to -dm x'' from then on. What hidden bodies do at
-        the moment goes on after it.
+        The motion x of the axis as modelled obeys (M + dm) x'' + ... = f + dm x''. From t0 on the last term is absent,
+        so that the outputs change by the response of the axis with dm to -dm x'' from then on. The hidden bodies keep
+        their motion at t0.
         """
         record, (change, moment) = prediction.record, shape
         body = prediction.bodies[place]
@@ -190,7 +186,7 @@ class PayloadChangeEffect(Effect):
     def _with_change(
         self, prediction: Prediction, direction: FloatArray, change: float
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Of the axis with the other mass: outputs for a force on the body, and for pulses as the log ends."""
+        """For the axis with the other mass: outputs for a force on the body, and for pulses at the end of the log."""
         record = prediction.record
         inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
         other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
@@ -200,9 +196,10 @@ class PayloadChangeEffect(Effect):
     def _ended(
         self, record: Record, changed: ComplexArray, free: ComplexArray, moment: float
     ) -> ComplexArray:
-        """The same without the free motion after the log, which a periodic record brings back before the moment."""
+        """The change without the free motion after the log, which a periodic record continues before the change."""
         if not len(free):
             return changed
+        # Pulses at the end of the log are fitted to the outputs where these should be zero, and subtracted.
         time, margin = record.fine_time, _UNSETTLED * record.fine_time[1]
         quiet = (time > record.duration + margin) | (time < moment - margin)
         columns = record.fine(free[:, 0])[:, quiet].T
@@ -216,11 +213,10 @@ class PayloadChangeEffect(Effect):
 
 
 class FlexibleModeEffect(LinearEffect):
-    """One more body on a spring: m s^2 (1 + ...) hung on a body, told by its frequency and damping ratio.
+    """An additional mass m on a spring, attached to a body, with natural frequency f and damping ratio D.
 
-    A body of mass m on a spring of frequency f and damping ratio D pulls with
-    m s^2 (2 D wa s + wa^2) / (s^2 + 2 D wa s + wa^2), wa = 2 pi f; what it adds to m s^2 is the effect, so that the
-    declared mass stays the total one.
+    Its dynamic stiffness is m s^2 (2 D wa s + wa^2) / (s^2 + 2 D wa s + wa^2) with wa = 2 pi f. The effect is the
+    difference from m s^2, so that the declared mass remains the total mass.
     """
 
     name = "flexible_mode"
@@ -230,12 +226,12 @@ class FlexibleModeEffect(LinearEffect):
     may_be_zero = ("D",)
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """The mode is part of the body's mass, and among the frequencies, several, at which the axis moves."""
+        """Its mass is part of that of the body, and the axis moves at its frequency and at others."""
         body, record = prediction.bodies[placed.at], prediction.record
         whole = float(body.direction @ prediction.response.plant.mass @ body.direction)
         (mass,), (frequency, damping) = placed.amplitudes, placed.shape
         _, highest = _modes_seen(record)
-        if not (mass < _MOST_OF_MASS * whole and frequency < _INSIDE * highest and damping < _SWINGS):
+        if not (mass < _MOST_OF_MASS * whole and frequency < _INSIDE * highest and damping < _MOST_DAMPING):
             return False
         omega = record.omega
         power = np.abs(omega**2 * body.modelled) ** 2

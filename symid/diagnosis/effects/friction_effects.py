@@ -1,4 +1,4 @@
-"""Friction that a model may lack."""
+"""Effects of friction with memory, load dependence or drift that may be missing from a model."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from symid.units import Unit
 _DRIFTING = "_course * (amplitude * np.sign(v) + viscous * v)"
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
 """Of a slide, m."""
-_GIVING = (0.03, 0.15)
+_HIDDEN_REACHES = (0.03, 0.15)
 """Reaches of friction that holds a hidden joint, relative to its largest deflection, with which a fit may begin."""
 _TURNED = np.geomspace(1e-5, 1e-2, 12)
 """Of a turning joint, relative to its stroke: gears and bearings differ by more than slides do."""
@@ -44,12 +44,12 @@ _MOST_CHANGED = 3.0
 class PreslidingFrictionEffect(JointEffect):
     """Coulomb friction that builds up over a displacement (Dahl): Fs z, z(1) = (v - abs(v) z) / reach.
 
-    Where Coulomb friction is declared, it takes that away: Fs (z - sign(v)).
+    If Coulomb friction is declared, it replaces that friction: Fs (z - sign(v)).
 
     Parameters
     ----------
     of_found : bool
-        Whether it takes away Coulomb friction that is not declared but found.
+        Whether it replaces Coulomb friction that is not declared but was found.
     """
 
     name = "presliding_friction"
@@ -67,7 +67,7 @@ class PreslidingFrictionEffect(JointEffect):
         return [(float(x),) for x in reaches]
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """Samples show how the friction builds up, in both directions."""
+        """The samples resolve the build-up of friction, in both directions."""
         joint, record = prediction.joints[placed.at], prediction.record
         moving = np.flatnonzero(joint.moving)
         forward = float(np.mean(joint.v[moving] > 0)) if moving.size else 0.0
@@ -83,12 +83,12 @@ class PreslidingFrictionEffect(JointEffect):
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])
-        takes_away = self.of_found or joint.name in _declared(prediction, DeclaredCoulomb)
-        return sampled(prediction, state - np.sign(joint.v) if takes_away else state, joint=joint)
+        replaces = self.of_found or joint.name in _declared(prediction, DeclaredCoulomb)
+        return sampled(prediction, state - np.sign(joint.v) if replaces else state, joint=joint)
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
-        return [((x * largest,), (y * stiffness * largest,)) for x, y in product(_GIVING, HOLDING)]
+        return [((x * largest,), (y * stiffness * largest,)) for x, y in product(_HIDDEN_REACHES, HOLDING)]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         return Pointwise("amplitude * _z", {"amplitude": amplitudes[0]}, reach=shape[0])
@@ -102,15 +102,15 @@ _PART = PreslidingFrictionEffect(of_found=True)
 
 
 def is_part(item: Placed, whole: Placed) -> bool:
-    """Whether an effect is presliding friction, and the other one Coulomb friction of the same joint."""
+    """Whether an effect is presliding friction and the other one Coulomb friction in the same joint."""
     is_pair = item.effect.name == PreslidingFrictionEffect.name and whole.key == ("coulomb_friction", item.at)
     return is_pair and not (item.integrated or whole.integrated)
 
 
 def with_parts(placed: Iterable[Placed]) -> tuple[Placed, ...]:
-    """The same effects, presliding friction as a part of the Coulomb friction found before it in the same joint.
+    """The same effects, with presliding friction replacing part of the Coulomb friction found in the same joint.
 
-    They predict the same. The level of the Coulomb friction is then that of the whole, as that of a declared one is.
+    The prediction is the same; the level of the Coulomb friction becomes the total one, as that of a declared law.
     """
     found = list(placed)
     for at, item in enumerate(found):
@@ -122,13 +122,15 @@ def with_parts(placed: Iterable[Placed]) -> tuple[Placed, ...]:
 
 
 def dahl_state(q: FloatArray, reach: float) -> FloatArray:
-    """State of Dahl's model for a course of displacements, from 0; exact where the motion between points is monotone.
+    """State of Dahl's model for a series of displacements, from 0; exact for monotone motion between points.
 
     >>> dahl_state(np.array([0.0, 1.0, 2.0, 1.0]), 1.0).round(3).tolist()
     [0.0, 0.632, 0.865, -0.314]
     """
     if not q.size:
         return np.zeros(0)
+    # Between two reversals, sign(v) z approaches 1 exponentially with the distance. The loop runs over the reversals
+    # only, to carry the state on; the points between them follow in one array operation.
     path = np.diff(q, prepend=q[0])
     forward = path >= 0
     turns = np.flatnonzero(np.diff(forward.astype(np.int8), prepend=2))
@@ -145,16 +147,15 @@ def dahl_state(q: FloatArray, reach: float) -> FloatArray:
 
 
 _LARGEST_COEFFICIENT = 0.5
-_COEFFICIENTS = (0.02, 0.06, 0.15, 0.35)
-"""Of friction that holds a hidden joint, with which a fit may begin."""
+_COEFFICIENTS = (0.02, 0.06, 0.15, 0.35)  # initial coefficients in a hidden joint
 
 
 class LoadDependentFrictionEffect(JointEffect):
-    """mu abs(drive force) sign(v); the drive force is that of the model, which the same friction is part of.
+    """mu abs(drive force) sign(v), with the modelled drive force, which contains this friction.
 
-    The record of the drive, taken for the load, would explain itself: F = mu abs(F) sign(v) with mu = 1 wherever the
-    force follows the velocity. The balance is solved by iteration, which converges for mu < 1 where the motion does not
-    answer; at hidden joints it is part of each step of the integration.
+    With the recorded force as load, the effect would explain the record by itself: F = mu abs(F) sign(v) holds with
+    mu = 1 wherever the force has the sign of the velocity. The implicit equation is solved by iteration, which
+    converges for mu < 1 with a given motion; in hidden joints it is part of each integration step.
     """
 
     name = "load_dependent_friction"
@@ -180,7 +181,7 @@ class LoadDependentFrictionEffect(JointEffect):
 
 
 def declared_level(prediction: Prediction, place: str, kind: type[Law]) -> float:
-    """Coefficient of the declared friction of a kind in a joint; 0 without it."""
+    """Coefficient of the declared friction of a kind in a joint; 0 if none is declared."""
     laws = (
         law
         for law in prediction.axis.laws
@@ -191,9 +192,9 @@ def declared_level(prediction: Prediction, place: str, kind: type[Law]) -> float
 
 
 def moving_along(prediction: Prediction, place: str) -> dict[str, float]:
-    """Joints that move in proportion to one, itself among them, and what a friction of theirs is there.
+    """Joints that move in proportion to one, including itself, with the factor of their friction there.
 
-    Of a motor and its load, which part for vibrations alone, a log shows the sum of their dry frictions.
+    For a motor and its load, whose motions differ by vibrations only, a log shows the sum of their dry frictions.
     """
     own, inside = prediction.joints[place], prediction.record.in_log
     return {
@@ -216,24 +217,23 @@ class FrictionDriftEffect(JointEffect):
     shape_names: tuple[str, ...] = ("T",)
     per_log = True
 
+    def __init__(self, *, coulomb: bool, viscous: bool) -> None:
+        self.coulomb, self.viscous = coulomb, viscous
+        self.amplitudes = ("dFs",) * coulomb + ("dFv",) * viscous
+
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """It shows a course within the log, and changes declared friction by no more than a few times that."""
+        """The log shows the curvature of the drift, which changes declared friction by a limited factor."""
         if placed.shape[0] > 0.99 * _SLOWEST_WARM_UP * prediction.record.duration:
             return False
         return self.is_moderate(prediction, placed, 1.0)
 
     def is_moderate(self, prediction: Prediction, placed: Placed, time: float) -> bool:
-        """Whether amplitudes times `time` change declared friction at the highest speed by no more than a few times."""
+        """Whether amplitudes times `time` change declared friction, at the highest speed, by a limited factor."""
         top = prediction.joints[placed.at].top_speed
         kinds = ((DeclaredCoulomb, 1.0),) * self.coulomb + ((DeclaredViscous, top),) * self.viscous
         changed = sum(abs(c) * v for c, (_, v) in zip(placed.amplitudes, kinds, strict=True)) * time
-        return changed < _MOST_CHANGED * sum(
-            declared_level(prediction, placed.at, kind) * v for kind, v in kinds
-        )
-
-    def __init__(self, *, coulomb: bool, viscous: bool) -> None:
-        self.coulomb, self.viscous = coulomb, viscous
-        self.amplitudes = ("dFs",) * coulomb + ("dFv",) * viscous
+        level = sum(declared_level(prediction, placed.at, kind) * v for kind, v in kinds)
+        return changed < _MOST_CHANGED * level
 
     def places(self, prediction: Prediction) -> Iterable[str]:
         both = _declared(prediction, DeclaredCoulomb), _declared(prediction, DeclaredViscous)
@@ -244,13 +244,8 @@ class FrictionDriftEffect(JointEffect):
         return [(x * prediction.record.duration,) for x in _WARM_UPS]
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
-        return (
-            float(
-                np.clip(
-                    shape[0], 0.02 * prediction.record.duration, _SLOWEST_WARM_UP * prediction.record.duration
-                )
-            ),
-        )
+        duration = prediction.record.duration
+        return (float(np.clip(shape[0], 0.02 * duration, _SLOWEST_WARM_UP * duration)),)
 
     def course(self, prediction: Prediction, shape: Shape) -> FloatArray:
         """Factor of the change over time: exp(-t/T) within the log."""
@@ -275,10 +270,10 @@ class FrictionDriftEffect(JointEffect):
 
 
 class SteadyFrictionDriftEffect(FrictionDriftEffect):
-    """t (dFs/dt sign(v) + dFv/dt v): friction that changes so slowly that the log shows no end of it.
+    """t (dFs/dt sign(v) + dFv/dt v): friction that changes linearly throughout the log.
 
-    Of an exponential whose time constant exceeds the log by far, the log determines the rate, but neither the time
-    constant nor the final value.
+    If the time constant of an exponential far exceeds the log, the log determines its rate, but neither time constant
+    nor final value.
     """
 
     shape_names = ()
@@ -288,7 +283,7 @@ class SteadyFrictionDriftEffect(FrictionDriftEffect):
         self.amplitudes = tuple(f"{name}/dt" for name in self.amplitudes)
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """It changes declared friction by no more than a few times that within the log."""
+        """It changes declared friction by a limited factor within the log."""
         return self.is_moderate(prediction, placed, prediction.record.duration)
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:

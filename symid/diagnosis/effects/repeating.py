@@ -1,7 +1,7 @@
-"""Effects that repeat along the stroke: of a force, of dry friction, of the force constant, of a position reading.
+"""Effects that are periodic along the stroke: in a force, dry friction, the force constant or a position reading.
 
-All are a sine and a cosine of the displacement times a carrier: 1, the direction of motion, the force of the drive.
-Their pitch is sought in what the model leaves, by one Fourier transform along the stroke.
+Each is a sine and a cosine of the displacement times a carrier: 1, the direction of motion, or the drive force. The
+pitch is estimated from the residual by a Fourier transform along the stroke.
 """
 
 from __future__ import annotations
@@ -20,18 +20,15 @@ from symid.diagnosis.effects.signals import DriveEffect, drive_at
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 
-_LEAST_PITCH = 1e-3
-"""Shortest pitch of what repeats along a straight stroke, m."""
-_MOST_WAVES = 150
-"""Of what repeats along a turn: slots and pole pairs of a motor, teeth of a gear."""
+_LEAST_PITCH = 1e-3  # shortest pitch along a straight stroke, m
+_MOST_WAVES = 150  # largest number of periods per turn: slots and pole pairs of a motor, teeth of a gear
 _SPEEDS_OF_ENERGY = 48
 _WAVES_OF_ENERGY = 400
 _LEAST_STROKE = 5e-3
 _TRIALS = 4
 _IN_BAND = 0.95
 _STEEPEST_RIPPLE = 0.2
-_MOST_OF_CONSTANT = 0.5
-"""Ripple of a force constant, relative to its mean: that of motors is a tenth of it."""
+_MOST_OF_CONSTANT = 0.5  # ripple of a force constant relative to its mean; that of motors is a tenth of it
 
 
 class CoggingEffect(LawEffect):
@@ -44,12 +41,12 @@ class CoggingEffect(LawEffect):
         return _of_joint_force(prediction, prediction.joints[place], matched_filter)
 
     def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
-        """Sine and cosine along the stroke, without what lies above the band."""
+        """Sine and cosine along the stroke, without parts above the band."""
         return tuple(wave * _in_band(joint, shape[0]) for wave in super().courses(joint, shape))
 
 
 class PeriodicFrictionEffect(LawEffect):
-    """Dry friction whose level repeats along the stroke; periods as long as the stroke are tried."""
+    """Dry friction with a periodic level; periods up to the length of the stroke are tried."""
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterator[Shape]:
         yield from super().shapes(prediction, place, matched_filter)
@@ -61,7 +58,7 @@ class PeriodicFrictionEffect(LawEffect):
 
 
 class ForceConstantRippleEffect(DriveEffect):
-    """The force that acts differs from the one that is logged by a share that repeats along the stroke."""
+    """The acting force differs from the logged one by a share that is periodic along the stroke."""
 
     name = "force_constant_ripple"
     amplitudes = ("As", "Ac")
@@ -69,7 +66,7 @@ class ForceConstantRippleEffect(DriveEffect):
 
     @property
     def is_of_command(self) -> bool:
-        """The motor makes it of its current, behind any delay or lag."""
+        """The motor acts on its current, after any delay or lag."""
         return False
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
@@ -101,7 +98,7 @@ class EncoderRippleEffect(Effect):
     shape_names = ("pitch",)
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """The reading still rises with the position, by far."""
+        """The slope of the reading remains close to 1."""
         slope = math.tau * math.hypot(*placed.amplitudes) / placed.shape[0]
         return slope < _STEEPEST_RIPPLE
 
@@ -130,7 +127,7 @@ class EncoderRippleEffect(Effect):
         return prediction.record.from_grid(np.stack(ripple(_reading(prediction, place), shape[0])))
 
     def _response(self, prediction: Prediction, place: str) -> ComplexArray:
-        """Outputs as predicted, for an error of the reading."""
+        """Response of the predicted outputs to an error of the reading."""
         record = prediction.record
         if place in record.driven:
             return np.asarray(-prediction.response.of_positions[record.driven.index(place)])
@@ -141,7 +138,7 @@ class EncoderRippleEffect(Effect):
 
 
 def ripple(joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
-    """Sine and cosine along the stroke, without what lies above the band."""
+    """Sine and cosine along the stroke, without parts above the band."""
     phase = 2 * math.pi / pitch * joint.q
     below = _in_band(joint, pitch)
     return np.sin(phase) * below, np.cos(phase) * below
@@ -154,15 +151,16 @@ def repeating_pitches(
     response: ComplexArray,
     carrier: FloatArray | None = None,
 ) -> Iterable[Shape]:
-    """Pitches at which a carrier times a wave along the stroke would explain most of the residual.
+    """Pitches at which a carrier times a wave along the stroke explains most of the residual.
 
-    `response` are the outputs for that signal. All correlations come from one Fourier transform of the residual's pull,
-    summed over the stroke. Without a carrier the wave itself is sought.
+    `response` is the response of the outputs to this signal. The output of the matched filter, times the carrier, is
+    summed in bins along the stroke; one Fourier transform of the bins gives the correlation with all waves.
     """
     low, high = joint.range
     inside = prediction.record.in_log
     weight = np.ones_like(joint.q) if carrier is None else carrier
-    least = 2 * math.pi / _MOST_WAVES if _turns(prediction) else _LEAST_PITCH
+    turns = str(length_unit(prediction.axis.drives[0].at)) == "rad"
+    least = 2 * math.pi / _MOST_WAVES if turns else _LEAST_PITCH
     n = max(256, math.ceil(8 * (high - low) / least))
     place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
     along = np.bincount(place, weights=(matched_filter(response) * weight)[inside], minlength=n)
@@ -179,13 +177,13 @@ def repeating_pitches(
 def _of_joint_force(
     prediction: Prediction, joint: Joint, matched_filter: MatchedFilter, carrier: FloatArray | None = None
 ) -> Iterable[Shape]:
-    """The same of a force in a joint."""
+    """`repeating_pitches` of a force in a joint."""
     response = -prediction.response.of_force(joint.direction)
     return repeating_pitches(prediction, joint, matched_filter, response, carrier)
 
 
 def _of_output(prediction: Prediction, output: int) -> ComplexArray:
-    """Outputs for a signal that adds to one of them as it is."""
+    """Response of the outputs to a signal that is added to one of them."""
     response = np.zeros_like(prediction.record.measured)
     response[output] = 1.0
     return response
@@ -194,7 +192,7 @@ def _of_output(prediction: Prediction, output: int) -> ComplexArray:
 def _felt(
     prediction: Prediction, joint: Joint, waves: FloatArray, response: ComplexArray, weight: FloatArray
 ) -> FloatArray:
-    """Mean square that a unit wave along the stroke leaves in the weighted outputs: at v waves a second, of each v."""
+    """Mean square of a unit wave along the stroke in the weighted outputs, from its frequency at each speed."""
     inside = prediction.record.in_log
     speeds, edges = np.histogram(np.abs(joint.v[inside]), bins=_SPEEDS_OF_ENERGY, weights=weight[inside] ** 2)
     middle = (edges[1:] + edges[:-1]) / 2
@@ -206,13 +204,8 @@ def _felt(
 
 
 def _in_band(joint: Joint, pitch: float) -> FloatArray:
-    """1 where a wave of a pitch lies within the band, else 0."""
+    """1 where the frequency of a wave of a pitch is within the band, else 0."""
     return np.asarray(np.abs(joint.v) < _IN_BAND * pitch * joint.record.band_hz, dtype=np.float64)
-
-
-def _turns(prediction: Prediction) -> bool:
-    """Whether the driven joint turns instead of sliding."""
-    return str(length_unit(prediction.axis.drives[0].at)) == "rad"
 
 
 def _joint_of(prediction: Prediction, place: str) -> Joint:

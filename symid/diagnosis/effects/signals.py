@@ -1,4 +1,4 @@
-"""Effects in the drive and in the readings."""
+"""Effects in drives and readings."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from symid.diagnosis.prediction.prediction import Prediction
 from symid.units import Unit
 
 LATE_FORCES = ("delay", "actuator_lag")
-"""Effects that are nearly the same: together they are not determined."""
+"""Effects that are nearly equal, so that a log does not determine both."""
 
 
 def with_alike(keys: Iterable[Key]) -> frozenset[Key]:
-    """Effects and places with those that are nearly the same as one of them: a delay and a lag of one drive."""
+    """Effects and places, with those that are nearly equal to one of them: a delay and a lag of the same drive."""
     present = frozenset(keys)
     return present | {(name, at) for own, at in present if own in LATE_FORCES for name in LATE_FORCES}
 
@@ -26,14 +26,17 @@ _LONGEST_DELAY = 0.05
 _STEPS = np.array([0.15, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0])
 _DELAYS = np.concatenate([-_STEPS[::-1], _STEPS])
 _LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 20)), 0.98)
-"""Of the largest logged force: a controller that winds up asks for many times what the drive gives."""
-_USUAL_LIMIT = 0.3
-"""Of the largest force; below it a limit may cut few samples: an axis without force would show no error either."""
+"""Force limits that are tried, relative to the largest logged force, which integral windup can raise far above them."""
+_USUAL_LIMIT = 0.3  # relative to the largest force; a lower limit may clip few samples only
 _MOSTLY_BELOW = 0.9
+_MOST_BEND, _USUAL_BEND = 0.9, 0.6  # change of the gain at the largest force, relative to the gain
+_BUT_FOR_PEAKS = (
+    0.98  # share of the samples to which the former applies: a loop with such a gain has force peaks
+)
 
 
 class DriveEffect(Effect):
-    """An effect between the force that is logged and the one that acts; of several drives, at the signal of one."""
+    """An effect between the logged force and the acting force; with several drives, its place is the signal of one."""
 
     def places(self, prediction: Prediction) -> Iterable[str]:
         forces = prediction.record.forces
@@ -44,20 +47,20 @@ class DriveEffect(Effect):
         return True
 
     def _force(self, prediction: Prediction, place: str, *changes: ComplexArray) -> ComplexArray:
-        """Changes of the predicted force of a drive, none of the other outputs."""
+        """Columns that change the predicted force of a drive only."""
         columns = np.zeros((len(changes), *prediction.record.measured.shape), dtype=complex)
         columns[:, drive_at(prediction, place)] = changes
         return columns
 
 
 def drive_at(prediction: Prediction, place: str) -> int:
-    """The drive that a place of effects stands for."""
+    """Index of the drive at a place."""
     forces = prediction.record.forces
     return forces.index(force_at(forces, place))
 
 
 def force_at(forces: Sequence[str], place: str) -> str:
-    """Signal of the drive that a place of effects stands for, of the signals of all drives."""
+    """Signal of the drive at a place, from the signals of all drives."""
     return forces[0] if place == ACTUATOR else place
 
 
@@ -67,7 +70,7 @@ def _whole_force(prediction: Prediction, place: str) -> FloatArray:
 
 
 class TransferEffect(Effect):
-    """An effect that adds to one predicted output that output under a transfer function."""
+    """An effect that adds to one predicted output the same output filtered by a transfer function."""
 
     @property
     def is_of_command(self) -> bool:
@@ -78,7 +81,7 @@ class TransferEffect(Effect):
         """The transfer function for unit amplitude, of shape (n_bins,)."""
 
     def output(self, prediction: Prediction, place: str) -> int:
-        """Which output; the force of the drive unless said otherwise."""
+        """Index of the output; the force of the drive by default."""
         return drive_at(prediction, place)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
@@ -94,7 +97,7 @@ class TransferEffect(Effect):
 
 
 class TimeEffect(TransferEffect):
-    """An effect whose whole size is a time T: a delay, or the time constant of a filter."""
+    """An effect whose only value is a time T: a delay, or the time constant of a filter."""
 
     amplitudes = ("share",)
     shape_names = ("T",)
@@ -108,7 +111,7 @@ class TimeEffect(TransferEffect):
 
 
 class DelayEffect(TimeEffect, DriveEffect):
-    """The force acts later than it is logged: u(t - T)."""
+    """The force acts later than logged: u(t - T)."""
 
     name = "delay"
 
@@ -120,7 +123,7 @@ class DelayEffect(TimeEffect, DriveEffect):
 
 
 class ActuatorLagEffect(TransferEffect, DriveEffect):
-    """The force follows the logged one like a first-order system: T u(1) + u = logged."""
+    """The force follows the logged one as a first-order system: T u(1) + u = logged."""
 
     name = "actuator_lag"
     amplitudes = ("T",)
@@ -134,7 +137,7 @@ class ActuatorLagEffect(TransferEffect, DriveEffect):
 
 
 class RecordedLagEffect(TimeEffect, DriveEffect):
-    """The force is recorded through a first-order filter, as filtered currents are: it acts T before, with T < 0."""
+    """The force is recorded through a first-order filter, as filtered currents are: it acts earlier, T < 0."""
 
     name = "actuator_lag"
 
@@ -178,12 +181,6 @@ class SaturationEffect(DriveEffect):
         return "1", str(_drive_unit(prediction, place))
 
 
-_MOST_BEND, _USUAL_BEND = 0.9, 0.6
-"""Change of the gain at the largest force, relative to the gain: with 1 more command would give no more force."""
-_BUT_FOR_PEAKS = 0.98
-"""Share of the samples that show whether a gain is possible: forces of a loop with a bent gain have peaks beyond."""
-
-
 class GainNonlinearityEffect(DriveEffect):
     """The force is not proportional to the logged one: a term in its square (with sign) or cube."""
 
@@ -194,15 +191,15 @@ class GainNonlinearityEffect(DriveEffect):
         self.power = power
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
-        """More command gives more force, but for short peaks."""
+        """The force increases with the command, except in short peaks."""
         return self._change(prediction, placed, _BUT_FOR_PEAKS) < _MOST_BEND
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """The gain does not fall or rise by most of it."""
+        """The gain changes by a limited factor."""
         return self._change(prediction, placed) < _USUAL_BEND
 
     def _change(self, prediction: Prediction, placed: Placed, share: float = 1.0) -> float:
-        """Of the gain, relative to it, at the force that a share of the samples does not exceed."""
+        """Relative change of the gain at the force that a share of the samples does not exceed."""
         largest = float(np.quantile(np.abs(_whole_force(prediction, placed.at)), share))
         return abs(placed.amplitudes[0]) * self.power * largest ** (self.power - 1)
 
@@ -216,7 +213,7 @@ class GainNonlinearityEffect(DriveEffect):
 
 
 class GainAsymmetryEffect(DriveEffect):
-    """The gain differs by the direction of the force."""
+    """The gain depends on the direction of the force."""
 
     name = "gain_nonlinearity"
     amplitudes = ("difference",)
@@ -233,7 +230,7 @@ class GainAsymmetryEffect(DriveEffect):
 
 
 class SensorDelayEffect(TimeEffect):
-    """A reading is late against the positions from which all is predicted: y(t - T); early where T is negative."""
+    """A reading is late relative to the driven positions, y(t - T), or early if T is negative."""
 
     name = "sensor_delay"
 
@@ -255,7 +252,7 @@ class SensorDelayEffect(TimeEffect):
 
 
 def _apparent_delay(prediction: Prediction, place: str) -> list[float]:
-    """Delay of a position against the driven one if nothing else came between them: y = r q + z - T r dq/dt."""
+    """Delay of a position relative to the driven one, if that is their only difference: y = r q + z - T r dq/dt."""
     record = prediction.record
     if record.dynamics.sensors[place][1] or record.n_drives > 1:
         return []
@@ -271,13 +268,13 @@ def _drive_unit(prediction: Prediction, place: str) -> Unit:
 
 
 def _least_limit(prediction: Prediction, place: str) -> float:
-    """Lowest limit of the force that is worth a trial."""
+    """Lowest force limit to be tried."""
     usual = float(np.quantile(_force_size(prediction, place), _MOSTLY_BELOW))
     return min(_USUAL_LIMIT * _top_force(prediction, place), usual)
 
 
 def _top_force(prediction: Prediction, place: str) -> float:
-    """Largest force of the log; its last samples, where a log may end in the middle of a blow, do not count."""
+    """Largest force of the log, except for its last samples, since a log may end during an impact."""
     force = _force_size(prediction, place)
     return float(force[: -max(1, force.size // 100)].max())
 

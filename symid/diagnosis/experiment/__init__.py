@@ -1,1 +1,1 @@
-"""The next experiment: candidate motions, how well each discriminates between rival causes, and its simulation."""
+"""The next experiment: candidate motions, their discrimination between rival causes, and their simulation."""

@@ -1,10 +1,10 @@
-"""Motions worth a trial as the next experiment, from rest to rest within travel, speed and acceleration."""
+"""Candidate motions for the next experiment, from rest to rest within travel, speed and acceleration."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 
 import numpy as np
 
@@ -14,12 +14,17 @@ from symid.simulation import Limits, MoveProfile, Trajectory, frequency_lines, m
 
 _LOWEST_HZ, _STEP_HZ = 3.0, 1.0
 _FADE = 0.5
-_USED = 0.9
-_SHAKEN = 0.5
-"""Share of the speed of a move that a multisine on it may add, so that it never reverses."""
-_SHAKING_ROOM = 0.2
-"""Share of the stroke that a multisine may take."""
-_HARDNESS = (0.25, 0.5, 0.75, 1.0)
+_USED = 0.9  # share of a limit that a motion uses
+_ADDED_SPEED = (
+    0.5  # speed of a multisine relative to that of the move it is added to, which then never reverses
+)
+_MULTISINE_STROKE = 0.2  # share of the stroke that a multisine may take
+_ACCELERATIONS = (0.25, 0.5, 0.75, 1.0)
+_STAIRCASES = (
+    ("staircase of speeds", _USED, np.geomspace(0.05, 1.0, 6)),
+    ("staircase of low speeds", 1.0, np.geomspace(0.005, 0.1, 6)),
+    ("staircase of high speeds", _USED, np.linspace(0.4, 1.0, 5)),
+)
 _MOST_MOVES = 200
 
 
@@ -28,12 +33,11 @@ class Envelope:
     """Limits of a motion."""
 
     limits: Limits  # travel, speed, acceleration and jerk
-    seconds: float  # duration, about
+    seconds: float  # approximate duration
     highest_hz: float  # highest frequency of a multisine
     sampling_period: float  # s
     unit: str  # of the position
-    # jerk that no motion may exceed; moves have that of the limits, a multisine has more
-    hardest: float = np.inf
+    hardest: float = np.inf  # jerk that no motion may exceed; that of the limits applies to moves only
 
     @property
     def stroke(self) -> float:
@@ -42,7 +46,7 @@ class Envelope:
 
     @property
     def begin(self) -> float:
-        """Lower end of it."""
+        """Lower end of the travel that is used."""
         return self.limits.travel[0] + (1 - _USED) / 2 * (self.limits.travel[1] - self.limits.travel[0])
 
     @property
@@ -51,7 +55,7 @@ class Envelope:
         return float(np.mean(self.limits.travel))
 
     def gentler(self, share: float) -> Envelope:
-        """The same with a share of the acceleration and the jerk."""
+        """The same envelope with a share of the acceleration and the jerk."""
         less = replace(
             self.limits, acceleration=share * self.limits.acceleration, jerk=share * self.limits.jerk
         )
@@ -59,7 +63,7 @@ class Envelope:
 
 
 def candidate_motions(envelope: Envelope) -> list[Trajectory]:
-    """Motions within a envelope, each named after what it does; those that do not fit are left out.
+    """Motions within an envelope, with descriptive names; those that do not fit are left out.
 
     >>> limits = Limits((0.0, 0.3), speed=0.5, acceleration=4.0, jerk=80.0)
     >>> found = candidate_motions(Envelope(limits, seconds=4.0, highest_hz=50.0, sampling_period=1e-3, unit="m"))
@@ -69,7 +73,7 @@ def candidate_motions(envelope: Envelope) -> list[Trajectory]:
     True
     """
     found = []
-    for make in _MANOEUVRES:
+    for make in _MOTIONS:
         try:
             found.append(make(envelope).checked(replace(envelope.limits, jerk=envelope.hardest)))
         except SettingError:
@@ -96,22 +100,8 @@ def _reversals(envelope: Envelope) -> Trajectory:
     return _shuttle(envelope, way, speed, envelope.seconds, name)
 
 
-def _staircase(envelope: Envelope) -> Trajectory:
-    speeds = _USED * envelope.limits.speed * np.geomspace(0.05, 1.0, 6)
-    return _speeds(envelope, speeds, "staircase of speeds")
-
-
-def _slow_staircase(envelope: Envelope) -> Trajectory:
-    speeds = envelope.limits.speed * np.geomspace(0.005, 0.1, 6)
-    return _speeds(envelope, speeds, "staircase of low speeds")
-
-
-def _fast_staircase(envelope: Envelope) -> Trajectory:
-    speeds = _USED * envelope.limits.speed * np.linspace(0.4, 1.0, 5)
-    return _speeds(envelope, speeds, "staircase of high speeds")
-
-
-def _speeds(envelope: Envelope, speeds: FloatArray, what: str) -> Trajectory:
+def _staircase(what: str, share: float, steps: FloatArray, envelope: Envelope) -> Trajectory:
+    speeds = share * envelope.limits.speed * steps
     part = envelope.seconds / len(speeds)
     ways = [min(envelope.stroke, 0.5 * part * speed) for speed in speeds]
     name = f"{what}: {speeds[0]:.3g} to {speeds[-1]:.3g} {envelope.unit}/s in both directions"
@@ -121,12 +111,12 @@ def _speeds(envelope: Envelope, speeds: FloatArray, what: str) -> Trajectory:
 
 def _accelerations(envelope: Envelope) -> Trajectory:
     moves, speed = [], _USED * envelope.limits.speed
-    for share in _HARDNESS:
+    for share in _ACCELERATIONS:
         own = envelope.gentler(share)
         way = min(1.2 * speed**2 / own.limits.acceleration, envelope.stroke)
-        moves.append(_shuttle(own, way, speed, envelope.seconds / len(_HARDNESS)))
+        moves.append(_shuttle(own, way, speed, envelope.seconds / len(_ACCELERATIONS)))
     top = envelope.limits.acceleration
-    name = f"moves with accelerations of {_HARDNESS[0] * top:.3g} to {top:.3g} {envelope.unit}/s^2"
+    name = f"moves with accelerations of {_ACCELERATIONS[0] * top:.3g} to {top:.3g} {envelope.unit}/s^2"
     return _joined(moves, name)
 
 
@@ -137,37 +127,33 @@ def _small_reversals(envelope: Envelope) -> Trajectory:
     return _joined((_shuttle(envelope, way, way / 0.4, part) for way in ways), name)
 
 
-def _shaking(envelope: Envelope) -> Trajectory:
-    shaking = _multisine(envelope, _USED * envelope.limits.speed, envelope.centre, envelope.seconds)
-    return replace(
-        shaking, name=f"multisine of {_LOWEST_HZ:g} to {envelope.highest_hz:.3g} Hz about one place"
-    )
+def _multisine_at_centre(envelope: Envelope) -> Trajectory:
+    wave = _multisine(envelope, _USED * envelope.limits.speed, envelope.centre, envelope.seconds)
+    return replace(wave, name=f"multisine of {_LOWEST_HZ:g} to {envelope.highest_hz:.3g} Hz about one place")
 
 
-def _shaken_move(envelope: Envelope) -> Trajectory:
-    speed = min(_USED / (1 + _SHAKEN) * envelope.limits.speed, 4 * envelope.stroke / envelope.seconds)
-    way = (1 - _SHAKING_ROOM) * envelope.stroke
-    moves = _shuttle(envelope, way, speed, envelope.seconds).shifted(_SHAKING_ROOM / 2 * envelope.stroke)
-    shaking = _multisine(envelope.gentler(_SHAKEN), _SHAKEN * speed, 0.0, moves.duration)
-    n = max(moves.n_samples, shaking.n_samples)
-    position, velocity, acceleration = (
-        _lengthened(getattr(moves, kind), n) + _lengthened(getattr(shaking, kind), n)
-        for kind in ("position", "velocity", "acceleration")
-    )
+def _multisine_on_moves(envelope: Envelope) -> Trajectory:
+    speed = min(_USED / (1 + _ADDED_SPEED) * envelope.limits.speed, 4 * envelope.stroke / envelope.seconds)
+    way = (1 - _MULTISINE_STROKE) * envelope.stroke
+    moves = _shuttle(envelope, way, speed, envelope.seconds).shifted(_MULTISINE_STROKE / 2 * envelope.stroke)
+    wave = _multisine(envelope.gentler(_ADDED_SPEED), _ADDED_SPEED * speed, 0.0, moves.duration)
+    n = max(moves.n_samples, wave.n_samples)
+
+    def sum_of(kind: str) -> FloatArray:
+        parts = (getattr(moves, kind), getattr(wave, kind))
+        first, second = (np.pad(part, (0, n - part.size), mode="edge") for part in parts)  # then at rest
+        return np.asarray(first + second)
+
     name = (
         f"multisine of {_LOWEST_HZ:g} to {envelope.highest_hz:.3g} Hz on moves over {way:.3g} {envelope.unit} and back "
         f"at {speed:.3g} {envelope.unit}/s"
     )
-    return Trajectory(position, velocity, acceleration, envelope.sampling_period, name)
-
-
-def _lengthened(values: FloatArray, n: int) -> FloatArray:
-    """Continued at rest."""
-    return np.pad(values, (0, n - values.size), mode="edge")
+    kinds = (sum_of("position"), sum_of("velocity"), sum_of("acceleration"))
+    return Trajectory(*kinds, envelope.sampling_period, name)
 
 
 def _shuttle(envelope: Envelope, way: float, speed: float, seconds: float, name: str = "moves") -> Trajectory:
-    """Moves to and fro from the lower end, as many as fill a time."""
+    """Moves there and back from the lower end, repeated for a duration."""
     limits = envelope.limits
     profile = MoveProfile.fastest(way, speed, limits.acceleration, limits.jerk)
     pairs = int(np.clip(seconds // (2 * profile.duration), 1, _MOST_MOVES))
@@ -187,7 +173,7 @@ def _joined(parts: Iterable[Trajectory], name: str) -> Trajectory:
 
 
 def _multisine(envelope: Envelope, speed: float, centre: float, seconds: float) -> Trajectory:
-    """Lines of equal acceleration that repeat every second: at most the limit, a speed and a bit of the stroke."""
+    """Lines of equal acceleration with a period of one second, within acceleration, speed and a share of the stroke."""
     lines = frequency_lines(_LOWEST_HZ, np.floor(envelope.highest_hz), _STEP_HZ)
     steady = max(np.floor(seconds) - 2 * _FADE, 1.0)
 
@@ -203,25 +189,14 @@ def _multisine(envelope: Envelope, speed: float, centre: float, seconds: float) 
         )
 
     trial = made(1.0).extremes
-    room_about = 0.5 * _SHAKING_ROOM * envelope.stroke
+    allowed = 0.5 * _MULTISINE_STROKE * envelope.stroke
     travel = max(trial.highest - centre, centre - trial.lowest)
-    limits = (
-        _USED * envelope.limits.acceleration / trial.acceleration,
-        speed / trial.speed,
-        room_about / travel,
-    )
-    return made(min(limits))
+    acceleration = _USED * envelope.limits.acceleration / trial.acceleration
+    return made(min(acceleration, speed / trial.speed, allowed / travel))
 
 
-_MANOEUVRES: tuple[Callable[[Envelope], Trajectory], ...] = (
-    _slow,
-    _cycle,
-    _reversals,
-    _staircase,
-    _slow_staircase,
-    _fast_staircase,
-    _accelerations,
-    _small_reversals,
-    _shaking,
-    _shaken_move,
+_MOTIONS: tuple[Callable[[Envelope], Trajectory], ...] = (
+    *(_slow, _cycle, _reversals),
+    *(partial(_staircase, *staircase) for staircase in _STAIRCASES),
+    *(_accelerations, _small_reversals, _multisine_at_centre, _multisine_on_moves),
 )

@@ -1,4 +1,4 @@
-"""The next experiment: where two causes remain, the motion that best distinguishes them."""
+"""Design of the next experiment: the motion that best distinguishes two remaining causes."""
 
 from __future__ import annotations
 
@@ -29,8 +29,7 @@ from symid.simulation import Limits, Trajectory
 _SMOOTH = 20.0
 _HIGHEST_HZ = 100.0
 _MOST_LOG_ODDS = math.log(1e6)
-_LEAST_CHANCE = 0.01
-"""Probability of a further candidate from which on the motion is simulated against it too."""
+_LEAST_CHANCE = 0.01  # probability from which on the motion is also simulated with a further candidate
 _MOST_FURTHER = 3
 
 
@@ -41,24 +40,24 @@ class Experiment:
     Parameters
     ----------
     text : str
-        In words.
+        Description in words.
     causes : tuple of (str, str)
-        Effects and places that remain; empty if none do.
+        Remaining effects and places; empty if none remain.
     trajectory : Trajectory or None
-        Reference that best distinguishes them, of several drives that of the first; None if no motion does.
+        Reference of the first drive that best distinguishes the causes; None if no motion does.
     odds : float
-        Expected odds of the right one against the other after it, without the log so far; nan without trajectory.
+        Expected odds for the true cause after the experiment, without the evidence so far; nan without trajectory.
     considered : mapping of str to float
-        Expected odds after each motion that was tried, best first.
+        Expected odds after each motion considered, best first.
     simulated : SimulatedExperiment or None
-        The motion on the axis with either cause; None if they cannot be simulated.
+        Simulation of the motion with either cause; None if it is not possible.
     message : str
-        Why they cannot, or which motions were put aside because the simulated axis exceeds a limit.
+        Why it is not possible, or which motions were rejected because the simulated axis exceeds a limit.
     further : mapping of (str, str) to float
-        Probability that the motion tells the first cause from each further one that remains; nan if that cannot be
+        Probability that the motion distinguishes the first cause from each further one; nan if that cannot be
         simulated.
     paths : tuple of Trajectory
-        Reference of each drive: the others follow the first one as they did in the log.
+        Reference of each drive; the others follow the first one as in the log.
     """
 
     text: str
@@ -73,7 +72,7 @@ class Experiment:
 
     @property
     def probability(self) -> float:
-        """Probability that it identifies the right cause under the noise of the log; nan if it was not simulated."""
+        """Probability that it identifies the true cause with the noise of the log; nan if it was not simulated."""
         return math.nan if self.simulated is None else self.simulated.probability
 
 
@@ -93,13 +92,14 @@ def next_experiment_of(
     Parameters
     ----------
     found : Diagnosis
-        With its search, as `diagnose` returns it.
+        Result of `diagnose`, with its search.
     lowest, highest : float, optional
-        Travel of the driven joint, m or rad; that of the log by default, as all limits are.
+        Travel of the driven joint, m or rad. The defaults of all limits are the extremes in the log.
     speed, acceleration : float, optional
-        Of the driven joint, SI.
+        Largest speed and acceleration of the driven joint, SI.
     jerk : float, optional
-        Of the reference, SI; by default that of moves is 20 times the acceleration, and that of a multisine is free.
+        Largest jerk of the reference, SI; by default that of moves is 20 times the acceleration, and that of a
+        multisine is not limited.
     force : float, optional
         Largest force of every drive, SI.
     seconds : float, optional
@@ -108,7 +108,7 @@ def next_experiment_of(
     Returns
     -------
     Experiment
-        Without a trajectory where one cause is left, or where no motion distinguishes them.
+        Without a trajectory if only one cause remains, or no motion distinguishes two.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def next_experiment_of(
 
     Examples
     --------
-    A delay and a first-order lag act alike where the force changes slowly.
+    A delay and a first-order lag have similar effects while the force changes slowly.
 
     >>> from symid.axis import load_axis
     >>> from symid.diagnosis import diagnose
@@ -150,39 +150,41 @@ def next_experiment_of(
     chosen, run, message = _kept(rivals, decisive, limits, forces)
     if chosen is None:
         return Experiment(_none_is_kept(rivals, message), rivals.keys, considered=considered, message=message)
-    further = {one.keys[1]: _probability(one, chosen.trajectory) for one in _further(rivals)} if run else {}
-    text = (
-        _words(rivals, chosen.trajectory, chosen.log_odds)
-        + _words_of_drives(record)
-        + _words_of(run, message)
-        + _words_of_further(further)
+    further = _against_further(rivals, chosen.trajectory) if run else {}
+    reference = _words(rivals, chosen.trajectory, chosen.log_odds) + _words_of_drives(record)
+    return Experiment(
+        text=reference + _words_of(run, message) + _words_of_further(further),
+        causes=rivals.keys,
+        trajectory=chosen.trajectory,
+        odds=_odds(chosen.log_odds),
+        considered=considered,
+        simulated=run,
+        message=message,
+        further=further,
+        paths=tuple(share.of(chosen.trajectory) for share in shares_of(record)),
     )
-    odds = _odds(chosen.log_odds)
-    paths = tuple(share.of(chosen.trajectory) for share in shares_of(record))
-    return Experiment(text, rivals.keys, chosen.trajectory, odds, considered, run, message, further, paths)
 
 
-def _further(rivals: Rivals) -> list[Rivals]:
-    """The first cause beside each further one of the same step that remains, the most probable first."""
+def _against_further(rivals: Rivals, trajectory: Trajectory) -> dict[Key, float]:
+    """Probability that a motion distinguishes the first cause from the most probable further ones of the same step."""
     first, step = rivals.pair[0], rivals.step
     confirmed = {c.key: c for c in step.confirmed}
     chances = probabilities(step)
     keys = [k for k in chances if k in confirmed and k not in rivals.keys and chances[k] >= _LEAST_CHANCE]
-    return [Rivals(step, (first, confirmed[key]), chances[key]) for key in keys[:_MOST_FURTHER]]
-
-
-def _probability(rivals: Rivals, trajectory: Trajectory) -> float:
-    """Probability that a motion identifies the right one of two causes; nan if it cannot be simulated."""
-    try:
-        return simulated_experiment(rivals, trajectory).probability
-    except (SymidError, np.linalg.LinAlgError, OverflowError):
-        return math.nan
+    found = {}
+    for key in keys[:_MOST_FURTHER]:
+        try:
+            pair = Rivals(step, (first, confirmed[key]), chances[key])
+            found[key] = simulated_experiment(pair, trajectory).probability
+        except (SymidError, np.linalg.LinAlgError, OverflowError):
+            found[key] = math.nan
+    return found
 
 
 def _kept(
     rivals: Rivals, decisive: Sequence[CandidateExperiment], limits: Limits, forces: Mapping[str, float]
 ) -> tuple[CandidateExperiment | None, SimulatedExperiment | None, str]:
-    """The best motion in which the simulated axis keeps its limits, or the best if it cannot be simulated."""
+    """The best motion with which the simulated axis keeps its limits, or the best one if simulation is not possible."""
     said: list[str] = []
     for trial in decisive:
         try:
@@ -221,7 +223,7 @@ def _envelope(record: Record, limits: Limits, seconds: float, jerk: float | None
 
 
 def rivals_of(found: Diagnosis) -> Rivals | None:
-    """The two most probable candidates of the first step that leaves doubt, else of the first step."""
+    """The two most probable candidates of the first step that is in doubt, or of the first step if none is."""
     if found.verdict not in ("effect", "partly", "unexplained"):
         return None
     ranked = []
@@ -250,13 +252,13 @@ def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
 
 
 def _words_of_drives(record: Record) -> str:
-    """How several drives share the reference; empty for one."""
+    """Motion of several drives in words; empty for one drive."""
     shares = zip(record.driven[1:], shares_of(record)[1:], strict=True)
     first = record.driven[0]
-    told = [f"{name} {share.factor:.3g} times {first}" for name, share in shares if share.factor != 1.0]
+    unlike = [f"{name} {share.factor:.3g} times {first}" for name, share in shares if share.factor != 1.0]
     if record.n_drives == 1:
         return ""
-    return f" All drives follow it as they did in the log{': ' + ', '.join(told) if told else ', alike'}."
+    return f" All drives follow it as they did in the log{': ' + ', '.join(unlike) if unlike else ', alike'}."
 
 
 def _words_of(run: SimulatedExperiment | None, message: str) -> str:
@@ -273,12 +275,12 @@ def _words_of(run: SimulatedExperiment | None, message: str) -> str:
 
 
 def _words_of_further(further: Mapping[Key, float]) -> str:
-    """How surely the motion decides against the causes beyond the strongest rival."""
-    told = [
+    """Discrimination against causes other than the strongest rival, in words."""
+    against = [
         f"{spoken(*key)} ({'cannot be simulated' if math.isnan(p) else _per_cent(p)})"
         for key, p in further.items()
     ]
-    return f" Against what else remains: {', '.join(told)}." if told else ""
+    return f" Against what else remains: {', '.join(against)}." if against else ""
 
 
 def _per_cent(probability: float) -> str:

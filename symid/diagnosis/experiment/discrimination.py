@@ -1,10 +1,10 @@
-"""Discrimination between two causes: what the sensors would read with either, and how well a motion parts them.
+"""Discrimination between two causes: the readings expected with either, and how well a motion distinguishes them.
 
-Each motion is taken as done: the axis with one cause says what the sensors would read, and the gain of the logarithm of
-the likelihood is expected that this cause would have over the other, whose values are free. At first the other's
-prediction is taken as linear in its values: half the square of what its columns leave of the difference. The few best
-motions are then tried: readings with the noise of the log, and both causes fitted to them. Gains are tempered as in
-`evidence`, and a motion is as good as the less favourable of both cases.
+For each motion, the axis with one cause predicts the readings; the other cause, with free values, is fitted to them.
+The expected gain is that of the log-likelihood of the true cause over the other. A first estimate linearises the other
+prediction in its values: half the square of the difference that its columns cannot explain. For the best few motions,
+both causes are fitted to readings with the noise of the log. Gains are tempered as in `evidence`, and the less
+favourable of the two cases counts.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from symid.errors import LogError
 from symid.simulation import Trajectory
 
 LEAST_LOG_ODDS = math.log(3.0)
-"""Expected of a motion that is worth its time."""
-_REHEARSED = 6
+"""Smallest expected log-odds of a useful motion."""
+_MOST_SIMULATED = 6
 _GENTLER = (1.0, 0.7, 0.5, 0.3, 0.15)
 _FORCE_MARGIN = 1.02
 _LEAST_ROWS = 64
@@ -44,36 +44,36 @@ _Judge = Callable[[State, State, Weighting], float]
 
 @dataclass(frozen=True, eq=False)
 class Rivals:
-    """Two causes that remain, the more probable one first."""
+    """Two remaining causes, the more probable one first."""
 
-    step: SelectionStep  # of the search, in which they were found
-    pair: tuple[Confirmed, Confirmed]  # both
-    chance: float  # probability of the second, if one of the candidates is right
+    step: SelectionStep  # step of the search that found them
+    pair: tuple[Confirmed, Confirmed]
+    chance: float  # probability of the second, if one of the candidates is true
 
     @property
     def remains(self) -> bool:
-        """Whether the log leaves doubt."""
+        """Whether the second cause is still plausible."""
         return self.chance >= THRESHOLDS.indistinguishable
 
     @property
     def record(self) -> Record:
-        """The log so far."""
+        """The log that was diagnosed."""
         return self.step.before.state.prediction.record
 
     @property
     def models(self) -> tuple[State, State]:
-        """The axis with either."""
+        """The axis with either cause."""
         return self.pair[0].fit.state, self.pair[1].fit.state
 
     @property
     def keys(self) -> tuple[Key, Key]:
-        """Names of effects and places."""
+        """Effect and place of either cause."""
         return self.pair[0].key, self.pair[1].key
 
 
 @dataclass(frozen=True, eq=False)
 class CandidateExperiment:
-    """A motion, what the sensors would read with either cause, and the expected logarithm of the odds."""
+    """A motion, the expected readings with either cause, and the expected log-odds."""
 
     trajectory: Trajectory
     records: tuple[Record, ...]
@@ -81,7 +81,7 @@ class CandidateExperiment:
 
 
 def trials(rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]) -> list[CandidateExperiment]:
-    """Motions that stay within the forces, the most promising first; gentler where they need to be."""
+    """Motions within the limits of the forces, reduced if necessary, the most promising first."""
     found: dict[int, CandidateExperiment] = {}
     for share in _GENTLER:
         for i, trajectory in enumerate(candidate_motions(envelope.gentler(share))):
@@ -99,13 +99,13 @@ def trials(rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]) -> l
 
 @dataclass(frozen=True)
 class Share:
-    """How the position of a drive follows that of the first one: factor and offset."""
+    """Position of a drive relative to that of the first one: factor and offset."""
 
     factor: float = 1.0
     offset: float = 0.0
 
     def of(self, trajectory: Trajectory) -> Trajectory:
-        """Reference of the drive to one of the first."""
+        """Reference of the drive, from that of the first one."""
         return replace(
             trajectory,
             position=self.factor * trajectory.position + self.offset,
@@ -115,9 +115,9 @@ class Share:
 
 
 def shares_of(like: Record) -> tuple[Share, ...]:
-    """How the drives of an axis move with the first one, as in the log: alike, mirrored, geared, or not at all.
+    """Motion of each drive relative to the first one, as in the log: equal, mirrored, geared, or at rest.
 
-    Factors near 1 or -1 are exact, so that a skew of the log is not an aim.
+    Factors near 1 or -1 are set to these, so that a skew in the log is not commanded.
     """
     first, *others = (like.log[name] for name in like.driven)
     shares = [Share()]
@@ -130,7 +130,7 @@ def shares_of(like: Record) -> tuple[Share, ...]:
 
 
 def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
-    """Readings if an axis followed a trajectory with its driven joints, with the sensors and the noise of `like`."""
+    """Readings of an axis whose driven joints follow a trajectory, with the sensors and the noise of `like`."""
     rng, names = np.random.default_rng(0), (*like.driven, *like.outputs)
     levels = zip(names, like.noise, strict=True)
     noise = {name: level * rng.standard_normal(trajectory.n_samples) for name, level in levels}
@@ -139,6 +139,8 @@ def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
     exact = paths | {name: noise[name] for name in like.forces}
     first_seen = exact | {name: path + noise[name] for name, path in paths.items()}
     seen = record_of(like.dynamics, _log(first_seen, trajectory))
+    # Forces and readings follow from the motion with the effects in joints; effects in drives and readings then act on
+    # these predictions.
     moving = record_of(like.dynamics, _log(exact, trajectory), seen.motion_hz)
     of_joints = [item for item in model.placed if isinstance(item.effect, JointEffect)]
     prediction = applied(model, moving, placed=of_joints)[0].prediction
@@ -168,39 +170,39 @@ def _samples(record: Record, spectrum: ComplexArray) -> FloatArray:
 
 
 def _judged(rivals: Rivals, records: Sequence[Record], left: _Judge) -> float:
-    """Logarithm of the odds expected for the right cause, the less favourable case."""
+    """Expected log-odds for the true cause, in the less favourable case."""
     found = []
     for right, record in enumerate(records):
         truth, weighting = applied(rivals.models[right], record)
         if weighting.kept.sum() < _LEAST_ROWS:
             return 0.0
-        gains = [
-            0.5
-            * _rows(weighting)
-            * min(left(start, truth, weighting) for start in _starts(model, truth, weighting))
-            for model in (rivals.models[1 - right], rivals.step.before.state)
-        ]
-        found.append(_log_odds(rivals, right, *gains))
+        gains = []
+        for model in (rivals.models[1 - right], rivals.step.before.state):
+            # A fit may end near the model's own values of the axis, or near those of the truth: both are tried.
+            starts = (applied(model, record)[0], applied(truth, record, placed=model.placed)[0])
+            least = min(left(start.weighted(weighting), truth, weighting) for start in starts)
+            gains.append(0.5 * _rows(weighting) * least)
+        over_other, over_none = gains
+        own, other = (rivals.pair[i].placed.n_free for i in (right, 1 - right))
+        tempered = temperature(over_none - THRESHOLDS.penalty * own)
+        found.append((over_other - THRESHOLDS.penalty * (own - other)) / tempered)
     return min(found)
 
 
 @dataclass(frozen=True)
 class Separation:
-    """How well readings distinguish the cause with which they were made from the other.
+    """Gaussian log-likelihood ratio of the cause that made the readings to the other cause."""
 
-    The logarithm of the likelihood ratio of both is Gaussian.
-    """
-
-    gain: float  # its mean, of models and noise
-    # its deviation: deviations of the noise by which the predictions of both differ, the values of both fitted,
-    # and what the noise, which either model lets through otherwise, adds
+    gain: float  # mean, from models and noise
+    # standard deviation: the difference of both fitted predictions in standard deviations of the noise, and the
+    # scatter due to the noise that the models pass differently
     distance: float
 
     @property
     def probability(self) -> float:
-        """That the right one is the likelier.
+        """Probability that the true cause has the larger likelihood.
 
-        Predictions two deviations apart, of which one is exact.
+        For predictions two standard deviations apart, one of them exact:
 
         >>> round(Separation(gain=2.0, distance=2.0).probability, 4)
         0.8413
@@ -209,7 +211,7 @@ class Separation:
 
 
 def separation(rivals: Rivals, right: int, noisy: Record, quiet: Record) -> Separation:
-    """How well readings, made with cause `right` (0 or 1), with and without noise, distinguish two causes."""
+    """Separation of two causes by readings with cause `right` (0 or 1), with and without noise."""
     weighting = applied(rivals.models[right], noisy)[1]
     exact = applied(rivals.models[right], quiet)[0]
     own = fitted(exact.weighted(weighting), weighting, _ITERATIONS)
@@ -226,7 +228,7 @@ def separation(rivals: Rivals, right: int, noisy: Record, quiet: Record) -> Sepa
 
 
 def _with_noise(quiet: Fit, noisy: Record) -> tuple[FloatArray, FloatArray]:
-    """Squares that a model fitted to readings without noise leaves of them, and of the noise, as in `Fit.squares`."""
+    """Squared residuals of a model fitted to noiseless readings, and those of the noise alone, as in `Fit.squares`."""
     weighting = quiet.weighting
     state = applied(quiet.state, noisy)[0].weighted(weighting)
     noise = Fit(state, weighting).left - quiet.left
@@ -235,43 +237,32 @@ def _with_noise(quiet: Fit, noisy: Record) -> tuple[FloatArray, FloatArray]:
 
 
 def _rows(weighting: Weighting) -> float:
-    """Independent values in the rows that are kept."""
+    """Number of independent values in the rows that are kept."""
     return float(weighting.kept.sum() * len(weighting.density) * weighting.record.freedom)
 
 
-def _starts(model: State, truth: State, weighting: Weighting) -> list[State]:
-    """A model with its own values of the axis, and with those of the truth: a fit may end at either."""
-    own = applied(model, weighting.record)[0]
-    near = applied(truth, weighting.record, placed=model.placed)[0]
-    return [state.weighted(weighting) for state in (own, near)]
-
-
 def _linear(model: State, truth: State, weighting: Weighting) -> float:
-    """Logarithm by which the mean square of noise grows with what the model's columns leave of the truth."""
+    """Logarithm of the increase of the noise's mean square by the part of the truth outside the model's columns."""
     rows = weighting.rows(model.errors - truth.errors)
     return math.log1p(Fit(replace(model, rows=rows), weighting).mean_square)
 
 
 def _fitted(model: State, truth: State, weighting: Weighting) -> float:
-    """The same with both fitted to readings with noise."""
+    """Logarithm of the ratio of the mean squares of both, fitted to readings with noise."""
     model_left, truth_left = (
         fitted(state, weighting, _ITERATIONS).mean_square for state in (model, truth.weighted(weighting))
     )
     return math.log(model_left / truth_left)
 
 
-def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -> float:
-    own, other = (rivals.pair[i].placed.n_free for i in (right, 1 - right))
-    return (over_other - THRESHOLDS.penalty * (own - other)) / temperature(
-        over_none - THRESHOLDS.penalty * own
-    )
-
-
 def simulated_trials(rivals: Rivals, trials: Sequence[CandidateExperiment]) -> list[CandidateExperiment]:
-    """Rehearsals, best first: of motions from which more is expected than a rehearsal has shown, at most a few."""
+    """The best few motions with the log-odds of fits to noisy readings, best first.
+
+    A motion is skipped if its linear estimate is below the result of another one.
+    """
     found: list[CandidateExperiment] = []
-    for trial in trials[:_REHEARSED]:
+    for trial in trials[:_MOST_SIMULATED]:
         if trial.log_odds > max([LEAST_LOG_ODDS, *(other.log_odds for other in found)]):
-            shown = _judged(rivals, trial.records, _fitted)
-            found.append(replace(trial, log_odds=min(trial.log_odds, shown)))
+            fitted_odds = _judged(rivals, trial.records, _fitted)
+            found.append(replace(trial, log_odds=min(trial.log_odds, fitted_odds)))
     return sorted(found, key=lambda trial: -trial.log_odds)

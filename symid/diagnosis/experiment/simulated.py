@@ -1,9 +1,9 @@
-"""An experiment in simulation: on the axis with either cause, under a controller, with the machine's noise.
+"""Simulation of an experiment with either cause, under a controller and with the noise of the machine.
 
-Each cause is simulated with the noise of the signals, which gives their weights, and without: both causes are fitted to
-what the sensors then read, so that what the models lack of the simulated axis counts too. With noise, the logarithm of
-their likelihood ratio is Gaussian; its mean is what the right one gains, its deviation the distance of both predictions
-in deviations of the noise. Where the right one is exact, the mean is half the square of that.
+The axis with each cause is simulated with noise, which determines the weights, and without. Both causes are fitted to
+the noiseless readings, so that deficiencies of the models count as well. The logarithm of their likelihood ratio is
+Gaussian: its mean is the gain of the true cause, its standard deviation the distance of both predictions in standard
+deviations of the noise. If the model of the true cause is exact, the mean is half the square of that distance.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy
 
-from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.diagnosis.experiment.discrimination import Rivals, Separation, separation, shares_of
 from symid.diagnosis.fitting.state import State
@@ -35,24 +34,24 @@ from symid.simulation import (
     tuned_cascades,
 )
 
-_LEAST_RATE = 1000.0
-"""Rate of the simulated controller at least, Hz."""
-_MARGIN = 0.02
-"""Share of a limit, and of the travel, by which a simulated axis may exceed it: what a controller and noise add."""
+_LEAST_RATE = 1000.0  # lowest rate of the simulated controller, Hz
+_MARGIN = 0.02  # relative excess over a limit that controller and noise may cause
 
 
 @dataclass(frozen=True, eq=False)
 class SimulatedExperiment:
     """Result of a simulated experiment, for the less favourable of both causes."""
 
-    separations: tuple[Separation, ...]  # how well the readings with each cause distinguish it from the other
-    demand: Extremes  # of the driven joint, all drives as the first; the jerk is that of the reference
-    forces: Mapping[str, float]  # largest of each drive, in its unit
-    records: tuple[Record, ...] = field(repr=False)  # what the sensors read with either cause
+    separations: tuple[Separation, ...]  # of both causes by the readings with each of them
+    demand: (
+        Extremes  # motion of the driven joints, in terms of the first one; the jerk is that of the reference
+    )
+    forces: Mapping[str, float]  # largest force of each drive, in its unit
+    records: tuple[Record, ...] = field(repr=False)  # readings with each cause
 
     @property
     def probability(self) -> float:
-        """That the experiment identifies the right cause."""
+        """Probability that the experiment identifies the true cause."""
         return min(found.probability for found in self.separations)
 
     @property
@@ -61,7 +60,7 @@ class SimulatedExperiment:
         return max(self.forces.values())
 
     def exceeds(self, limits: Limits, forces: Mapping[str, float]) -> str:
-        """Which limit is exceeded, in words; empty if none is."""
+        """The first limit that is exceeded, in words; empty if none is."""
         low, high = limits.travel
         beyond = max(low - self.demand.lowest, self.demand.highest - high)
         if beyond > _MARGIN * (high - low):
@@ -79,7 +78,7 @@ class SimulatedExperiment:
 
 
 def simulated_experiment(rivals: Rivals, trajectory: Trajectory, seed: int = 0) -> SimulatedExperiment:
-    """Simulate an experiment with either cause; refused where a cause cannot be simulated or the axis cannot follow."""
+    """Simulate an experiment with either cause; SettingError if a cause cannot be simulated."""
     runs = [_run(rivals, model, trajectory, seed) for model in rivals.models]
     quiet = [_run(rivals, model, trajectory, None)[0] for model in rivals.models]
     records = tuple(record for record, _ in runs)
@@ -103,7 +102,7 @@ def simulated_experiment(rivals: Rivals, trajectory: Trajectory, seed: int = 0) 
 
 
 def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None) -> tuple[Record, Simulation]:
-    """Readings and motion of the axis of a model; exact readings without a seed."""
+    """Readings and motion of the axis of a model; without a seed, readings are noiseless."""
     like, explained = rivals.record, axis_of(model)
     if explained.left_out:
         raise SettingError("; ".join(explained.left_out))
@@ -122,6 +121,7 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
             {name: (float(path.position[0]), 0.0) for name, path in zip(like.driven, paths, strict=True)}
         ),
     )
+    # The simulated controller holds its force from sample to sample.
     late: dict[str, float] = {}
     for force in like.forces:
         late = with_hold(late, force, held=True, sampling_period=paths[0].sampling_period)
@@ -130,7 +130,7 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
 
 
 def _controller(rivals: Rivals, drive: int, tuned: Cascade) -> Cascade:
-    """The controller of a drive read from the log if possible, else one that is tuned for the axis."""
+    """The controller of a drive, estimated from the log if possible, else the given one."""
     record = rivals.record
     parts = [Part(record.log, np.ones(record.log.n_samples, dtype=bool), record, drive)]
     driver = driver_of(record, parts, None, (None, rivals.step.before.state))
@@ -138,7 +138,7 @@ def _controller(rivals: Rivals, drive: int, tuned: Cascade) -> Cascade:
 
 
 def _with_noise(axis: Axis, like: Record) -> Axis:
-    """The axis whose signals have the noise of a log."""
+    """The axis with the noise of a log in its signals."""
     delays = {sensor.signal: sensor.delay for sensor in axis.sensors}
     for name, level in zip((*like.driven, *like.outputs), like.noise, strict=True):
         axis = axis.with_signal(name, float(level), delay=delays.get(name, 0.0))
@@ -146,7 +146,7 @@ def _with_noise(axis: Axis, like: Record) -> Axis:
 
 
 def _fast(trajectory: Trajectory) -> Trajectory:
-    """A trajectory at a rate at which a controller can run."""
+    """A trajectory resampled to a rate sufficient for a controller."""
     factor = max(1, math.ceil(_LEAST_RATE * trajectory.sampling_period - 1e-9))
     if factor == 1:
         return trajectory
@@ -159,7 +159,7 @@ def _fast(trajectory: Trajectory) -> Trajectory:
 
 
 def _demand(record: Record, run: Simulation, trajectory: Trajectory) -> Extremes:
-    """Motion of the driven joints, as that of the first; the acceleration in the band of the motion."""
+    """Extremes of the driven joints, in terms of the first one."""
     plant = plant_of(record.dynamics.axis, dict.fromkeys(record.dynamics.parameters, 1.0))
     period, moved = float(run.time[1] - run.time[0]), []
     for name, share in zip(record.driven, shares_of(record), strict=True):
@@ -171,11 +171,7 @@ def _demand(record: Record, run: Simulation, trajectory: Trajectory) -> Extremes
         lowest=min(float(position.min()) for position, _ in moved),
         highest=max(float(position.max()) for position, _ in moved),
         speed=max(float(np.abs(speed).max()) for _, speed in moved),
-        acceleration=max(_size(np.diff(speed) / period) for _, speed in moved),
+        # A quantile leaves out the few samples in which friction jumps, as `limits_seen` does for a log.
+        acceleration=max(float(np.quantile(np.abs(np.diff(speed) / period), 0.995)) for _, speed in moved),
         jerk=trajectory.extremes.jerk,
     )
-
-
-def _size(acceleration: FloatArray) -> float:
-    """Largest acceleration except for the few samples in which friction jumps, as `limits_seen` takes it of a log."""
-    return float(np.quantile(np.abs(acceleration), 0.995))
