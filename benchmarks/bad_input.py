@@ -1,4 +1,4 @@
-"""Bad input by the thousand: no command ends in a traceback, hangs, warns, or changes a file that it reads.
+"""Thousands of bad inputs: no command may end in a traceback, hang, warn, or change a file that it reads.
 
 Hypothesis draws commands with strange options, JSON files with strange fields, tables of results and journals with
 strange columns, and CSV files with strange headers (benchmarks/bad/cases.py). Each runs in this process in a copy of a
@@ -26,7 +26,7 @@ from benchmarks.commands import Outcome, drawn, table
 
 
 def examined(examples: int, number: int) -> dict[Case, Outcome]:
-    """Outcomes of so many cases, or of those until Ctrl-C; failures are told at once."""
+    """Outcomes of a number of cases, or of those before Ctrl-C; failures are printed at once."""
     found: dict[Case, Outcome] = {}
     places: set[str] = set()
     with tempfile.TemporaryDirectory() as good:

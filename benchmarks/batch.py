@@ -1,14 +1,13 @@
-"""`symid batch` of many logs: two cores against one, against a plain script, against the bare filter passes.
+"""Speed of `symid batch`: two cores relative to one, to a plain script, and to the filter passes alone.
 
-Logs of an EMPS-like axis, 40 000 samples each, differ in their noise alone. "one core" and "two cores" are
-`identify_batch` with that many processes, each started before its time is taken; "unexamined" leaves out the
-examination of timing and bias, which the script does not make either. "script" reads each log and does the same
-job as one would write it down with numpy and scipy, with cutoff and decimation given instead of chosen, on one core.
-"passes" are reading and scipy's sosfiltfilt alone, as many as identification needs. symid on one core has a process of
-its own, script and passes have another.
+Logs of an EMPS-like axis, 40 000 samples each, differ in their noise only. "one core" and "two cores" are
+`identify_batch` with that number of processes, which are started before the time is taken; "unexamined" omits the
+examination of timing and bias, as the script does. "script" reads each log and does the same in straightforward numpy
+and scipy, with given instead of chosen cutoff and decimation, on one core. "passes" are reading and scipy's sosfiltfilt
+only, as often as identification needs it. symid on one core runs in one process, script and passes in another.
 "cluster" is a Dask LocalCluster of two workers, if Dask is installed. All runs alternate; ratios are medians over the
-rounds. What runs on one core is compared by processor time, which other work on the machine changes little; speed on
-two cores by the clock.
+rounds. Runs on one core are compared by processor time, which other work on the machine changes little; two cores by
+the clock.
 
 Usage: python -m benchmarks.batch [--logs 1000] [--rounds 3]
 """
@@ -39,7 +38,7 @@ WARM_UP = 4
 
 
 def write_logs(folder: Path, logs: int, samples: int = SAMPLES) -> list[Path]:
-    """Logs of one motion, each with noise of its own, as Parquet."""
+    """Logs of one motion with different noise, as Parquet."""
     paths = []
     for seed in range(logs):
         q, force = simulate_emps(samples, np.random.default_rng(seed))
@@ -79,7 +78,7 @@ def chosen(path: Path) -> dict[str, float | int]:
 
 
 def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callable[[list[Path]], float]]:
-    """What is compared, by name."""
+    """Jobs that are compared, by name."""
     own, other = (
         stack.enter_context(ProcessPoolExecutor(1, mp_context=get_context("spawn"))) for _ in range(2)
     )

@@ -1,10 +1,10 @@
-"""A batch whose workers and whose command are killed: is every log in the result once, and as without the kills?
+"""A batch whose workers or whose command are killed: does the result contain every log once, as without the kills?
 
-Logs of an EMPS-like axis, 40 000 samples each, differ in their noise alone. The first batch is undisturbed. In the
-second, on a Dask LocalCluster of two workers, one worker is killed by its process id when a third of the rows have
-come. In the third, `symid batch` on all cores is killed with its process group when a third of its rows are in the
-journal, and the same command is given again. Printed are logs lost, logs twice, rows that differ from the undisturbed
-ones, and rows that the second command did not make anew. The exit code is 1 if a log is lost, twice or another.
+Logs of an EMPS-like axis, 40 000 samples each, differ in their noise only. The first batch is undisturbed. In the
+second, on a Dask LocalCluster of two workers, one worker is killed by its process id after a third of the rows. In the
+third, `symid batch` on all cores is killed with its process group when a third of its rows are in the journal, and the
+same command is run again. It prints lost logs, duplicated logs, rows that differ from the undisturbed ones, and rows
+that the second command reused. The exit code is 1 if a log is lost, duplicated or different.
 
 Usage: python -m benchmarks.batch_kills [--logs 1000]
 """

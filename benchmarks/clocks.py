@@ -1,9 +1,9 @@
-"""Is a constant delay told from a drifting clock? Trapezoids with a force recorded late, and with clocks that drift.
+"""Distinction of a constant delay from a drifting clock, on trapezoids with a late force and with drifting clocks.
 
-Three axes with values drawn at random run the default trapezoids of `symid simulate`, fast at first, or others, at 1 to
-8 kHz; every first, second or fourth sample is logged, with white noise. The force is late by 0 to 15 samples, and with
-`--drift` its clock gains or loses about that many samples over the log. Printed: how often a drift is named, and how
-often a log whose clock drifts by more than half a sample is ok.
+Three axes with values drawn at random follow the default trapezoids of `symid simulate`, fast ones first, or others, at
+1 to 8 kHz; every first, second or fourth sample is logged, with white noise. The force is late by 0 to 15 samples, and
+with `--drift` its clock gains or loses about that number of samples over the log. It prints how often a drift is
+reported, and how often a log whose clock drifts by more than half a sample is ok.
 
 Usage: python -m benchmarks.clocks [--logs 200] [--seed 1] [--drift SAMPLES]
 """

@@ -1,10 +1,11 @@
 """The paper's axis at 250 Hz under a drive that runs at 8 kHz: output error of the simulated closed loop.
 
-The log holds every 32nd sample of position, force and commanded position. The encoder's noise goes round the loop, so
-that the logged force is a point sample of chatter; one-step prediction, which takes it for the force between its
-samples, fails here. Known are the gains of the controller and its rate. Its reference is either the logged one, by
-splines, or the exact one (a trajectory given in Python). Table 10 of the paper: Ms 24 %, Ks 92 %. Noise of the force
-sensor and of the encoder; parameters' errors and standard deviations in %. Takes 4 to 8 minutes.
+The log contains every 32nd sample of position, force and commanded position. The controller feeds the noise of the
+encoder back, so that the logged force is a point sample of chatter; one-step prediction, which takes it as the force
+between samples, fails here. The gains and the rate of the controller are known. Its reference is either the logged one,
+by splines, or the exact one (a trajectory given in Python). Table 10 of the paper: Ms 24 %, Ks 92 %. For several levels
+of noise of force sensor and encoder, it prints errors and standard deviations of the parameters in %. Takes 4 to 8
+minutes.
 
 Usage: python -m benchmarks.closed_loop [--quick]
 """

@@ -1,4 +1,4 @@
-"""Commands run in this process on drawn input: how each ended, and a table of the outcomes."""
+"""Commands run in this process on drawn input, and a table of their outcomes; for `bad_input` and `damaged_logs`."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def run_command(arguments: Sequence[str]) -> Ended | Outcome:
             return Outcome("hang", f"more than {PATIENCE} s")
         except KeyboardInterrupt:
             raise
-        except BaseException:  # noqa: BLE001  # whatever comes through is what is looked for
+        except BaseException:  # noqa: BLE001  # any exception is a finding
             return Outcome("traceback", traceback.format_exc())
     if warned:
         return Outcome("warning", f"{warned[0].message} in {warned[0].filename}:{warned[0].lineno}")
@@ -74,7 +74,7 @@ def run_command(arguments: Sequence[str]) -> Ended | Outcome:
 
 
 def drawn(examples: int, number: int) -> Callable[[Any], Any]:
-    """Decorator of a function that takes drawn cases: so many, from a seed, without a search for smaller ones."""
+    """Decorator of a function that takes a number of drawn cases, from a seed, without shrinking."""
     draws = settings(
         max_examples=examples,
         deadline=None,

@@ -1,20 +1,19 @@
-"""How often do 95 % intervals hold the true parameters, and does the record say so where bias keeps them from it?
+"""Coverage of 95 % intervals, and whether a result reports the bias that reduces it.
 
-A true run of an axis is simulated once for each row; noise is drawn and identified many times. Rows: sensors, method,
-sampling rate, cutoff (as chosen from the log, or given), decimation, whether the force is filtered too, noise of the
-force and of the encoder (white, or the steps of an encoder). For minimal and physical parameters together the map
-prints the lowest and highest coverage of the intervals, classical and corrected (Student's t with the degrees of
-freedom of the result), the true bias in standard deviations, the share of draws whose record says that bias dominates,
-and how often a wrong timing was seen where there is none. A parameter counts as biased if the mean of all draws is off
-by more than a tenth of the standard deviation beyond its own uncertainty (3 standard errors). Parameters that are
-minimal and physical count once.
+For each row an axis is simulated once; noise is then drawn and identified many times. The rows differ in sensors,
+method, sampling rate, cutoff (chosen from the log, or given), decimation, filtering of the force, and noise of force
+and encoder (white, or the steps of an encoder). For minimal and physical parameters together the map prints the lowest
+and highest coverage of the intervals, classical and corrected (Student's t with the degrees of freedom of the result),
+the true bias in standard deviations, the share of draws whose result reports a dominating bias, and the rate of false
+alarms of timing. A parameter counts as biased if the mean of all draws is off by more than a tenth of the standard
+deviation beyond its own uncertainty (3 standard errors). Parameters that are both minimal and physical count once.
 
-Then the force of the same logs is moved by one sample: how often that is seen, how well it is estimated, and the
-coverage before and after the remedy that the result names. Last, least squares and instrumental variables on a flexible
-axis whose encoders are noisy.
+Then the force of the same logs is shifted by one sample: it prints how often this is detected, the error of the
+estimated shift, and the coverage before and after the proposed remedy. Finally, least squares and instrumental
+variables are compared on a flexible axis with noisy encoders.
 
 Usage: python -m benchmarks.coverage_map [--runs 200] [--quick]
-OPENBLAS_NUM_THREADS=1 halves the time: the matrices are far too small for threads.
+OPENBLAS_NUM_THREADS=1 halves the time, since the matrices are too small for threads.
 """
 
 from __future__ import annotations
@@ -81,7 +80,7 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Draw:
-    """What one identification says of all parameters, minimal and then physical."""
+    """Result of one identification for all parameters, minimal and then physical."""
 
     values: FloatArray
     classical: FloatArray

@@ -1,10 +1,10 @@
-"""Damaged logs by the thousand: `symid identify` must refuse them in one line, give them a status, or be right.
+"""Thousands of damaged logs: `symid identify` must refuse them in one line, give them a status, or be right.
 
-Hypothesis draws the kind of damage (benchmarks/damage/kinds.py), the kind of file, how far the damage goes, and whether
-the log is read in blocks. Every log is identified in this process by the command's own function. A failure is a
-traceback, a warning, a message of several lines, a hang of 120 s, or a status "ok" beside a parameter that is off by
-more than 5 % and by more than 6 corrected standard deviations. Printed are the counts by kind and verdict, and every
-failure with the argument that repeats it. The exit code is 1 if there is one.
+Hypothesis draws the kind of damage (benchmarks/damage/kinds.py), the kind of file, the extent of the damage, and
+whether the log is read in blocks. Every log is identified in this process by the function of the command. A failure is
+a traceback, a warning, a message of several lines, a hang of 120 s, or a status "ok" with a parameter that is off by
+more than 5 % and by more than 6 corrected standard deviations. It prints the counts by kind and verdict, and every
+failure with the argument that repeats it. The exit code is 1 if there is a failure.
 
 Usage: python -m benchmarks.damaged_logs [--examples 5000] [--seed 0]
        python -m benchmarks.damaged_logs --repeat KIND:FORM:whole|blocks:EXTENT:SEED
@@ -24,7 +24,7 @@ from benchmarks.damage.outcome import Damage, damages, outcome_of
 
 
 def examined(examples: int, number: int) -> dict[Damage, Outcome]:
-    """Outcomes of so many damaged logs, or of those until Ctrl-C; failures are told at once."""
+    """Outcomes of a number of damaged logs, or of those before Ctrl-C; failures are printed at once."""
     found: dict[Damage, Outcome] = {}
 
     @drawn(examples, number)

@@ -1,11 +1,10 @@
 """Time and memory of `symid generate` as a whole process: shipped axis, chains of 1 to 8 masses, general graphs, gears.
 
-Every chain nM-(n-1)S has viscous friction in every joint, Coulomb friction in the driven one, and is measured at the
-motor only. Geared chains, trees and loops are of inertias on springs with dampers, of ratio 0.35 and 0.00159 in turn,
-with an encoder on the first body, or with one on the last body too: then modules for both sets of sensors are written.
-Each process imports, declares, derives, eliminates, inverts the parameter map, and writes its modules into a temporary
-folder; its processor time counts, the start of Python included. An axis is refused where elimination has too many
-terms.
+Every chain nM-(n-1)S has viscous friction in every joint, Coulomb friction in the driven one, and a sensor at the motor
+only. Geared chains, trees and loops consist of inertias on springs with dampers, with ratios of 0.35 and 0.00159 in
+turn, and an encoder on the first body, or on the last body too: then modules for both sets of sensors are written. Each
+process imports, declares, derives, eliminates, inverts the parameter map, and writes its modules into a temporary
+folder; its processor time includes the start of Python. An axis is refused if elimination has too many terms.
 
 Usage: python -m benchmarks.derivation
 """
@@ -67,7 +66,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Limit:
-    """What a process may cost."""
+    """Limits of a process."""
 
     seconds: float
     peak_mb: float = 2000.0

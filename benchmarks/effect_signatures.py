@@ -1,11 +1,11 @@
 """The signature of each effect: what the re-identified model leaves of a log in which the effect is hidden.
 
-The machines are those of `benchmarks.blind`, a simulator that shares nothing with symid; the effect is made so strong
-that the gap is some fifty times the noise. The plain axis is fitted to the log as the diagnosis does, and its force
-error is drawn over that which shows the effect: velocity, position, time, frequency and so on. Motion forward and
-backward have colours of their own, lines are means in bins. For a spring the error is that of its own force, from both
-its ends; for a further reading it is that of the reading, and the values are those of the machine: re-identified,
-damping of the spring hides most of it.
+The machines are those of `benchmarks.blind`, a simulator that shares no code with symid; the effect is so strong that
+the gap is about fifty times the noise. The plain axis is fitted to the log as in the diagnosis, and its force error is
+drawn over the quantity that shows the effect: velocity, position, time, frequency and so on. Motion forward and
+backward have different colours, lines are means in bins. For a spring the error is that of its force, from the motion
+of both ends. For a further reading it is the error of the reading, with the true values of the machine, since damping
+of the spring would absorb most of it.
 
 Usage: python -m benchmarks.effect_signatures [EFFECT ...] writes docs/effects/EFFECT.png
 """
@@ -186,7 +186,7 @@ def model(signature: Signature) -> Axis:
 
 
 def residual_of(effect: str) -> Residual:
-    """What the re-identified plain axis leaves of a log with the effect; of a late reading, the axis as it is."""
+    """Error of the re-identified plain axis on a log with the effect; for a late reading, of the true axis."""
     signature = signature_of(effect)
     log, true = log_with(effect, signature)
     axis = model(signature)

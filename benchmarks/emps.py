@@ -1,7 +1,7 @@
-"""The published tables of EMPS beside ours, digit by digit, and what the default preparation makes of the same logs.
+"""The published tables of EMPS and those of symid, digit by digit, and results of the default preparation.
 
-Published: Janot, Gautier, Brunot, "Data Set and Reference Models of EMPS" (2019), sections 3.4, 3.5 and 4.2; their
-recipe filters the motion only and subtracts 1 from the rows in the residual's deviation.
+Published: Janot, Gautier, Brunot, "Data Set and Reference Models of EMPS" (2019), sections 3.4, 3.5 and 4.2. Their
+preparation filters the motion only, and the deviation of the residual uses the number of rows minus 1.
 
 Usage: python -m benchmarks.emps
 """

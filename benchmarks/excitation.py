@@ -1,10 +1,11 @@
-"""Designed references: what `symid excite` expects, beside repeated identifications.
+"""Designed references: the deviations that `symid excite` expects, and those of repeated identifications.
 
 Usage: python -m benchmarks.excitation [--method iv] [--runs N] [AXIS ...]
 
-For each axis the worst relative deviations of the designed reference and of the default ones, within 0.4 m, 1 m/s,
-8 m/s^2 and 20 kN in 10 s at 4 kHz with noise of 0.1 um and 1 N, and for each parameter the standard deviation and the
-rms error of identifications of simulated logs with other noise along the designed reference, over the expected one.
+For each axis it prints the largest relative deviations of the designed and of the default references, within 0.4 m,
+1 m/s, 8 m/s^2 and 20 kN in 10 s at 4 kHz with noise of 0.1 um and 1 N. For each parameter it prints the standard
+deviation and the rms error of identifications of simulated logs with other noise along the designed reference, relative
+to the expected deviation.
 """
 
 from __future__ import annotations

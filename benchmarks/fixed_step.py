@@ -1,4 +1,4 @@
-"""Tables 5 and 6 of the paper with an integrator of third order whose step is the sampling period.
+"""Tables 5 and 6 of the paper, simulated by an integrator of third order with the sampling period as its step.
 
 The paper says that errors are "introduced by the simulation of the system". Simulink's fixed-step solver ode3
 (P. Bogacki and L. Shampine, Applied Mathematics Letters 2, 1989) adds damping to a mode of the angular frequency w:

@@ -1,9 +1,9 @@
-"""How often spreads and control charts of a fleet are right, on drawn runs whose truth is known.
+"""False alarms, detections and coverage of spreads and control charts, on drawn runs of known truth.
 
-Prints, for several numbers of runs, with and without a variance between runs: how often an axis of seven parameters
-that are always the same is said to differ; how often a chart shows a change where there is none; how often a step, or
-a drift, is found, the run of the step to one, and how often the 95 % intervals of place and size hold the truth. Sizes
-are in standard deviations of one run; promised deviations of the runs differ up to threefold.
+For several numbers of runs, with and without a variance between runs, it prints how often an axis of seven constant
+parameters is reported to differ; how often a chart without change shows one; how often a step (to within one run) or a
+drift is found; and the coverage of the 95 % intervals of place and size. Sizes are in standard deviations of one run;
+the stated deviations of the runs differ up to threefold.
 
 Usage: python -m benchmarks.fleet_charts [--draws 300]
 """

@@ -1,4 +1,4 @@
-"""Files as drives, scopes and robots write them, each from `symid import` to `symid diagnose` without an editor.
+"""Files of drives, scopes and robots, each from `symid import` to `symid diagnose` without an editor.
 
 One motion of a rigid axis (0.2 um counts, 1 kHz, force held by the drive) is written by the library or in the layout of
 each writer, with its names, units and clocks. Commands are run as a user would, with the options in the table: what a
@@ -313,7 +313,7 @@ def run(*arguments: str) -> tuple[int, str]:
 
 
 def outcome(name: str, *, diagnosed: bool) -> str:
-    """What became of a file, in a line."""
+    """Result of a file in one line."""
     file, write, options, later = FILES[name]
     write(Path(file))
     code, said = run("import", file, "--axis", "rigid_1m", *shlex.split(options), "-o", "map.json")

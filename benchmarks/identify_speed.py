@@ -3,8 +3,8 @@
 Logs of an EMPS-like axis and of direct_2m1s measured at the motor are simulated. "passes" are scipy's sosfiltfilt
 alone, on as many threads as symid uses and on one: the low-pass of each signal and of each friction column, and, if
 there is decimation, the decimation filter of each column of W (constants aside) and of y. "script" does the same job
-as one would write it down with numpy and scipy. "unexamined" is identify without its examination of timing and bias.
-Every run has a process of its own, whose peak memory is counted beyond the log itself; the runs alternate. Ratios are
+in straightforward numpy and scipy. "unexamined" is identify without its examination of timing and bias.
+Every run has a separate process, whose peak memory is counted beyond the log itself; the runs alternate. Ratios are
 of processor time, which other work on the machine changes little.
 
 Usage: python -m benchmarks.identify_speed [--samples 10000000] [--rounds 3]
@@ -118,7 +118,7 @@ def run_passes(axis: str, log: symid.Log, settings: dict[str, Any], threads: int
 
 
 def run_script(axis: str, log: symid.Log, settings: dict[str, Any]) -> dict[str, Any]:
-    """Do the same job as one would write it down."""
+    """Do the same job in straightforward numpy and scipy."""
     sos, factor = low_pass(settings["cutoff"]), settings["factor"]
     q, F = (signal.sosfiltfilt(sos, log[name]) for name in AXES[axis])
     v = np.gradient(q, 1.0 / RATE)
@@ -171,7 +171,7 @@ def child(job: str, axis: str, folder: Path, settings: dict[str, Any]) -> None:
 
 
 def run(job: str, axis: str, folder: Path, settings: dict[str, Any]) -> dict[str, Any]:
-    """Costs and results of one job in a process of its own."""
+    """Costs and results of one job in a separate process."""
     command = [
         sys.executable,
         "-m",
@@ -225,9 +225,7 @@ def simulate(axis: str, folder: Path, samples: int) -> None:
 
 def main() -> None:
     """Run the benchmark and print its table."""
-    if sys.argv[1:2] == [
-        "--simulate"
-    ]:  # in a process of its own: peaks of memory are handed down to children
+    if sys.argv[1:2] == ["--simulate"]:  # in separate processes: children inherit peaks of memory
         simulate(sys.argv[2], Path(sys.argv[3]), int(sys.argv[4]))
         return
     if sys.argv[1:2] == ["--child"]:

@@ -1,10 +1,10 @@
-"""How often printed 95 % intervals hold the true parameters, at the default preparation, on machines drawn at random.
+"""Coverage of printed 95 % intervals with the default preparation, on machines drawn at random.
 
 Eleven machines with 61 parameters, motions and noise are drawn as in `benchmarks.ok_promise`, whose simulator shares
-nothing with symid. Each log then gets new noise of the same size again and again, and is identified with nothing
-chosen. An interval is the printed one: 1.96 printed deviations to either side. Per parameter: how often it holds the
-truth, the mean error and the spread between draws, in per cent of the truth, and the printed deviation over the root
-mean square of the error: 1 would be exact.
+no code with symid. Each log is identified many times with new noise of the same size and default settings. An interval
+is 1.96 printed deviations to either side. For each parameter it prints the coverage, the mean error and the spread
+between draws, in per cent of the truth, and the ratio of the printed deviation to the rms error, which is 1 for exact
+deviations.
 
 Usage: python -m benchmarks.intervals [--draws 60] [--seed 1] [--settings 0 1 ...]
 """

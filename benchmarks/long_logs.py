@@ -1,7 +1,7 @@
 """Cost and peak memory of `identify` against the length of a log that is read from a Parquet or CSV file in blocks.
 
 Logs of an EMPS-like axis (see identify_speed.py) are written block by block to a temporary folder, so that none is in
-memory as a whole. Every log is identified in a process of its own, in blocks and, up to `--whole` samples, in memory as
+memory as a whole. Every log is identified in a separate process, in blocks and, up to `--whole` samples, in memory as
 well; the two must agree. Printed are wall time, samples per second, the process' peak memory beyond what an imported
 symid takes, and the slope of log(seconds) over log(samples): 1 is linear.
 
@@ -80,7 +80,7 @@ def identified(file: str, blocks: bool) -> dict[str, Any]:
 
 
 def in_own_process(file: Path, blocks: bool) -> dict[str, Any]:
-    """What `identified` gives, in a process of its own."""
+    """Result of `identified` in a separate process."""
     command = [
         sys.executable,
         "-m",

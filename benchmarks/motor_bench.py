@@ -125,7 +125,7 @@ def two_bodies(p: dict[str, float], s: ComplexArray) -> dict[str, ComplexArray]:
 
 
 def simulated(log: symid.Log, lines: NDArray[np.int64], fit: dict[str, float]) -> symid.Log:
-    """What an ideal bench of two bodies would log for the lines of the same current, without noise."""
+    """Log of an ideal bench of two bodies for the lines of the same current, without noise."""
     current = np.fft.rfft(log["iq"])
     s = 2j * np.pi * np.fft.rfftfreq(log.n_samples, log.sampling_period)
     excited = lines * round(log.n_samples * log.sampling_period)

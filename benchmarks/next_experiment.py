@@ -1,4 +1,4 @@
-"""How often an experiment tells two causes apart, beside the probability expected: python -m benchmarks.next_experiment
+"""How often an experiment distinguishes two causes, and the expected probability: python -m benchmarks.next_experiment
 
 A rigid axis under a controller, its force late by a delay; the diagnosis finds the delay, a first-order lag is the
 strongest rival. Experiments of growing size are simulated with either cause and other noise each time; both causes are
@@ -82,7 +82,7 @@ def chosen(pair: Rivals, record: Record, right: int) -> int:
 
 
 def rows(pair: Rivals, sizes: tuple[float, ...], runs: int) -> Iterator[Row]:
-    """Experiments of some sizes, each performed with either cause in so many runs."""
+    """Experiments of several sizes, each performed with either cause in a number of runs."""
     for size in sizes:
         path, right, expected = experiment(size), 0, []
         for seed in range(runs):

@@ -48,7 +48,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Solution:
-    """What a solver makes of a problem."""
+    """Result of a solver for a problem."""
 
     parameters: FloatArray
     standard_deviations: FloatArray

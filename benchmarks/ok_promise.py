@@ -1,6 +1,6 @@
 """When symid says ok, is it right? Random logs of known truth, undamaged and damaged.
 
-Logs come from a simulator that shares nothing with symid (benchmarks/promise). A result is wrong if a physical
+Logs come from a simulator that shares no code with symid (benchmarks/promise). A result is wrong if a physical
 parameter is off by more than 5 % and by more than three of its own printed deviations. Printed are the share of logs
 with status "ok", how many of these are wrong and by how many deviations at most; by axis, sensors and fault.
 
@@ -31,7 +31,7 @@ _WRONG, _DEVIATIONS = 0.05, 3.0
 
 @dataclass(frozen=True)
 class Outcome:
-    """What symid made of a case."""
+    """Result of symid for a case."""
 
     case: Case
     number: int

@@ -93,7 +93,7 @@ LAST_DIGITS = {  # of minimal parameters as printed in Tables 3, 7 and 9
 
 @dataclass(frozen=True)
 class Setup:
-    """What the paper does not say; see the module."""
+    """Choices that the paper does not state; see the module."""
 
     bandwidth_hz: float = 10.0
     seconds: float = 10.0

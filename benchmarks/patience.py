@@ -1,4 +1,4 @@
-"""A time limit for what may hang."""
+"""A time limit for code that may hang; for `bad_input` and `damaged_logs`."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from types import FrameType
 
 
 class Hangs(BaseException):
-    """What ran longer than it may."""
+    """Code ran longer than allowed."""
 
 
 @contextlib.contextmanager
 def limited(seconds: int) -> Iterator[None]:
-    """Raise `Hangs` where what is inside runs longer."""
+    """Raise `Hangs` if the block runs longer."""
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise Hangs

@@ -1,9 +1,9 @@
-"""Two failures of simulator fitting solved: a missing elasticity is named, and a shift by one sample is found.
+"""Two failures of simulator fitting, solved: a missing elasticity and a shift by one sample are found.
 
 The set-ups are those on which MuJoCo's own identification (mujoco.sysid 4.0.0) was run. *Structure*: two masses of 20
 and 40 kg on a spring of 4e5 N/m, Stribeck friction, position noise of 1 um; the model is one rigid mass with viscous
 and Coulomb friction. *Timing*: rigid axes, the force shifted by one sample (1 ms) either way against the position, and
-the same logs unshifted, drawn anew each time. All truths come from the simulator of benchmarks/blind, which shares
+the same logs unshifted, with new noise each time. All truths come from the simulator of benchmarks/blind, which shares
 nothing with symid and integrates at 160 kHz. What the source does not give is chosen here: damping (2 %), friction
 values, controller, motion, and 4 kHz for the first.
 
@@ -30,7 +30,7 @@ CALM = 1.5
 NOISE = 1e-6
 """Of the position, m."""
 HELD = {"F": -0.5 / CONTROL_HZ}
-"""The simulated controller holds its force for a period of its own."""
+"""The simulated controller holds its force for its own period."""
 DRIVEN, LOAD, STIFFNESS, DAMPING_RATIO = 20.0, 40.0, 4e5, 0.02
 FRICTION = {"viscous": 100.0, "coulomb": 12.0, "dF": 6.0, "vs": 0.02}
 AIM = 0.1

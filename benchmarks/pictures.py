@@ -1,7 +1,7 @@
-"""Pictures of pages that the README shows, photographed in Chromium.
+"""Pictures of pages for the README, photographed in Chromium.
 
-The page of the diagnosis: the log of EMPS, its gap on the log with pulses, by a model without Coulomb friction and
-offset (the case emps-viscous of `benchmarks.diagnosis.real`).
+The page is the diagnosis of EMPS with a model without Coulomb friction and offset; its gap is measured on the log with
+pulses (the case emps-viscous of `benchmarks.diagnosis.real`).
 
 Usage: python -m benchmarks.pictures writes docs/pictures/diagnosis_page.png
 """

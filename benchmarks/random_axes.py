@@ -1,8 +1,8 @@
-"""Random axes: derived equations beside an ODE written by hand, and what each derivation costs.
+"""Random axes: derived equations against an ODE written by hand, and the cost of each derivation.
 
-An axis has two to five inertias on springs with dampers, in a tree or with one loop, of ratios that are no whole
-numbers; geared bodies, frictions and sensors are drawn too. The ODE is assembled here in numpy and solved for motions
-exp(s t) at several s at once. With the regressor of the derived model its minimal parameters must give its output.
+An axis has two to five inertias on springs with dampers, in a tree or with one loop, with ratios that are not integers;
+geared bodies, friction and sensors are drawn too. The ODE is assembled here in numpy and solved for motions exp(s t) at
+several s at once. The regressor of the derived model times its minimal parameters must give its output.
 
 Usage: python -m benchmarks.random_axes [--examples N] [--seed N]
 """

@@ -1,4 +1,4 @@
-"""The generated `regressor` against copying an array of the same size and layout: ratio of times, aim 1.5.
+"""Time of the generated `regressor` relative to copying an array of the same size and layout, aim 1.5.
 
 Usage: python -m benchmarks.regressor [--samples 10000000] [--repetitions 9]
 """

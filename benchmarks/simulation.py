@@ -1,11 +1,11 @@
-"""Speed and accuracy of closed loops with Coulomb friction: symid beside scipy's solve_ivp and MuJoCo's engine.
+"""Speed and accuracy of closed loops with Coulomb friction: symid, scipy's solve_ivp and MuJoCo's engine.
 
-Two axes run along jerk-limited trapezoids under the same cascade. solve_ivp is restarted at every sample of the
-controller (its force is held) and where friction sticks or breaks loose, which it locates as events: the only way in
-which it keeps its accuracy. MuJoCo runs with its default integrator and soft friction at the same step, once with the
-controller in a Python loop and once without one, in its own loop in C. It is left out where it is not installed.
-Times are medians of alternating repetitions, processor time. Then the same as whole processes, from start to
-end, and loops that are simulated sample by sample.
+Two axes follow jerk-limited trapezoids under the same cascade. solve_ivp is restarted at every sample of the
+controller, since its force is held, and at the events at which friction sticks or breaks loose; otherwise it loses its
+accuracy. MuJoCo runs with its default integrator and soft friction at the same step, once with the controller in a
+Python loop, and once without controller in its own loop in C. It is skipped if it is not installed. Times are
+processor times, medians of alternating repetitions. Whole processes and loops that are simulated sample by sample
+follow.
 
 Usage: python -m benchmarks.simulation
 """

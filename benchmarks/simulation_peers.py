@@ -1,7 +1,7 @@
 """Closed loops of two axes with Coulomb friction by solve_ivp and by MuJoCo; run by `benchmarks.simulation`.
 
-Written by hand from the equations of motion; nothing of symid is used. As a process of its own,
-`python -m benchmarks.simulation_peers REFERENCE.npz` simulates the loop in it by MuJoCo, start-up included.
+Written by hand from the equations of motion, without symid. `python -m benchmarks.simulation_peers REFERENCE.npz`
+simulates the loop in that file by MuJoCo, as a process whose time includes the start-up.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Machine:
     xml: str
 
     def position(self, state: np.ndarray) -> float:
-        """What the controller reads: displacement in the joint."""
+        """Reading of the controller: displacement in the joint."""
         return float(self.joint @ state[: self.joint.size])
 
 

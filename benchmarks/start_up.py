@@ -1,8 +1,8 @@
-"""`symid identify` of a short log as a process, beside the plain script and beside the bare interpreter.
+"""Time of `symid identify` of a short log as a process, of a plain script, and of the imports alone.
 
-The log is that of an EMPS-like axis, 10 000 samples, as CSV. "script" reads it and does the same job as one would write
-it down with numpy, scipy and polars, cutoff and decimation given. "imports" only imports numpy and polars, with which
-symid reads and computes. The runs alternate; processor times and those by the clock are medians over the rounds.
+The log is that of an EMPS-like axis, 10 000 samples, as CSV. "script" reads it and does the same in straightforward
+numpy, scipy and polars, with given cutoff and decimation. "imports" only imports numpy and polars, which symid uses to
+read and compute. The runs alternate; processor times and wall-clock times are medians over the rounds.
 
 Usage: python -m benchmarks.start_up [--rounds 7]
 """
@@ -34,7 +34,7 @@ print(run_script("emps", {name: log[name].to_numpy() for name in ("q", "F")}, {"
 
 
 def commands(log: Path) -> dict[str, list[str]]:
-    """What is compared, by name."""
+    """Commands that are compared, by name."""
     python = sys.executable
     symid = "import sys; from symid.cli import main; main()"
     return {

@@ -1,4 +1,4 @@
-"""Total error of the setting that `tune_total` chooses from a log, beside the best fixed setting chosen with hindsight.
+"""Total error of the setting that `tune_total` chooses from a log, and of the best fixed setting in hindsight.
 
 A cell is an axis with a set of sensors, a level of noise and a sampling rate. One noisy log of the cell is all that
 the tuning sees, with nominal values that are 15 % off: noise and parameters are estimated from it. A setting has the
@@ -67,7 +67,7 @@ OFF = 0.15
 
 @dataclass(frozen=True)
 class Cell:
-    """What a log is recorded from."""
+    """Axis, sensors, noise and rate of a log."""
 
     axis: str
     measured: tuple[str, ...]
@@ -152,7 +152,7 @@ def _total(rms: FloatArray, kept: FloatArray) -> float:
 
 
 def nominal_of(cell: Cell) -> dict[str, float]:
-    """What the user believes of the axis: each parameter 15 % off, up or down."""
+    """Nominal values of the user: each parameter 15 % too high or too low."""
     random = np.random.default_rng(zlib.crc32(str(cell).encode()))
     return {name: value * (1.0 + random.choice([-OFF, OFF])) for name, value in VALUES[cell.axis].items()}
 

@@ -1,4 +1,4 @@
-"""Logs as others write them: MATLAB, a CSV with foreign headers, a drive trace in mm and percent of rated torque."""
+"""Foreign logs: MATLAB, a CSV with foreign headers, a drive trace in mm and percent of rated torque."""
 
 import json
 from pathlib import Path

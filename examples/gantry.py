@@ -1,4 +1,4 @@
-"""Gantry with two linear motors: both carriages, the beam and its turning stiffness from one log, and what it lacks."""
+"""Gantry with two linear motors: carriages, beam and its rotational stiffness from one log, and a missing effect."""
 
 from collections.abc import Sequence
 

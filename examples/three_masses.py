@@ -1,4 +1,4 @@
-"""Three masses and two springs: what the motor's scale alone leaves open, two accelerometers decide."""
+"""Three masses and two springs: two accelerometers resolve the ambiguity that the motor's scale alone leaves."""
 
 import numpy as np
 

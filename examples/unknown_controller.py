@@ -1,4 +1,4 @@
-"""A drive whose controller is unknown: least squares does not ask for it, and its gains can be read from a log."""
+"""A drive with an unknown controller: least squares does not need it, and its gains can be estimated from a log."""
 
 from symid import identify, load_axis, read_axis_log
 from symid.axis import shipped_folder

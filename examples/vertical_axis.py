@@ -1,4 +1,4 @@
-"""A vertical axis: weight, a pneumatic balance that yields with position, and friction from one log."""
+"""A vertical axis: weight, a pneumatic counterbalance that varies with position, and friction from one log."""
 
 from symid import (
     Axis,

@@ -1,4 +1,4 @@
-"""What is drawn: a command that works, with a few of its options, JSON fields, columns or lines made strange."""
+"""Drawn cases: a valid command with a few of its options, JSON fields, columns or lines made strange."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def draw(folder: Path, cases: int, seed: int | None, jobs: int, **wish: Any) -> 
 @click.option("--timeout", default=120.0, show_default=True, help="Seconds a case.")
 @JOBS
 def diagnose(folder: Path, timeout: float, jobs: int) -> None:
-    """Diagnose every case of FOLDER as a process of its own; labels, if there are any, stay sealed."""
+    """Diagnose every case of FOLDER in a separate process; labels, if there are any, remain sealed."""
     if (folder / seal.SEALED).exists():
         print(f"SHA-256 of the sealed labels {seal.fingerprint(folder)}", flush=True)
     found = answers.diagnose_set(folder, jobs, timeout)

@@ -1,4 +1,4 @@
-"""The diagnosis of each case as a process of its own, in a folder with the two logs and the nominal values only."""
+"""The diagnosis of each case in a separate process, in a folder with the two logs and the nominal values only."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Machine:
-    """What `engine.loop` needs of a plant, as arrays in its order."""
+    """Arrays of a plant in the order in which `engine.loop` takes them."""
 
     mass: np.ndarray
     plus: np.ndarray

@@ -112,7 +112,7 @@ def simulate(setting: Setting, effects: tuple[laws.Effect, ...], log: str, *, di
 
 
 def _stable(setting: Setting, x: np.ndarray, command: np.ndarray, motor: np.ndarray, log: str) -> None:
-    """A loop that has left its reference, or shakes with several times the usual force, is no log of a machine."""
+    """ArithmeticError for a loop that has left its reference, or oscillates with several times the usual force."""
     error = (
         np.abs(motor - setting.motions[log][0, :: engine.LOG_TICKS]).max() if np.isfinite(x).all() else np.inf
     )

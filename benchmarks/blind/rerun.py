@@ -172,7 +172,7 @@ def _rerun(folder: Path, name: str, label: dict[str, Any]) -> Rerun:
 
 
 def simulated(axis: Axis, values: dict[str, float], setting: draw.Setting) -> np.ndarray:
-    """What the position sensor of a written axis reads in the validation log of a case."""
+    """Reading of the position sensor of a written axis in the validation log of a case."""
     (signal,) = draw.driven(setting)
     for sensor in axis.sensors:
         axis = axis.with_signal(sensor.signal, noise=0.0, delay=sensor.delay)

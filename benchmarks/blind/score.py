@@ -56,7 +56,7 @@ class Verdict:
 
     @property
     def sought(self) -> tuple[Place, ...]:
-        """What may be named first."""
+        """Effects that may be reported first."""
         return self.true[:1] if self.worldly else self.true
 
     @property
@@ -72,7 +72,7 @@ class Verdict:
 
     @property
     def right(self) -> bool:
-        """What the group of the case asks for."""
+        """Required answer for the group of the case."""
         if self.group == "foreign":
             return self.verdict == "unexplained" or (self.verdict in NAMING and self.probability < 0.5)
         if self.group == "two":
@@ -198,7 +198,7 @@ def brier(named: list[Verdict], *, ties: bool = False) -> float:
 
 @dataclass(frozen=True)
 class Figure:
-    """What worldly cases reached, over a number of them; no aim is set here."""
+    """Results of worldly cases, and their number; no aim is set here."""
 
     name: str
     value: float
@@ -257,7 +257,7 @@ def by_ratio(verdicts: list[Verdict]) -> dict[str, list[tuple[int, int]]]:
 
 
 def confusion(verdicts: list[Verdict]) -> dict[str, dict[str, int]]:
-    """What was answered for each true kind at each place of the clear cases; groups without a kind by their name."""
+    """Answers for each true kind at each place of the clear cases; groups without a kind by their name."""
     table: dict[str, Counter[str]] = {}
     for v in verdicts:
         if v.true and not v.clear:

@@ -89,13 +89,13 @@ def time_jump(columns: Columns, rng: Generator, extent: float) -> Columns:
 
 
 def lost_rows(columns: Columns, rng: Generator, extent: float) -> Columns:
-    """Rows that are missing, of which the time tells."""
+    """Missing rows, visible in the time."""
     part = _span(columns, rng, extent)
     return {name: np.delete(x, part) for name, x in columns.items()}
 
 
 def lost_rows_untold(columns: Columns, rng: Generator, extent: float) -> Columns:
-    """Rows that are missing under a time that was written anew: the axis jumps."""
+    """Missing rows with a renumbered time: the position jumps."""
     part = _span(columns, rng, 0.02 + 0.5 * extent)
     fewer = {name: np.delete(x, part) for name, x in columns.items()}
     return {**fewer, "t": np.arange(fewer["q"].size) / 1000.0}

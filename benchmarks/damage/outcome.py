@@ -18,7 +18,7 @@ from benchmarks.damage.log import AXIS, FORMS, TRUTH, as_bytes, good_log, write
 KINDS = ("none", *OF_COLUMNS, *OF_BYTES, *OF_TEXT, *OF_FRAME, "wrong_suffix")
 
 UNTOLD = ("wrong_unit",)
-"""Damage that no log tells of: a channel that is scaled as a whole leaves a log of another axis."""
+"""Damage that no log shows: a channel that is scaled as a whole gives a valid log of another axis."""
 
 TOLERANCE = 0.05
 DEVIATIONS = 6.0

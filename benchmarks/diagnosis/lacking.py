@@ -1,12 +1,12 @@
-"""Models that lack a law of the machine: python -m benchmarks.diagnosis.lacking [--seed N] [--cases N] [--worldly]
+"""Models without a law of the machine: python -m benchmarks.diagnosis.lacking [--seed N] [--cases N] [--worldly]
 
-The machines of `benchmarks.diagnosis.machines`, diagnosed by a model without the Coulomb friction, the viscous friction
-or the weight of the driven body, as real machines are by a first model. Nominal values are up to 15 % off; a smaller
-run is the validation log. `--worldly` adds two small effects and a force noise that wanders.
+The machines of `benchmarks.diagnosis.machines`, diagnosed with a model without the Coulomb friction, the viscous
+friction or the weight of the driven body, as first models of real machines often are. Nominal values are up to 15 %
+off; a smaller run is the validation log. `--worldly` adds two small effects and drifting noise of the force.
 
-A law counts if the re-identified model without it errs at least twice as much as the complete one, and as the noise.
-Right is the law named first, or a stated tie; its value is right within 5 % or three of its deviations. Effects named
-with a probability of at least a half that are not there are counted.
+A law counts if the error of the re-identified model without it is at least twice that of the complete model, and twice
+the noise. An answer is right if the law is reported first, or as a stated tie; its value is right within 5 % or three
+of its deviations. Effects that are reported with a probability of at least a half but do not exist are counted.
 """
 
 from __future__ import annotations

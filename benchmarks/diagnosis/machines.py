@@ -98,7 +98,7 @@ def sizes(case: Case) -> tuple[float, ...]:
 
 
 def sought(case: Case, least: float, alone: Sequence[float]) -> tuple[str, ...]:
-    """What may be named first: the effect that clearly costs most, or each of those that do; none below the floor."""
+    """Effects that may be reported first: the one that clearly costs most, or several; none below the floor."""
     largest = max(alone, default=0.0)
     if largest <= CLEAR * least:
         return ()
@@ -121,7 +121,7 @@ def said(effects: Iterable[FoundEffect]) -> str:
 
 
 def options(text: str | None, cases: int) -> argparse.ArgumentParser:
-    """Command line of a benchmark of drawn cases, of which so many are drawn by default."""
+    """Command line of a benchmark of drawn cases, with a default of their number."""
     parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cases", type=int, default=cases)

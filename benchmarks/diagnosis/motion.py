@@ -1,10 +1,10 @@
-"""The tracking error of simulated machines before and after what the diagnosis finds, on a log that it has not seen.
+"""Tracking errors of simulated machines before and after a diagnosis, on a held-out log.
 
 EMPS under its published cascade (Kpp 160.18 1/s, Kpv 243.45 V s/m times 35.15 N/V) along its logged reference, each of
 its two logs held out once, by the published symmetric model. The torque-limited pendulum along its logged desired
 trajectory under its measured torque, with a slow observer, each of its two swings held out once, by a model without
-friction and by the full one. For each case: what was found, then the measured tracking error, and how far the
-simulated one is from it with nominal, re-identified and explained axis.
+friction and by the full one. For each case it prints the effects found, the measured tracking error, and the difference
+of the simulated one from it with the nominal, the re-identified and the explained axis.
 
 Usage: python -m benchmarks.diagnosis.motion [CASE ...] [--json FILE]
 """
@@ -180,7 +180,7 @@ def models(found: Diagnosis) -> list[tuple[str, MotionError]]:
 
 
 def print_case(case: Case, found: Diagnosis, seconds: float) -> None:
-    """What was found, and the motion with each model."""
+    """Effects found, and the motion with each model."""
     motion = found.gap.motion
     assert motion is not None
     gains = ", ".join(f"{name} {value:.5g}" for name, value in motion.gains.items())

@@ -1,4 +1,4 @@
-"""Effects that a recorder must not hide: python -m benchmarks.diagnosis.recorders
+"""Diagnoses from logs that a recorder has changed: python -m benchmarks.diagnosis.recorders
 
 Machines of `benchmarks.diagnosis.machines` with one clear effect, or none, whose logs a recorder then changes: samples
 lost, channels that are slower than the log, late or filtered, few digits. Right is the effect named first or in a
@@ -37,7 +37,7 @@ _LATENESS = {"delay", "actuator_lag"}
 
 @dataclass(frozen=True)
 class Recorder:
-    """What a recorder does to the channels of a log.
+    """Changes of a recorder to the channels of a log.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Random logs of known truth for `benchmarks.ok_promise`, by a simulator that shares nothing with symid."""
+"""Random logs of known truth for `benchmarks.ok_promise`, by a simulator that shares no code with symid."""

@@ -1,4 +1,4 @@
-"""What recorders do to a log: one fault of random kind and extent."""
+"""Faults of recorders in a log: one of random kind and extent."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def gain_drift(x, rng):
 
 
 def moved(x: np.ndarray, samples: int) -> np.ndarray:
-    """x later by so many samples; the first value before it."""
+    """x delayed by a number of samples, with the first value before it."""
     place = np.clip(np.arange(x.size) - samples, 0, x.size - 1)
     return x[place]
 

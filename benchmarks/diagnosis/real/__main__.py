@@ -1,10 +1,10 @@
-"""Diagnoses of real logs by models that lack something, beside what is published and beside a plain script.
+"""Diagnoses of real logs with incomplete models, compared with publications and with a plain script.
 
 EMPS by models without friction, with viscous friction only and with the published symmetric model, and its log with
 pulses; a bench of two motors by a rigid model and by the flexible one; a pendulum; axis 1 of a robot as one body and
 with its joint; a servo; a motor that turns slowly; the shoulder of a double pendulum. Gaps are measured on another log,
-or another part of it. For each case: the verdict, the gap in steps, what was found, what was considered next, what is
-published, and what a short script makes of the same logs; then a table.
+or another part of it. For each case it prints the verdict, the gap by step, the effects found and
+considered, the published ones, and the results of a short script on the same logs; then a table.
 
 Usage: python -m benchmarks.diagnosis.real [CASE ...] [--isolated] [--json FILE]
 """

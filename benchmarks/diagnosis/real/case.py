@@ -1,4 +1,4 @@
-"""A case: a model that lacks something, logs of the machine, and what is known of it."""
+"""A case: an incomplete model, logs of the machine, and published facts about it."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Case:
         return diagnose(self.axis, self.logs, validation=self.validation, nominal=self.nominal)
 
     def plain(self, band_hz: float | None = None) -> Plain:
-        """What the plain script finds on the same logs, in the case's band or another."""
+        """Result of the plain script on the same logs, in the band of the case or another one."""
         return plain(self.script, self.training, self.held_out, band_hz or self.band_hz)
 
 

@@ -127,7 +127,7 @@ def motor() -> Iterator[Case]:
 def shoulder() -> Iterator[Case]:
     """The shoulder of a double pendulum while its elbow stands still: the first 6.5 s and the rest of one run.
 
-    The run is one sine near the natural frequency, which tells nothing of inertia and weight one by one. Nominal values
+    The run is one sine near the natural frequency, which does not separate inertia and weight. Nominal values
     are those for which both this run and 144115, a sine of 0.478 Hz, have the force in phase with the angle that they
     show.
     """

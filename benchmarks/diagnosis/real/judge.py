@@ -1,4 +1,4 @@
-"""Which answers are right, and which are absurd: values that no machine has, whatever the error says."""
+"""Correctness of answers, and absurd ones: values that no machine has, however small the error."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def rightness(case: Case, found: Diagnosis) -> str:
 
 
 def absurdities(case: Case, found: Diagnosis, script: Plain) -> tuple[str, ...]:
-    """What is beyond physics in an answer, a few words each.
+    """Physically impossible values in an answer, a few words each.
 
     Parameters
     ----------

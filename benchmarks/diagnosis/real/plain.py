@@ -1,4 +1,4 @@
-"""What a short script makes of the same logs: filter, differentiate, least squares. It shares nothing with symid.
+"""Results of a short script on the same logs: filter, differentiate, least squares, without code of symid.
 
 Signals go through a Butterworth low-pass of order 4, forward and backward, with half the power left at the band's end;
 derivatives are those of a spline of degree 5 through the filtered positions. Rows are left out where the speed is below
@@ -36,7 +36,7 @@ Shape = tuple[float, float]
 
 @dataclass(frozen=True)
 class Script:
-    """What the script fits.
+    """Model that the script fits.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ class Error:
 
 @dataclass(frozen=True, eq=False)
 class Plain:
-    """What the script found.
+    """Result of the script.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What one case gives: the answer beside the plain script, what is right about it, time and memory."""
+"""Result of one case: the answer and that of the plain script, their correctness, time and memory."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def ratio(found: Diagnosis, script: Plain) -> float:
 
 
 def isolated(case: Case) -> Row:
-    """The row of a case from a process of its own, so that memory is that of the case alone."""
+    """The row of a case from a separate process, so that memory is that of the case alone."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "row.json"
         command = [sys.executable, "-m", "benchmarks.diagnosis.real", case.name, "--row", str(file)]

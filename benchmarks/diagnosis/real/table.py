@@ -1,4 +1,4 @@
-"""What is printed: all of a case, and the table that closes the run."""
+"""Printed results: all of a case, and the final table."""
 
 from __future__ import annotations
 
