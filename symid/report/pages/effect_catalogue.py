@@ -30,7 +30,7 @@ def effect_catalogue() -> Mapping[str, CatalogueEntry]:
     """Entries of the catalogue by the name of the effect, as plain text.
 
     >>> effect_catalogue()["delay"].law
-    'The force acts T later than it is logged: u(t - T).'
+    'The force acts T later than logged: u(t - T).'
     """
     text = (shipped_folder("docs") / "effects" / "index.md").read_text(encoding="utf-8")
     return {
