@@ -19,6 +19,7 @@ from symid.diagnosis import (
     ParameterChange,
     Signals,
 )
+from symid.diagnosis.findings.diagnosis_result import WeightedError
 from symid.diagnosis.findings.gap import NotRepeated, Removed, Reversal
 
 KINDS = ("effect", "two effects", "partly", "no gap", "parameters", "unexplained", "recording")
@@ -85,6 +86,9 @@ def diagnosis_example(kind: str = "effect", seconds: float = 10.0) -> Diagnosis:
         next_experiment=_NEXT[kind],
         signals=signals,
         spectrum=spectrum_of(signals),
+        weighted=WeightedError(
+            (signals.measured - signals.explained) / FLOOR, signals.explained / FLOOR, np.eye(1, 64)[0]
+        ),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -120,7 +122,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             write_html,  # bokeh and jinja2 are loaded only where a page is written
         )
 
-        write_html(found, page, with_options)
+        write_html(found, page, with_options, shlex.join(["symid", *sys.argv[1:]]))
     give_result(diagnosis_record(found), options["json_file"], print_diagnosis)
     if written:
         _write_axis(found, written)

@@ -21,24 +21,38 @@ _BAND = float(scipy.special.ndtri(0.995))
 class Correlation:
     """Correlation of a residual with itself or with another signal, by lag in rows, positive where it comes later.
 
-    99 % of the values of an independent residual lie within `band` of 0.
+    99 % of the values of a residual of noise alone lie within `band` of `of_noise`, which is 0 where noise is white.
     """
 
     lag: FloatArray
     value: FloatArray
+    of_noise: FloatArray
     band: FloatArray
 
     @property
     def outside(self) -> float:
         """Share of the values outside the band, that at lag 0 of an auto-correlation left out."""
         counted = ~((self.lag == 0) & (self.value == 1.0))
-        return float(np.mean(np.abs(self.value[counted]) > self.band[counted]))
+        return float(np.mean(np.abs(self.value - self.of_noise)[counted] > self.band[counted]))
 
 
-def correlation(residual: FloatArray, other: FloatArray, used: BoolArray, lags: Sequence[int]) -> Correlation:
+def correlation(
+    residual: FloatArray,
+    other: FloatArray,
+    used: BoolArray,
+    lags: Sequence[int],
+    noise: FloatArray | None = None,
+) -> Correlation:
     """Correlation of a residual with itself or another signal, over the pairs of rows that are both used.
 
-    Their means over the rows used are taken off. Lags are in rows, shorter than the log.
+    Their means over the rows used are taken off. Lags are in rows, shorter than the log. `noise` is the
+    auto-correlation of the noise by lag, from 0 on, where it is not white. The variance of a correlation is then that
+    of Bartlett, the sum over all lags of the product of both auto-correlations, divided by the number of rows [1].
+
+    References
+    ----------
+    [1] Bartlett, On the theoretical specification and sampling properties of autocorrelated time-series, Supplement
+    to the Journal of the Royal Statistical Society 8, 1946.
 
     >>> x = np.random.default_rng(0).standard_normal(2000)
     >>> found = correlation(x, x, np.ones(2000, bool), range(0, 21))
@@ -55,7 +69,22 @@ def correlation(residual: FloatArray, other: FloatArray, used: BoolArray, lags: 
         late, early = slice(max(lag, 0), n + min(lag, 0)), slice(max(-lag, 0), n - max(lag, 0))
         pairs[place] = np.sum(used[late] & used[early])
         value[place] = np.sum(first[late] * second[early]) / size if size else 0.0
-    return Correlation(np.array(lags, dtype=float), value, _BAND * np.sqrt(pairs) / used.sum())
+    of_noise, spread = np.zeros(len(lags)), 1.0
+    if noise is not None:
+        if other is residual:
+            of_noise, own = noise[np.abs(lags)], noise
+        else:
+            own = _own_correlation(second, used, noise.size)
+        spread = max(1.0, float(noise[0] * own[0] + 2 * noise[1:] @ own[1:]))
+    return Correlation(
+        np.array(lags, dtype=float), value, of_noise, _BAND * np.sqrt(spread * pairs) / used.sum()
+    )
+
+
+def _own_correlation(values: FloatArray, used: BoolArray, n: int) -> FloatArray:
+    """Auto-correlation of values, whose mean is 0 and which are 0 where no row is used, at lags 0 to n - 1."""
+    whole = scipy.signal.correlate(values, values, method="fft")[values.size - 1 :]
+    return np.asarray((whole / max(whole[0], np.finfo(float).tiny))[:n])
 
 
 def residual_correlations(found: Identification) -> list[tuple[str, Correlation, Correlation]]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from symid.arrays import FloatArray
 from symid.diagnosis.findings.comparison import Comparison
-from symid.diagnosis.findings.diagnosis_result import Signals, Spectrum
+from symid.diagnosis.findings.diagnosis_result import Signals, Spectrum, WeightedError
 
 _SEGMENT = 1024
 _USED = 0.65
+_MEMORY = 64
+"""Lags up to which the memory of the weighted noise is kept."""
 
 
 def signals_of(comparison: Comparison) -> Signals:
@@ -33,6 +36,21 @@ def signals_of(comparison: Comparison) -> Signals:
         explained=predicted(len(comparison.states) - 1),
         compared=comparison.weighting.kept[inside],
     )
+
+
+def weighted_of(comparison: Comparison) -> WeightedError | None:
+    """The last model in the weights of the rows; None where its hidden motion grew without bound."""
+    state, errors, drive = comparison.states[-1], comparison.errors[-1], comparison.drive
+    if state is None or errors is None:
+        return None
+    record, weighting = comparison.record, comparison.weighting
+    predicted = weighting.rows(record.measured - state.errors)[drive]
+    weights = weighting.density[drive] / state.prediction.noise_density[drive]
+    power = np.zeros(record.n_rows // 2 + 1)
+    power[: record.n_bins] = (weights * record.taper) ** 2
+    noise = scipy.fft.irfft(power, record.n_rows)[:_MEMORY]
+    inside = record.rows_in_log
+    return WeightedError(np.nan_to_num(errors[drive])[inside], predicted[inside], noise / noise[0])
 
 
 def spectrum_of(comparison: Comparison) -> Spectrum:

@@ -23,6 +23,25 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
+class WeightedError:
+    """Force error of the last model, and its prediction, in the weights of the fit, at the samples of `Signals`.
+
+    Parameters
+    ----------
+    error : array of shape (n,)
+        In deviations of the noise; 0 where it is not compared.
+    predicted : array of shape (n,)
+        Predicted force, weighted alike.
+    noise : array of shape (m,)
+        Auto-correlation of the error that noise alone leaves, by lag in rows from 0 on.
+    """
+
+    error: FloatArray
+    predicted: FloatArray
+    noise: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Signals:
     """Signals of the validation data in the band of the gap, for plots.
 
@@ -73,6 +92,7 @@ class DriveError:
     gap: Gap  # its size before and after
     signals: Signals  # for plots
     spectrum: Spectrum  # for plots
+    weighted: WeightedError | None = None  # for its correlations
 
 
 @dataclass(frozen=True)
@@ -186,6 +206,8 @@ class Diagnosis(Shown):
         For plots.
     spectrum : Spectrum
         For plots.
+    weighted : WeightedError or None
+        For correlations; None where the hidden motion of the last model grows without bound.
     drives : tuple of DriveError
         Of an axis with several drives, the force error of each.
     simulated : Simulator or None
@@ -215,6 +237,7 @@ class Diagnosis(Shown):
     next_experiment: str
     signals: Signals
     spectrum: Spectrum
+    weighted: WeightedError | None = None
     drives: tuple[DriveError, ...] = ()
     simulated: Simulator | None = None
     planned: Experiment | None = None

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import matplotlib as mpl
 
-from symid.identification import Identification
-from symid.identification.residual_correlation import residual_correlations
+from symid.identification.residual_correlation import Correlation
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn
 
 
-def correlation_figure(found: Identification, palette: Palette = LIGHT) -> Drawn | None:
-    """Both correlations of each part with their bands; None where there are too few rows."""
-    parts = residual_correlations(found)
+def correlation_figure(
+    parts: Sequence[tuple[str, Correlation, Correlation]], palette: Palette = LIGHT
+) -> Drawn | None:
+    """Auto- and cross-correlation of each part, by its title, with their bands; None where there are no parts."""
     if not parts:
         return None
     with mpl.rc_context(palette.style):
@@ -20,7 +22,8 @@ def correlation_figure(found: Identification, palette: Palette = LIGHT) -> Drawn
         rows = figure.subplots(len(parts), 2, squeeze=False)
         for (title, *both), row in zip(parts, rows, strict=True):
             for axes, one, what in zip(row, both, ("with itself", "with the prediction"), strict=True):
-                axes.fill_between(one.lag, -one.band, one.band, color=palette.fill, label="99 % if white")
+                low, high = one.of_noise - one.band, one.of_noise + one.band
+                axes.fill_between(one.lag, low, high, color=palette.fill, label="99 % of noise alone")
                 axes.vlines(one.lag, 0, one.value, color=palette.model, linewidth=1.2)
                 axes.axhline(0.0, color=palette.ink, linewidth=0.6)
                 axes.set_ylim(-1.05, 1.05)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,9 +10,12 @@ from typing import Any
 from symid import __version__
 from symid.diagnosis import Diagnosis
 from symid.files import write_whole
+from symid.identification.residual_correlation import MOST_LAGS, Correlation, correlation
 from symid.report.pages.bar_scale import scale_of
 from symid.report.pages.effect_catalogue import effect_catalogue
+from symid.report.pages.memory import remembered
 from symid.report.pages.page import as_it_is, html_path, page_templates
+from symid.report.pages.provenance import provenance
 from symid.report.tables.diagnosis import diagnosis_record
 
 VERDICTS = {
@@ -32,14 +36,17 @@ MAPS = {
     "time": "Time",
 }
 
+_FEWEST_ROWS = 20
 _MOST_SHOWN = 8
 """Number of alternatives that are shown at first; accepted effects always are."""
 
 
-def write_html(found: Diagnosis, file: str | Path, said: Callable[[Any], Any] = as_it_is) -> None:
+def write_html(
+    found: Diagnosis, file: str | Path, said: Callable[[Any], Any] = as_it_is, command: str = ""
+) -> None:
     """Write a diagnosis as one HTML file, which loads nothing; without JavaScript only its plots are missing.
 
-    `said` writes the settings that messages name.
+    `said` writes the settings that messages name; `command` is the command line that made it.
     """
     from symid.report.figures.schematic import schematic_svg
     from symid.report.pages.interactive import plots_of  # half a second to load: only where a page is written
@@ -60,6 +67,41 @@ def write_html(found: Diagnosis, file: str | Path, said: Callable[[Any], Any] = 
         plots=plots_of(found),
         catalogue=effect_catalogue(),
         schematic=schematic_svg(found.axis),
+        **remembered(_correlations(found)),
+        settings=_settings(found),
+        made=provenance(found.logs, command),
         version=__version__,
     )
     write_whole(path, text)
+
+
+def _correlations(found: Diagnosis) -> list[tuple[str, Correlation, Correlation]]:
+    """Auto- and cross-correlation of each weighted force error, where there are enough rows."""
+    parts = []
+    for own in found.drives or (found,):
+        signals, weighted, used = own.signals, own.weighted, own.signals.compared
+        if weighted is None or used.sum() < _FEWEST_ROWS:
+            continue
+        most = min(MOST_LAGS, used.size // 4, weighted.noise.size - 1)
+        alone = correlation(weighted.error, weighted.error, used, range(most + 1), weighted.noise)
+        across = correlation(weighted.error, weighted.predicted, used, range(-most, most + 1), weighted.noise)
+        step = float(signals.time[1] - signals.time[0])
+        parts.append((f"{own.gap.signal}, rows of {1e3 * step:.3g} ms", alone, across))
+    return parts
+
+
+def _settings(found: Diagnosis) -> list[tuple[str, str]]:
+    """Name and value of each setting of a diagnosis."""
+    gap, nominal = found.gap, any(math.isfinite(p.nominal) for p in found.parameters)
+    settings = [
+        ("sensors", ", ".join(found.measured)),
+        ("nominal values", "of a simulator's log" if found.simulated else "given" if nominal else "none"),
+        ("forces compared", f"up to {gap.band_hz:.3g} Hz"),
+    ]
+    if found.record is not None:
+        log, late = found.record.log, found.record.late
+        settings.append(("motion used", f"up to {found.record.motion_hz:.3g} Hz"))
+        settings.append(("sampled", f"every {1e3 * log.sampling_period:.4g} ms"))
+        times = ", ".join(f"{name} {1e6 * by:.4g} us" for name, by in late.items() if by)
+        settings.append(("recorded late", times or "nothing"))
+    return settings

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
-import platform
 from collections.abc import Callable, Mapping, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +19,15 @@ from symid.files import write_whole
 from symid.identification import Identification, OutputPrediction
 from symid.identification.observation import Observation
 from symid.identification.residual_correlation import residual_correlations
-from symid.report.figures.correlation_figure import correlation_figure
 from symid.report.figures.drawn import Drawn, apart, svg_of
 from symid.report.figures.identification_figure import identification_figure
+from symid.report.pages.memory import remembered
 from symid.report.pages.page import as_it_is, html_path, page_templates
+from symid.report.pages.provenance import provenance
 from symid.report.tables.identification import identification_record
 
 _INTERVAL = float(scipy.special.ndtri(0.975))
+"""Half width of a 95 % interval, in deviations."""
 
 
 def write_identification_html(
@@ -54,11 +52,11 @@ def write_identification_html(
         r=record,
         fits=_fits(found, validation),
         parameters=_parameters(found),
+        half_width=_INTERVAL,
         correlations=_correlations(found),
         fit=_svg(identification_figure(found, validation, axis=axis, runs=runs), "fit-plot"),
-        remembered=_svg(correlation_figure(found), "memory-plot"),
-        whiteness=[(name, own.outside, across.outside) for name, own, across in residual_correlations(found)],
-        made=_made(found, validation, command),
+        **remembered(residual_correlations(found)),
+        made=provenance([*found.logs, *([validation.log] if validation is not None else [])], command),
         version=__version__,
     )
     write_whole(path, text)
@@ -89,8 +87,6 @@ def _parameters(found: Identification) -> list[dict[str, Any]]:
             "unit": units[name],
             "value": value,
             "std": float(std),
-            "low": value - _INTERVAL * float(std),
-            "high": value + _INTERVAL * float(std),
         }
         for (name, value), std in zip(found.parameters.items(), deviations, strict=True)
     ]
@@ -105,16 +101,3 @@ def _correlations(found: Identification) -> list[tuple[str, list[float]]]:
 
 def _svg(figure: Drawn | None, name: str) -> str:
     return apart(svg_of(figure, name), name) if figure is not None else ""
-
-
-def _made(found: Identification, validation: OutputPrediction | None, command: str) -> list[tuple[str, str]]:
-    """Provenance: time, programs and files."""
-    logs = [*found.logs, *([validation.log] if validation is not None else [])]
-    hashes = []
-    for log in dict.fromkeys(logs):
-        with contextlib.suppress(OSError), open(log, "rb") as file:  # a log may come from no file
-            hashes.append((f"SHA-256 of {log}", hashlib.file_digest(file, "sha256").hexdigest()))
-    libraries = f"NumPy {np.__version__}, SciPy {scipy.__version__}"
-    programs = f"symid {__version__}, Python {platform.python_version()}, {libraries}"
-    when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    return [("written", when), *([("command", command)] if command else []), ("programs", programs), *hashes]

@@ -37,13 +37,32 @@ def with_deviation(value: float, deviation: float) -> str:
         return "not determined"
     if not math.isfinite(deviation) or deviation <= 0:
         return significant(value)
-    exponent = math.floor(math.log10(max(abs(value), deviation)))
-    if -3 <= exponent < 6:
-        exponent = 0
-    value, deviation = value / 10.0**exponent, deviation / 10.0**exponent
-    places = min(max(1 - math.floor(math.log10(deviation)), 0), 15)
-    text = f"{value:.{places}f} ± {deviation:.{places}f}"
+    exponent, places = _digits(value, deviation)
+    text = " ± ".join(f"{x / 10.0**exponent:.{places}f}" for x in (value, deviation))
     return f"({text})e{exponent}" if exponent else text
+
+
+def interval_end(value: float, deviation: float, deviations: float) -> str:
+    """End of an interval, some deviations from a value, with the digits of `with_deviation`.
+
+    >>> interval_end(120.005, 0.0026, -1.96), interval_end(120.005, 0.0026, 1.96)
+    ('119.9999', '120.0101')
+    >>> interval_end(6.1e-4, 2.3e-5, 1.96), interval_end(53.1, float("inf"), 1.96)
+    ('6.55e-4', '–')
+    """
+    end = value + deviations * deviation
+    if not math.isfinite(end) or deviation <= 0:
+        return significant(end)
+    exponent, places = _digits(value, deviation)
+    text = f"{end / 10.0**exponent:.{places}f}"
+    return f"{text}e{exponent}" if exponent else text
+
+
+def _digits(value: float, deviation: float) -> tuple[int, int]:
+    """Power of ten that stands apart, and decimal places that leave two digits of a deviation."""
+    exponent = math.floor(math.log10(max(abs(value), deviation)))
+    exponent = 0 if -3 <= exponent < 6 else exponent
+    return exponent, min(max(1 - math.floor(math.log10(deviation / 10.0**exponent)), 0), 15)
 
 
 def multiple(value: float) -> str:

@@ -1,0 +1,21 @@
+"""What a residual remembers: the section of a page on its correlations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from symid.identification.residual_correlation import Correlation
+from symid.report.figures.correlation_figure import correlation_figure
+from symid.report.figures.drawn import apart, svg_of
+
+_NAME = "memory-plot"
+
+
+def remembered(parts: Sequence[tuple[str, Correlation, Correlation]]) -> dict[str, Any]:
+    """What `memory.html` needs: the figure, and the shares outside the bands of each part."""
+    drawn = correlation_figure(parts)
+    return {
+        "remembered": apart(svg_of(drawn, _NAME), _NAME) if drawn is not None else "",
+        "whiteness": [(title, own.outside, across.outside) for title, own, across in parts],
+    }
