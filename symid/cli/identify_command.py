@@ -156,7 +156,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             cast("Identification", found),
             options["report"],
             validation,
-            axis=declared,
+            axis=known,
             runs=drawn,
             command=shlex.join(["symid", *sys.argv[1:]]),
             said=with_options,

@@ -133,7 +133,7 @@ def _controller(rivals: Rivals, drive: int, tuned: Cascade) -> Cascade:
     """The controller of a drive, estimated from the log if possible, else the given one."""
     record = rivals.record
     parts = [Part(record.log, np.ones(record.log.n_samples, dtype=bool), record, drive)]
-    driver = driver_of(record, parts, None, (None, rivals.step.before.state))
+    driver = driver_of(record, parts, None, rivals.step.before.state.inertia)
     return tuned if driver.kind == "observer" else driver.cascade
 
 

@@ -57,13 +57,8 @@ class State:
 
     @property
     def inertia(self) -> float:
-        """Mass or inertia that the drive moves at low frequencies: that of all bodies that follow its position.
-
-        Of several drives, the geometric mean of those along the principal ways in which they move the axis.
-        """
-        plant = self.prediction.response.plant
-        follows = self.prediction.response.motion[0, :, len(plant.bodies) :].real
-        return float(np.linalg.det(follows.T @ plant.mass @ follows) ** (1 / follows.shape[1]))
+        """As `Response.inertia`."""
+        return self.prediction.response.inertia
 
     def weighted(self, weighting: Weighting) -> State:
         """The same with other weights."""

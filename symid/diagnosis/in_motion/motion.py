@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import chain
 
@@ -15,7 +15,7 @@ from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.gap import MotionError, SimulatedMotion
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.in_motion.declared import axis_of
+from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_of
 from symid.diagnosis.in_motion.replayed import (
     Driver,
     Part,
@@ -105,22 +105,25 @@ def motions_of(
     seen = list(parts_of(record, runs[1] or runs[0], allowed))
     logs = [[replace(part, drive=d) for d in range(record.n_drives)] for part in seen]
     whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in runs[0].parts]
+    inertia = next(state.inertia for state in states[1:] if state is not None)
     drivers = [
-        driver_of(record, [replace(part, drive=d) for part in whole], given[d], states)
+        driver_of(record, [replace(part, drive=d) for part in whole], given[d], inertia)
         for d in range(record.n_drives)
     ]
     found = [None if state is None else _errors(state, logs, drivers) for state in states]
     if simulated is not None and len(logs) == 1 and runs[1] is None and _is_like(simulated, logs[0]):
         found[0] = [_compared([part], [_at_samples(simulated, part)], "") for part in logs[0]]
     return tuple(
-        _motion(
+        motion_next_to(
             drivers[d], [log[d] for log in logs], [None if errors is None else errors[d] for errors in found]
         )
         for d in range(record.n_drives)
     )
 
 
-def _motion(driver: Driver, parts: Sequence[Part], found: Sequence[MotionError | None]) -> SimulatedMotion:
+def motion_next_to(
+    driver: Driver, parts: Sequence[Part], found: Sequence[MotionError | None]
+) -> SimulatedMotion:
     """The motion next to one drive; errors of the nominal and the re-identified model, and of those with effects."""
     nominal, reidentified, *steps = found
     assert reidentified is not None
@@ -145,10 +148,17 @@ def _motion(driver: Driver, parts: Sequence[Part], found: Sequence[MotionError |
 
 
 def _errors(state: State, logs: Sequence[Sequence[Part]], drivers: Sequence[Driver]) -> list[MotionError]:
-    """How the axis of a model moves next to each drive; what fails is a status."""
+    """How the axis of a model moves next to each drive."""
+    return errors_of_axis(lambda: axis_of(state), logs, drivers)
+
+
+def errors_of_axis(
+    axis: Callable[[], ExplainedAxis], logs: Sequence[Sequence[Part]], drivers: Sequence[Driver]
+) -> list[MotionError]:
+    """How an axis moves next to each drive, in logs that have a part for each; what fails is a status."""
     try:
         with np.errstate(all="ignore"):
-            explained = axis_of(state)
+            explained = axis()
             simulated = [simulated_positions(explained, parts, drivers) for parts in logs]
     except (SymidError, np.linalg.LinAlgError, ArithmeticError, ValueError) as error:
         return [MotionError("failed", message=str(error))] * len(drivers)

@@ -25,7 +25,6 @@ import scipy
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
 from symid.data import REFERENCE, Log, LowPass, derivatives
-from symid.diagnosis.fitting.state import State
 from symid.diagnosis.in_motion.declared import ExplainedAxis
 from symid.diagnosis.prediction.joined import Joined
 from symid.diagnosis.prediction.record import Record
@@ -160,10 +159,8 @@ def parts_of(record: Record, run: Joined, allowed: BoolArray | None) -> Iterator
             yield Part(log, used, record)
 
 
-def driver_of(
-    record: Record, parts: Sequence[Part], given: Cascade | None, states: Sequence[State | None]
-) -> Driver:
-    """The controller given, or read from the log, or an observer for the re-identified axis; parts are of one drive."""
+def driver_of(record: Record, parts: Sequence[Part], given: Cascade | None, inertia: float) -> Driver:
+    """The controller given, or read from the log, or an observer for an inertia; parts are of one drive."""
     position = parts[0].signal
     if given is not None:
         cascade = replace(given, signal=position)
@@ -174,7 +171,6 @@ def driver_of(
         )
         if read is not None and (share := _share_explained(read, parts)) >= _EXPLAINED:
             return Driver("identified", read, share)
-    inertia = next(state.inertia for state in states[1:] if state is not None)
     observer = Cascade(position, math.pi * _OBSERVER_HZ / 2, inertia * math.tau * _OBSERVER_HZ, 0.0)
     return Driver("observer", observer, math.nan)
 

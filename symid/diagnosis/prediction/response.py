@@ -37,6 +37,15 @@ class Response:
     memory: LastValues = field(default_factory=LastValues, repr=False)
 
     @property
+    def inertia(self) -> float:
+        """Mass or inertia that the drive moves at low frequencies: that of all bodies that follow its position.
+
+        Of several drives, the geometric mean of those along the principal ways in which they move the axis.
+        """
+        follows = self.motion[0, :, len(self.plant.bodies) :].real
+        return float(np.linalg.det(follows.T @ self.plant.mass @ follows) ** (1 / follows.shape[1]))
+
+    @property
     def of_positions(self) -> ComplexArray:
         """Outputs for each driven position, of shape (n_drives, n_outputs, n_bins)."""
         return np.moveaxis(self.outputs[:, :, len(self.plant.bodies) :], -1, 0)

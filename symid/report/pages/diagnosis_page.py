@@ -13,9 +13,9 @@ from symid.files import write_whole
 from symid.identification.residual_correlation import MOST_LAGS, Correlation, correlation
 from symid.report.pages.bar_scale import scale_of
 from symid.report.pages.effect_catalogue import effect_catalogue
-from symid.report.pages.memory import remembered
 from symid.report.pages.page import as_it_is, html_path, page_templates
 from symid.report.pages.provenance import provenance
+from symid.report.pages.residual_memory import remembered
 from symid.report.tables.diagnosis import diagnosis_record
 
 VERDICTS = {

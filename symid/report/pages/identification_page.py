@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from symid import __version__
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
+from symid.diagnosis.in_motion.identified_motion import IdentifiedMotion, identified_motion
 from symid.estimation.correlation import correlation_matrix
 from symid.estimation.residual_measures import fit_percent
 from symid.files import write_whole
@@ -21,9 +23,9 @@ from symid.identification.observation import Observation
 from symid.identification.residual_correlation import residual_correlations
 from symid.report.figures.drawn import Drawn, apart, svg_of
 from symid.report.figures.identification_figure import identification_figure
-from symid.report.pages.memory import remembered
 from symid.report.pages.page import as_it_is, html_path, page_templates
 from symid.report.pages.provenance import provenance
+from symid.report.pages.residual_memory import remembered
 from symid.report.tables.identification import identification_record
 
 _INTERVAL = float(scipy.special.ndtri(0.975))
@@ -42,8 +44,9 @@ def write_identification_html(
 ) -> None:
     """Write an identification as one HTML file, which loads nothing.
 
-    With the axis and its logs, that of the validation last, the page shows the residual over the motion and the
-    frequency response; `command` is the command line that made it, `said` writes the settings that messages name.
+    With the axis and its logs, that of the validation last, the page shows the residual over the motion, the simulated
+    motion and the frequency response; `command` is the command line that made it, `said` writes the settings that
+    messages name.
     """
     path = html_path(file)
     record = said(identification_record(found, validation))
@@ -55,6 +58,7 @@ def write_identification_html(
         half_width=_INTERVAL,
         correlations=_correlations(found),
         fit=_svg(identification_figure(found, validation, axis=axis, runs=runs), "fit-plot"),
+        motions=[asdict(one) for one in _motions(found, validation, axis, runs)],
         **remembered(residual_correlations(found)),
         made=provenance([*found.logs, *([validation.log] if validation is not None else [])], command),
         version=__version__,
@@ -75,6 +79,22 @@ def _fits(found: Identification, validation: OutputPrediction | None) -> list[di
             row = {"log": source, "output": output, "unit": unit, "rms": rms, "rows": y.size}
             rows.append({**row, "fit": fit_percent(y, predicted)})
     return rows
+
+
+def _motions(
+    found: Identification, validation: OutputPrediction | None, axis: Axis | None, runs: Sequence[Log]
+) -> list[IdentifiedMotion]:
+    """The identified axis simulated along each log; none without the axis."""
+    if axis is None:
+        return []
+    observations = [*found.observations, *([validation.observation] if validation is not None else [])]
+    titles = [*found.logs, *([f"{validation.log} (validation)"] if validation is not None else [])]
+    return [
+        replace(
+            identified_motion(axis, found.physical_parameters, run, observation.preparation.late), log=title
+        )
+        for title, run, observation in zip(titles, runs, observations, strict=False)
+    ]
 
 
 def _parameters(found: Identification) -> list[dict[str, Any]]:

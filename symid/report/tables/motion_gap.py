@@ -30,15 +30,15 @@ def motion_rows(motion: dict[str, Any], record: dict[str, Any]) -> list[tuple[st
 def _cells(error: dict[str, Any]) -> tuple[str, ...]:
     if error["status"] != "ok":
         return ("failed", *[MISSING] * 4)
-    fits = (_fit(error[f"{name}_fit"]) for name in ("position", "velocity", "tracking"))
+    fits = (fit(error[f"{name}_fit"]) for name in ("position", "velocity", "tracking"))
     sizes = (significant(_MICRO * error[f"{name}_rms"], 3) for name in ("position", "reversal"))
     return (*fits, *sizes)
 
 
-def _fit(per_cent: float) -> str:
+def fit(per_cent: float) -> str:
     """A fit in per cent, near 100 with the digits that distinguish it from 100.
 
-    >>> _fit(99.99312), _fit(96.64), _fit(-31.2), _fit(100.0), _fit(float("nan"))
+    >>> fit(99.99312), fit(96.64), fit(-31.2), fit(100.0), fit(float("nan"))
     ('99.9931 %', '96.6 %', '-31.2 %', '100 %', '–')
     """
     if not math.isfinite(per_cent):
