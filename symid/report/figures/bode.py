@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from matplotlib.axes import Axes
 
-from symid.arrays import FloatArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.report.figures.colours import Palette
 from symid.simulation.frequency_response import COHERENT, FrequencyResponse, degrees_of
 
@@ -18,8 +18,20 @@ CORRELATED = 0.5
 """Absolute correlation beyond which two parameters get an ellipse."""
 
 
-def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None:
-    """Magnitude, phase and coherence below each other, in a subfigure."""
+_HALF_WIDTH = float(scipy.special.ndtri(0.975))
+"""Of a 95 % interval, in deviations."""
+_WIDEST = 10.0
+"""Largest exponent of a band's edge: wider than any plot."""
+
+
+def draw_bode(
+    place: Any, response: FrequencyResponse, palette: Palette, deviation: ComplexArray | None = None
+) -> None:
+    """Magnitude, phase and coherence below each other, in a subfigure.
+
+    `deviation`, of shape (n,), is that of the logarithm of the identified response: of the relative magnitude, and
+    of the phase in rad as the imaginary part. It becomes a band of 95 %.
+    """
     magnitude, phase, coherence = place.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 0.8))
     sure, f = response.is_coherent, response.frequency
     curves: tuple[tuple[Axes, Any], ...] = ((magnitude, np.abs), (phase, degrees_of))
@@ -29,13 +41,19 @@ def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None
             look: Any = {"color": palette.measured, "markersize": size, "alpha": alpha, "label": label}
             axes.plot(f[some], of(response.measured)[some], "o", **look)
         axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")
+    if deviation is not None:
+        gain, wide = np.abs(response.identified), np.minimum(_HALF_WIDTH * deviation.real, _WIDEST)
+        turned, wider = degrees_of(response.identified), np.rad2deg(_HALF_WIDTH * deviation.imag)
+        band: Any = {"color": palette.model, "alpha": 0.25, "linewidth": 0, "label": "95 % of the identified"}
+        magnitude.fill_between(f, gain * np.exp(-wide), gain * np.exp(wide), **band)
+        phase.fill_between(f, turned - wider, turned + wider, **band)
     label = f"{response.quantity} / {response.force} [{response.unit}]"
     magnitude.set(xscale="log", yscale="log", ylabel=label)
-    magnitude.set_title(f"Frequency response {response.force} → {response.signal}", loc="left", pad=22)
+    magnitude.set_title(f"Frequency response {response.force} → {response.signal}", loc="left", pad=44)
     seen = np.abs(np.concatenate([response.identified, response.measured[sure]]))
     magnitude.set_ylim(float(seen.min() / 3), float(seen.max() * 3))
     handles, labels = magnitude.get_legend_handles_labels()
-    where: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.99), "ncols": 3}
+    where: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.99), "ncols": 2}
     magnitude.legend(handles[::-1], labels[::-1], frameon=False, markerscale=1.5, **where)
     phase.set(ylabel="phase [°]", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
     coherence.plot(f, response.coherence, color=palette.residual, linewidth=0.8, label="coherence")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import matplotlib as mpl
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.data.sensor_motion import SensorMotion
@@ -20,7 +20,12 @@ from symid.report.figures.bode import correlated_pairs, draw_bode, draw_ellipse
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn
 from symid.report.figures.panels import Panel, draw_panel
-from symid.simulation.frequency_response import FrequencyResponse, has_response, response_of
+from symid.simulation.frequency_response import (
+    FrequencyResponse,
+    has_response,
+    log_response_slopes,
+    response_of,
+)
 from symid.text import visible
 
 if TYPE_CHECKING:
@@ -67,7 +72,8 @@ def identification_figure(
         if responses:
             columns: Any = places[len(panels)].subfigures(1, len(responses), squeeze=False)[0]
             for place, response in zip(columns, responses, strict=True):
-                draw_bode(place, response, palette)
+                assert axis is not None
+                draw_bode(place, response, palette, response_deviation(found, axis, response))
         if pairs:
             grid: Any = places[-1].subplots(1, max(len(pairs), 3), squeeze=False)[0]
             for axes, pair in zip(grid, pairs, strict=False):
@@ -88,6 +94,32 @@ def _responses(
     identified, signals = runs[: len(found.logs)], found.model.measured[:_MOST_RESPONSES]
     late = found.observations[0].preparation.late if isinstance(found, Identification) else None
     return [response_of(axis, found.physical_parameters, signal, identified, late) for signal in signals]
+
+
+def response_deviation(
+    found: Identification | OutputErrorIdentification, axis: Axis, response: FrequencyResponse
+) -> ComplexArray:
+    """Deviation of the logarithm of an identified response, as `draw_bode` takes it, by the delta method.
+
+    The deviations are those that are printed: for the noise, the scatter between parts of a log and the bias.
+    """
+    values = found.physical_parameters
+    if isinstance(found, Identification):
+        estimate, deviations = found.physical[0], found.physical_deviations
+    else:
+        covariance = found.physical_covariance(corrected=True)
+        deviations = np.sqrt(np.diag(covariance))
+    slopes = log_response_slopes(axis, values, dict(zip(values, deviations, strict=True)), response)
+    both = np.concatenate([slopes.real, slopes.imag])
+    if isinstance(found, Identification):
+        variance = found.widened(both @ estimate.sensitivity) ** 2
+        if estimate.restricted:
+            variance += np.einsum("ki,ij,kj->k", both, estimate.restricted.by_prior, both)
+    else:
+        counts = both.any(axis=0)  # what is not determined has no covariance, which matters where it counts
+        variance = np.einsum("ki,ij,kj->k", both, np.where(np.outer(counts, counts), covariance, 0.0), both)
+    of_size, of_phase = np.split(np.sqrt(variance), 2)
+    return np.asarray(of_size + 1j * of_phase)
 
 
 def _parameters(
