@@ -1,4 +1,4 @@
-"""Forward dynamics of an axis to which laws were added, from the stored ones: sympy takes half a second to load."""
+"""Forward dynamics of an axis with added laws, from stored dynamics: this avoids loading sympy, which takes 0.5 s."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from symid.simulation.plant import direction_of
 
 
 def stored_with_laws(axis: Axis) -> dict[str, Any] | None:
-    """Record of forward dynamics, see `dynamics_record`, of an axis that is stored but for laws at its end.
+    """Record of forward dynamics (see `dynamics_record`) of an axis that is stored without its last laws.
 
-    None if nothing is stored of the axis without laws and imperfections at the end of its declaration.
+    None if the axis is not stored without the laws and imperfections at the end of its declaration either.
     """
     laws = list[Law]()
     for base, law in _without_last(axis):
@@ -27,13 +27,13 @@ def stored_with_laws(axis: Axis) -> dict[str, Any] | None:
             laws.insert(0, law)
         if (record := stored_dynamics(base)) is not None:
             if laws and any("motion" in sensor for sensor in record["sensors"].values()):
-                return None  # what a force sensor reads may hold the laws
+                return None  # the reading of a force sensor may depend on the laws
             return _extended(record, laws, [body.name for body in axis.free_bodies])
     return None
 
 
 def _without_last(axis: Axis) -> Iterator[tuple[Axis, Law | None]]:
-    """The axis, and then with one law or imperfection after the other taken from its end; laws as they are taken."""
+    """The axis with ever fewer laws and imperfections at its end, each with the law that was removed last."""
     yield axis, None
     for n in range(len(axis.elements) - 1, 0, -1):
         last = axis.elements[n]
@@ -41,13 +41,13 @@ def _without_last(axis: Axis) -> Iterator[tuple[Axis, Law | None]]:
             return
         try:
             base = replace(axis, elements=axis.elements[:n])
-        except DeclarationError:  # such as nothing left to identify
+        except DeclarationError:  # for example nothing left to identify
             return
         yield base, last if isinstance(last, Law) else None
 
 
 def _extended(record: dict[str, Any], laws: list[Law], bodies: list[str]) -> dict[str, Any]:
-    """A record with the terms of laws: in stiffness or damping where they are linear, else on their own."""
+    """The record with the terms of laws: linear ones in stiffness or damping, constants as forces, others as laws."""
     terms = [(direction_of(law.at, bodies), term) for law in laws for term in law.terms()]
     generators = list(dict.fromkeys([*record["generators"], *(term.parameter for _, term in terms)]))
     matrices = ("stiffness", "damping", "mass", "drives", "constant")
@@ -75,5 +75,5 @@ def _extended(record: dict[str, Any], laws: list[Law], bodies: list[str]) -> dic
 
 
 def _padded(polynomial: list[Any], n: int) -> list[Any]:
-    """A polynomial in more parameters, which do not stand in it."""
+    """The polynomial in `n` parameters; the exponents of further ones are 0."""
     return [[coefficient, [*powers, *[0] * (n - len(powers))]] for coefficient, powers in polynomial]

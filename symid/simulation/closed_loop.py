@@ -1,4 +1,4 @@
-"""Simulation of an axis under its controller, to a log as its drive would record it."""
+"""Simulation of an axis under its controller; the result is a log as a drive would record it."""
 
 from __future__ import annotations
 
@@ -71,15 +71,15 @@ def simulate(
     parameters : mapping of str to float
         Values of its physical parameters, SI.
     trajectory : Trajectory or sequence of Trajectory
-        Reference, one for all drives or one for each; its sampling period is that of the controllers.
+        Reference, one for all drives or one for each; the controllers run at its sampling period.
     controller : Controller or sequence of Controller
-        One for each drive; its force acts, held, from one sample to the next.
+        One for each drive; its force is held from one sample to the next.
     frequency_hz : float, optional
-        Rate of the recorded log, of which the controller's rate must be a multiple; the controller's rate by default.
+        Rate of the recorded log; the controller's rate, the default, must be a multiple of it.
     seed : int
         Seed of the noise that the signals of the axis declare.
     steps : int
-        Steps of the engine in one controller sample; only laws that vary with speed or displacement need more than one.
+        Steps of the engine in one controller sample; only nonlinear laws of speed or displacement need more than one.
     start : array of shape (2 n,), optional
         Displacements and velocities of the free bodies at the first sample; at rest at zero by default.
     progress : callable, optional
@@ -88,7 +88,7 @@ def simulate(
     Returns
     -------
     Simulation
-        A force of the log is sent at the time of its sample and held: it acts half a controller sample late.
+        The force in the log is sent at its sample and held, so on average it acts half a controller sample late.
 
     Raises
     ------
@@ -146,13 +146,13 @@ def _run(
     later: list[tuple[float, Plant]],
     progress: Callable[[Sequence[int]], Iterable[int]],
 ) -> None:
-    """Simulate all samples; `later` has the plants of a mass that changes, with their times."""
+    """Simulate all samples; `later` has the plants after changes of mass, with their times."""
     if loop.moment is not None:
         loop.moment.begin(record.states[0, : len(loop.plant.bodies)])
     run, n_samples = SimulationRun(loop, record), len(record.forces)
     for begin in progress(range(0, n_samples, _PART)):
         end = min(begin + _PART, n_samples)
-        # A mass that changes splits the run: the motion goes on from the state that it has then.
+        # A change of mass splits the run: the next plant continues from the state at that moment.
         while later and later[0][0] < end * loop.period:
             time, changed = later.pop(0)
             run.advance(max(round(time / loop.period), 1))
@@ -163,7 +163,7 @@ def _run(
 def _recorded(
     axis: Axis, loop: Loop, record: MotionRecord, random: np.random.Generator
 ) -> dict[str, FloatArray]:
-    """Readings, forces as sent, and references at all samples of the controllers."""
+    """Readings, commanded forces and references at all samples of the controllers."""
     signals = {reader.signal: reader.read_all(record, loop.between) for reader in loop.readers}
     for i, (drive, one, path) in enumerate(
         zip(axis.drives, loop.controllers, loop.trajectories, strict=True)
@@ -195,7 +195,7 @@ def _require_one_for_each_drive(
 
 
 def _ratio(period: float, frequency_hz: float | None) -> int:
-    """Controller samples for each recorded one."""
+    """Controller samples for each recorded sample."""
     ratio = 1.0 if frequency_hz is None else 1.0 / (period * frequency_hz)
     if round(ratio) < 1 or not math.isclose(ratio, round(ratio), rel_tol=1e-9):
         raise SettingError(

@@ -1,6 +1,6 @@
 """Controllers: from a reference and measured motion to a drive force, sample by sample.
 
-Users define a controller as a class derived from `Controller`.
+A user-defined controller is a class derived from `Controller`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from symid.errors import SettingError
 from symid.simulation.plant import Plant
 
 _SHARED = 1e-9
-"""Relative singular value of the response below which drives move the same."""
+"""Singular value, relative to the largest, below which drives count as moving the same mass."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class LinearLaw:
     limit : float
         Largest force for which the matrices are valid.
     given : array of shape (n,)
-        Given force by sample, added to that of the matrices; the last one is kept beyond the end. Empty: none.
+        Given force at each sample, added to that of the matrices; the last value is kept beyond the end. May be empty.
     """
 
     A: FloatArray
@@ -65,7 +65,7 @@ class LinearLaw:
     given: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def given_at(self, n_samples: int) -> FloatArray:
-        """Given force at a number of samples, 0 if there is none."""
+        """Given force at the first `n_samples` samples; 0 if there is none."""
         if not self.given.size:
             return np.zeros(n_samples)
         return self.given[np.minimum(np.arange(n_samples), self.given.size - 1)]
@@ -80,7 +80,7 @@ class Controller(ABC):
     ) -> tuple[float, FloatArray]:
         """Drive force until the next sample, a `period` (s) later, and the state to remember.
 
-        `measured` holds the sensor readings by signal; `state` is that of the last sample, `start` at the first one.
+        `measured` holds the sensor readings by signal; `state` is what the last sample returned, at first `start`.
         """
 
     @property
@@ -94,23 +94,23 @@ class Controller(ABC):
         return np.zeros(0)
 
     def linear(self, period: float) -> LinearLaw | None:
-        """The law as matrices, if it is linear from the second sample on; it is then part of the compiled loop.
+        """The law as matrices, if it is linear from the second sample on; the compiled loop then includes it.
 
-        A class that overrides `force` overrides this too, or it is not used.
+        A class that overrides `force` without overriding this runs without matrices.
         """
         return None
 
 
 @dataclass(frozen=True)
 class OpenLoop(Controller):
-    """A given force, such as that of a log: `forces` has one value for each sample of the controller."""
+    """A given force, for example from a log: `forces` has one value for each sample of the controller."""
 
     forces: FloatArray
 
     def force(
         self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
     ) -> tuple[float, FloatArray]:
-        """Drive force at this sample; the last one is kept beyond the end."""
+        """Drive force at this sample; the last value is kept beyond the end."""
         return float(self.forces[min(command.index, len(self.forces) - 1)]), state
 
     def linear(self, period: float) -> LinearLaw:
@@ -139,7 +139,7 @@ class Cascade(Controller):
     acceleration_feedforward, velocity_feedforward : float
         Kfa in kg and Kfv in N s/m.
     force_limit : float
-        Largest force, N; while it is reached the integral does not grow further.
+        Largest force, N; the integral does not grow while the force is at this limit.
     """
 
     signal: str
@@ -151,7 +151,7 @@ class Cascade(Controller):
     force_limit: float = math.inf
 
     def with_gains(self, **gains: float) -> Cascade:
-        """A cascade with other gains, by the names of its fields."""
+        """A cascade with other gains, given by field name."""
         return replace(self, **gains)  # type: ignore[arg-type]  # all fields that are given are numbers
 
     @property
@@ -161,7 +161,7 @@ class Cascade(Controller):
 
     @property
     def start(self) -> FloatArray:
-        """Integral of the velocity error, last position, and whether there is one."""
+        """Integral of the velocity error, last position, and 1 once there is a last position."""
         return np.zeros(3)
 
     def force(
@@ -198,14 +198,14 @@ class Cascade(Controller):
 
 @dataclass(frozen=True)
 class Replay(Controller):
-    """A recorded force, and a cascade that keeps the axis to the recorded position against small differences.
+    """A recorded force, plus a cascade that corrects small deviations from the recorded position.
 
     Parameters
     ----------
     forces : array of shape (n_samples,)
         Recorded force at each sample of the controller.
     cascade : Cascade
-        Adds its own.
+        Controller whose force is added.
 
     Examples
     --------
@@ -230,7 +230,7 @@ class Replay(Controller):
     def force(
         self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
     ) -> tuple[float, FloatArray]:
-        """Recorded force and that of the cascade; the last one recorded is kept beyond the end."""
+        """Recorded force plus the cascade's; the last recorded value is kept beyond the end."""
         added, state = self.cascade.force(command, measured, state, period)
         return float(self.forces[min(command.index, len(self.forces) - 1)]) + added, state
 
@@ -242,7 +242,7 @@ class Replay(Controller):
 
 
 def linear_law(controller: Controller, period: float) -> LinearLaw | None:
-    """The matrices of a controller, unless a derived class has another `force` and not the matrices for it."""
+    """The matrices of a controller; None if a derived class overrides `force` and not `linear`."""
     for kind in type(controller).__mro__:
         if "linear" in vars(kind):
             return controller.linear(period)
@@ -254,7 +254,7 @@ def linear_law(controller: Controller, period: float) -> LinearLaw | None:
 def tuned_cascade(
     plant: Plant, signal: str, bandwidth_hz: float = 20.0, force_limit: float = math.inf
 ) -> Cascade:
-    """Cascade for the moving mass that the drive sees at low frequency.
+    """Cascade tuned to the mass that the drive moves at low frequency.
 
     The velocity loop crosses over at `bandwidth_hz`; the position loop and the integral at a fifth of it.
 
@@ -272,7 +272,7 @@ def tuned_cascade(
     Raises
     ------
     SettingError
-        If the signal is not that of a position sensor.
+        If the signal does not belong to a position sensor.
     """
     return tuned_cascades(plant, (signal,), bandwidth_hz, force_limit)[0]
 
@@ -280,21 +280,21 @@ def tuned_cascade(
 def tuned_cascades(
     plant: Plant, signals: Sequence[str], bandwidth_hz: float = 20.0, force_limit: float = math.inf
 ) -> tuple[Cascade, ...]:
-    """Cascades of all drives, each for its share of the mass where all controlled positions move alike.
+    """Cascades of all drives, each tuned to its share of the mass if all controlled positions move together.
 
     Parameters
     ----------
     plant : Plant
         The axis.
     signals : sequence of str
-        The position sensor that each drive controls; drives that move one body may share it, and its mass.
+        The position sensor that each drive controls; drives of one body may share a sensor, and then share the mass.
     bandwidth_hz, force_limit : float
         As in `tuned_cascade`.
 
     Raises
     ------
     SettingError
-        If a signal is not that of a position sensor, or there is not one for each drive.
+        If a signal does not belong to a position sensor, or the number of signals is not that of the drives.
     """
     if len(signals) != plant.drives.shape[1]:
         raise SettingError(
@@ -312,6 +312,8 @@ def tuned_cascades(
     response = rows @ np.linalg.solve(
         plant.mass * s**2 + plant.damping * s + plant.stiffness, plant.drives.astype(complex)
     )
+    # At low frequency the response is 1 / (mass s^2). It is singular if drives move one mass: the pseudoinverse then
+    # shares the mass among them.
     moved = np.linalg.pinv(response * s**2, rcond=_SHARED).sum(axis=1)
     masses = np.copysign(np.abs(moved), moved.real)  # negative where a force drives its sensor backwards
     return tuple(

@@ -1,4 +1,4 @@
-"""From the force that a controller sends to the force that acts: gain, limit, lag, delay."""
+"""The chain from the commanded force to the acting one: gain, limit, lag, delay."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from symid.simulation.imperfect_plant import scalar_law
 class ThroughDrive(Controller):
     """A controller whose force passes through an imperfect drive: gain first, then limit, lag and delay.
 
-    A force is held from sample to sample; of a force that changes in between, by a lag or a delay of no whole number of
-    samples, the mean acts.
+    A force is held from sample to sample. Where a lag or a fractional delay changes it between two samples, its mean
+    over the sample acts.
 
     >>> from symid.simulation.controller import OpenLoop
     >>> late = ThroughDrive(OpenLoop(np.array([0.0, 4.0, 4.0])), (ActuatorDelay(0.25),), np.zeros(3), 1.0)
@@ -36,7 +36,7 @@ class ThroughDrive(Controller):
 
     inner: Controller  # controller that commands the force
     drive: Sequence[DriveImperfection]  # imperfections of the drive
-    # shape (n_samples,): receives the commanded force, unless the loop is linear: then `sent_along` has it
+    # shape (n_samples,): receives the commanded force, unless the loop is linear: then `sent_along` computes it
     sent: FloatArray
     period: float  # time between two samples, s
 
@@ -50,18 +50,18 @@ class ThroughDrive(Controller):
 
     @cached_property
     def _bends(self) -> tuple[Callable[..., float], ...]:
-        """Laws of gains and limits, in the order in which a force passes them."""
+        """Laws of gains and limits, in the order in which they act."""
         bends = in_order(item for item in self.drive if not isinstance(item, (ActuatorLag, ActuatorDelay)))
         return tuple(map(scalar_law, bends))
 
     @cached_property
     def _n_past(self) -> int:
-        """Number of past forces that a delay takes."""
+        """Number of past forces that the delay stores."""
         return math.floor(self._delay / self.period + 1e-9) + 2 if self._delay else 0
 
     @cached_property
     def _given(self) -> tuple[FloatArray, FloatArray] | None:
-        """A force that is given whole, as sent and behind lags and delay, so that the rest is linear."""
+        """A force given in advance, as commanded and after lags and delay; with it taken apart, the rest is linear."""
         law = linear_law(self.inner, self.period)
         if law is None or not law.given.size or not (self._lags or self._n_past) or self._bends:
             return None
@@ -78,7 +78,7 @@ class ThroughDrive(Controller):
 
     @property
     def start(self) -> FloatArray:
-        """State of the controller; that of the drive is not known before the first force."""
+        """Initial state of the controller; the state of the drive is nan until the first force."""
         return np.concatenate([self.inner.start, np.full(len(self._lags) + self._n_past, math.nan)])
 
     def force(
@@ -102,10 +102,10 @@ class ThroughDrive(Controller):
         return acting + apart, np.concatenate([inner, own])
 
     def _behind(self, acting: Any, state: list[Any]) -> tuple[Any, list[Any]]:
-        """Force behind lags and delay, and their state: numbers, or rows on the state and the inputs of a law."""
+        """Force after lags and delay, and their new state, as numbers or as rows on the state and inputs of a law."""
         lagging, past = state[: len(self._lags)], state[len(self._lags) :]
-        # Each lag follows the force exponentially; the mean over the sample acts. A delay of no whole number of samples
-        # is the mean of two past forces, weighted by the time for which each acts.
+        # Each lag follows the force exponentially; the mean over the sample acts. A fractional delay is the mean of two
+        # past forces, weighted by the time for which each acts.
         for i, time in enumerate(self._lags):
             decay = math.exp(-self.period / time)
             left = lagging[i] - acting
@@ -118,7 +118,7 @@ class ThroughDrive(Controller):
         return acting, [*lagging, *past]
 
     def linear(self, period: float) -> LinearLaw | None:
-        """The law of a linear controller behind lags and delay, or behind a limit, below which it holds."""
+        """The law of a linear controller followed by lags and delay, or by a limit below which the law is valid."""
         law = linear_law(self.inner, period)
         limits = [item.force for item in self.drive if isinstance(item, ForceLimit)]
         if law is None or math.isfinite(law.limit):

@@ -26,7 +26,7 @@ _MOST_EVENTS = 100
 """Most events in one step; the rest of the step ignores further ones (Zeno behaviour)."""
 _POWERS = np.arange(ORDER)
 _MOST_TRIALS, _SHARP = 100, 2.3e-16
-"""Most Newton steps to an event, and the change, relative to the step, at which they end."""
+"""Most Newton iterations for an event, and the change, relative to the step, at which they end."""
 
 
 @dataclass(eq=False)
@@ -82,7 +82,7 @@ class Engine:
         return self.mode.flow.acceleration(self.state, drive + self.mode.force(self.state))
 
     def _advance_smoothly(self, drives: FloatArray, duration: float) -> bool:
-        """Advance if no event happens: sliding joints keep their direction, stuck ones hold; whether it did."""
+        """Advance, unless a sliding joint turns or a stuck one breaks loose; return whether the state advanced."""
         mode, start = self.mode, self.state
         if mode.varying:
             return False
@@ -102,7 +102,8 @@ class Engine:
         self.mode = self._modes.of((*signs[:joint], sign, *signs[joint + 1 :]))
 
     def _release(self, drive: FloatArray) -> None:
-        """Release joints that their laws cannot hold, one after the other, the worst first."""
+        """Release the joints that their laws cannot hold, one at a time, the largest excess first."""
+        # Each release changes the forces on the joints that still stick: these are computed again before the next one.
         while stuck := self.mode.flow.stuck:
             excess = self._excess(self.state, drive + self.mode.force(self.state))
             worst = max(range(len(stuck)), key=lambda i: abs(excess[i]))
@@ -111,7 +112,7 @@ class Engine:
             self._set_sign(stuck[worst], math.copysign(1.0, excess[worst]))
 
     def _excess(self, state: FloatArray, force: FloatArray) -> list[float]:
-        """Force on each stuck joint beyond the range that its law can hold; 0 inside."""
+        """Excess of the force on each stuck joint over the range that its law can hold; 0 inside the range."""
         if not self.mode.flow.stuck:
             return []
         needed, limits = self.mode.flow.holding_forces(state, force), self.mode.limits(state)
@@ -119,7 +120,7 @@ class Engine:
         return [max(held - high, 0.0) + min(held - low, 0.0) for held, (low, high) in pairs]
 
     def _until_event(self, drive: FloatArray, duration: float) -> tuple[float, bool]:
-        """Advance to the next event, at most by a duration; the time made and whether there was one."""
+        """Advance to the next event, at most by a duration; return the time advanced and whether there was an event."""
         # Within a mode the motion is a Taylor series in time. A sliding joint's speed and a stuck joint's margin are
         # linear in the state, so each event is the first zero of a polynomial. It is sought only if the sign at the
         # end of the step shows that it was passed; the state at the earliest zero then begins the next mode.
@@ -153,7 +154,7 @@ class Engine:
     def _margin(
         self, mode: StickSlipMode, i: int, sign: float, series: FloatArray, force: FloatArray
     ) -> FloatArray:
-        """Series of the margin between a stuck joint's force and its limit, on the side of the excess."""
+        """Taylor series of the margin between a stuck joint's force and the limit that it exceeds."""
         row = mode.flow.holding_rows[i]
         margin = -sign * (series @ row[: series.shape[1]])
         limit = mode.limits(series[0])[i, 1 if sign > 0 else 0]
@@ -166,7 +167,7 @@ def _value(series: FloatArray, time: float) -> FloatArray:
 
 
 def _first_zero(series: FloatArray, end: float) -> float:
-    """Where a polynomial that is negative at `end` falls to zero, by Newton's method within bounds.
+    """Zero of a polynomial that is negative at `end`, by Newton's method within a bracket; 0 if it starts negative.
 
     >>> _first_zero(np.array([1.0, 0.0, -4.0]), 1.0), _first_zero(np.array([0.0, -1.0]), 1.0)
     (0.5, 0.0)

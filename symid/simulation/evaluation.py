@@ -1,4 +1,4 @@
-"""Values of postfix programs and of Dahl's state, compiled. Numba takes 0.3 s to import: import this where it runs."""
+"""Values of postfix programs and of Dahl's state, compiled; import it where it runs, as Numba takes 0.3 s to load."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from symid.simulation.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MAXIMUM,
 
 @compiled
 def evaluate(operations, operands, arguments, stack):  # type: ignore[no-untyped-def]  # compiled for arrays
-    """Value of a program; `stack` is space of at least its depth."""
+    """Value of a program; `stack` is an array of at least its depth."""
     top = -1
     for i in range(operations.size):
         operation = operations[i]
@@ -37,7 +37,7 @@ def evaluate(operations, operands, arguments, stack):  # type: ignore[no-untyped
 
 @compiled
 def built_up(z, path, reach):  # type: ignore[no-untyped-def]  # compiled for numbers
-    """Dahl's state after a path, exact along a motion that does not turn."""
+    """Dahl's state after a path; exact along a motion that does not reverse."""
     side = 1.0 if path >= 0 else -1.0
     return side - (side - z) * np.exp(-abs(path) / reach)
 

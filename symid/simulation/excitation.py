@@ -1,7 +1,7 @@
 """References for an axis: chirps, multisines, moves, steps, and those read from a log.
 
-All begin and end at rest unless their documentation says otherwise, and raise `SettingError` where they
-cannot stay within the limits of the axis. Trajectories are put together by `Trajectory.then`.
+All begin and end at rest unless their documentation states otherwise, and raise `SettingError` where they
+cannot stay within the limits of the axis. `Trajectory.then` joins trajectories.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from symid.simulation.sample_grid import envelope, intervals, positive
 from symid.simulation.trajectory import Trajectory
 
 Sweep = Literal["linear", "logarithmic"]
-"""How the frequency of a chirp runs over time."""
+"""How the frequency of a chirp changes over time."""
 
 
 def chirp(
@@ -37,12 +37,12 @@ def chirp(
     centre: float = 0.0,
     limits: Limits | None = None,
 ) -> Trajectory:
-    """Sine about a position whose frequency runs from `f0` to `f1`, faded in and out.
+    """Sine about a position, faded in and out, whose frequency changes from `f0` to `f1`.
 
     The position is centre + A w(t) omega(t)^-k sin(phi(t)), where omega is the derivative of the phase phi, w the
-    envelope and k the order of derivative that the amplitude A is given for. Velocity and acceleration are the
-    exact derivatives of it. Where the frequency changes by little during a cycle, A is the amplitude of the
-    chosen quantity at all frequencies.
+    envelope and k the order of the derivative that has amplitude A. Velocity and acceleration are its exact
+    derivatives. Where the frequency changes little during a cycle, A is the amplitude of the chosen quantity at
+    all frequencies.
 
     Parameters
     ----------
@@ -55,14 +55,14 @@ def chirp(
     sampling_period : float
         Time between two samples, s.
     quantity : {"position", "velocity", "acceleration"}
-        Quantity of which `amplitude` is the amplitude.
+        Quantity that has this amplitude.
     sweep : {"linear", "logarithmic"}
-        Whether equal times pass equal differences or equal ratios of frequency.
+        Whether the frequency changes by equal differences or by equal ratios in equal times.
     fade : float, optional
-        Duration of the fade-in and of the fade-out, s: a tenth of the whole if not given. With 0 the chirp has
+        Duration of the fade-in and of the fade-out, s; by default a tenth of the chirp. With 0 the chirp has
         full amplitude throughout, and neither begins nor ends at rest.
     centre : float
-        Position about which it moves, m or rad; a faded chirp begins and ends there.
+        Mean position, m or rad; a faded chirp begins and ends there.
     limits : Limits, optional
         Limits of the axis, which all samples must keep.
 
@@ -157,9 +157,9 @@ def _scaled(
 def steps(
     levels: Sequence[float], hold: float, *, sampling_period: float, limits: Limits | None = None
 ) -> Trajectory:
-    """Positions held one after another, with a jump from each to the next.
+    """Positions held in turn, with a jump from each to the next.
 
-    Velocity and acceleration are zero, as between the jumps; of the limits only the travel can be kept.
+    Velocity and acceleration are zero, as they are between the jumps; only the travel is checked against the limits.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def steps(
 def from_log(log: Log, signal: str = REFERENCE, *, limits: Limits | None = None) -> Trajectory:
     """Reference read from a log, with its derivatives by central differences.
 
-    It begins and ends as the log does, which need not be at rest.
+    It need not begin or end at rest.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Exact motion of an axis between two events: linear, with constant forces, some joints stuck.
+"""Exact motion of an axis between two events: linear, under constant forces, with some joints stuck.
 
 With the joints S stuck, D x(1) = 0 for their directions D. The forces that hold them are
 lambda = (D M^-1 D')^-1 D M^-1 (w - C x(1) - K x), w being all other forces, and the motion is linear again.
@@ -70,9 +70,9 @@ class Flow:
         return np.asarray(self._series @ np.concatenate([state, force]))
 
     def _transition(self, duration: float) -> tuple[FloatArray, FloatArray]:
-        """Matrices of state and force: the Taylor series of a part of the duration, squared as often as needed.
+        """Matrices of state and force over a duration, by scaling and squaring of the Taylor series.
 
-        SciPy's matrix exponential would share matrices of this size among threads, which takes milliseconds.
+        SciPy's matrix exponential takes milliseconds for matrices of this size, which its library shares among threads.
         """
         doublings = max(math.ceil(math.log2(duration / self.reach)), 0) if duration > 0 else 0
         whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(ORDER), self._series, 1)

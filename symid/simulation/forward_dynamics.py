@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import compress
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,10 +15,9 @@ from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis
 from symid.errors import SettingError
 from symid.simulation.added_laws import stored_with_laws
-from symid.simulation.law_functions import array_function, law_function
+from symid.simulation.dynamics_terms import JointTerms, LawTerm, SensorTerms
 from symid.simulation.parameter_polynomials import Polynomial, PolynomialArrays
-from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow, condensed
-from symid.simulation.postfix import program
+from symid.simulation.plant import JointLaw, Plant, ScaledLaw, SensorRow, condensed
 
 _MATRICES = ("stiffness", "damping", "mass")
 _DERIVED = 32
@@ -51,7 +50,7 @@ def plant_of(axis: Axis, parameters: Mapping[str, float]) -> Plant:
 
 
 def forward_dynamics(axis: Axis) -> ForwardDynamics:
-    """Forward dynamics of an axis for any parameter values: derived once for a declaration, evaluated often.
+    """Forward dynamics of an axis for any parameter values: derived once, evaluated often.
 
     Examples
     --------
@@ -65,7 +64,7 @@ def forward_dynamics(axis: Axis) -> ForwardDynamics:
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics:
-    """The matrices of an axis as functions of its physical parameters, for any number of parameter values.
+    """The equation of motion of an axis with polynomials of its physical parameters as coefficients.
 
     Parameters
     ----------
@@ -74,19 +73,19 @@ class ForwardDynamics:
     parameters : tuple of str
         Unknown physical parameters, in order.
     generators : tuple of str
-        Unknown and known ones, in the order of the exponents of polynomials.
+        Unknown and known parameters, in the order of the exponents of the polynomials.
     bodies : tuple of str
         Free bodies that have a mass.
     motion : tuple of matrices of Polynomial
         Stiffness, damping and mass.
     drives : tuple of tuple of Polynomial
-        Effect on each body of each drive's force.
+        Factor of each drive's force in the equation of each body.
     constant : tuple of Polynomial
         Constant force on each body.
     laws : tuple of JointTerms
         Nonlinear laws of each joint.
     sensors : mapping of str to SensorTerms
-        What each sensor reads.
+        Reading of each sensor.
     """
 
     axis: Axis
@@ -100,7 +99,7 @@ class ForwardDynamics:
     sensors: Mapping[str, SensorTerms]
 
     def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
-        """Physical parameters in a matrix, except for those that may be negative: masses, springs, dampers."""
+        """Masses, springs or dampers in a matrix: its physical parameters that cannot be negative."""
         entries = (entry for row in self.motion[_MATRICES.index(matrix)] for entry in row)
         names = {name for entry in entries for name in self.names(entry)}
         return names.difference(self.axis.signed_parameters)
@@ -114,7 +113,7 @@ class ForwardDynamics:
 
     @cached_property
     def _known(self) -> dict[str, float]:
-        """Values that the axis knows, once for all evaluations."""
+        """Parameter values that the axis declares as known."""
         return self.axis.known_parameters
 
     @cached_property
@@ -130,7 +129,7 @@ class ForwardDynamics:
         return plant if heavy.all() else _without_nodes(plant, heavy)
 
     def with_nodes(self, parameters: Mapping[str, float]) -> Plant:
-        """The same with bodies that have no mass as bodies."""
+        """The plant at parameter values, in which bodies without mass remain bodies."""
         missing = [name for name in self.parameters if name not in parameters]
         if missing:
             raise SettingError(
@@ -147,22 +146,21 @@ class ForwardDynamics:
         return plant
 
     def derivative(self, parameters: Mapping[str, float], name: str) -> Plant:
-        """Derivatives of all terms of `with_nodes` by a parameter, in the form of a plant; sensors as they are."""
+        """Derivatives of all terms of `with_nodes` by a parameter, as a plant; sensors are not differentiated."""
         values = self._values(parameters)
         return self._plant(self._arrays.derivative(values, self.generators.index(name)), values)
 
     def reading(self, parameters: Mapping[str, float], signal: str) -> SensorRow:
-        """What a sensor reads at parameter values."""
+        """The reading of a sensor at parameter values."""
         return self.sensors[signal].at(self._values(parameters))
 
     def _values(self, parameters: Mapping[str, float]) -> list[float]:
-        """Values of the generators."""
         every = {**parameters, **self._known}
         return [float(every[name]) for name in self.generators]
 
     @cached_property
     def _arrays(self) -> PolynomialArrays:
-        """Polynomials of stiffness, damping, mass, drives and constant, and of the laws joint by joint."""
+        """All polynomials: stiffness, damping, mass, drives and constant, then the laws of each joint."""
         n_bodies, n_drives = len(self.constant), len(self.axis.drives)
         shapes: list[tuple[int, ...]] = [(n_bodies, n_bodies)] * 3 + [(n_bodies, n_drives), (n_bodies,)]
         matrices = [p for matrix in (*self.motion, self.drives) for row in matrix for p in row]
@@ -172,7 +170,7 @@ class ForwardDynamics:
         )
 
     def _plant(self, arrays: Sequence[FloatArray], values: Sequence[float]) -> Plant:
-        """The plant that has these values of `_arrays`, and sensors at parameter values."""
+        """The plant with the values `arrays` of `_arrays`; `values` are those of the generators."""
         stiffness, damping, mass, drives, constant, *levels = arrays
         return Plant(
             bodies=self._free_bodies[0],
@@ -193,9 +191,9 @@ class ForwardDynamics:
 
 
 def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
-    """The plant without massless bodies, which are where the springs beside them balance: x = T x_heavy.
+    """The plant without massless bodies (static condensation): x = T x_heavy.
 
-    Refused where anything else acts on such a body: springs alone must determine its displacement.
+    Springs alone must act on a massless body, so that their balance determines its displacement.
     """
     nodes = ~heavy
     springs = plant.stiffness[np.ix_(nodes, nodes)]
@@ -212,60 +210,9 @@ def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
     return reduced
 
 
-@dataclass(frozen=True, eq=False)
-class LawTerm:
-    """A nonlinear law of a joint, parameter times an expression: its NumPy code, function of numbers and of arrays."""
-
-    parameter: Polynomial
-    code: str
-    force: LawFunction
-    forces: Callable[[FloatArray, FloatArray], FloatArray]
-
-    @classmethod
-    def of(cls, parameter: Polynomial, code: str) -> LawTerm:
-        """The law of some code; SymidError if that is not of the law language."""
-        program(code, ("q", "v"))  # nothing else is run
-        return cls(parameter, code, law_function(code), array_function(code))
-
-
-class SensorTerms(NamedTuple):
-    """What a sensor reads: `row` and `order` as of `SensorRow` where it has no parameters, which else are polynomials.
-
-    The reading is (motion + drives - offset) / gain; `scale` holds gain and offset.
-    """
-
-    row: FloatArray
-    order: int | None
-    n_drives: int
-    motion: tuple[tuple[Polynomial, ...], ...] = ()
-    drives: tuple[Polynomial, ...] = ()
-    scale: tuple[Polynomial, ...] = ()
-
-    def at(self, values: Sequence[float]) -> SensorRow:
-        """What it reads at parameter values; SettingError if its gain is not positive."""
-        if not self.motion:
-            motion = np.zeros((3, self.row.size))
-            motion[self.order] = self.row
-            return SensorRow(self.row, self.order, motion, np.zeros(self.n_drives))
-        gain, offset = (polynomial.at(values) for polynomial in self.scale)
-        if not gain > 0:
-            raise SettingError(f"the gain of a sensor is {gain:g}: it must be positive")
-        motion = np.array([[p.at(values) for p in row] for row in self.motion]) / gain
-        drives = np.array([p.at(values) for p in self.drives]) / gain
-        row = self.row if self.order is None else motion[self.order]
-        return SensorRow(row, self.order, motion, drives, -offset / gain)
-
-
-class JointTerms(NamedTuple):
-    """Nonlinear laws of one joint, whose displacement is `direction` times the bodies' displacements."""
-
-    direction: FloatArray
-    terms: tuple[LawTerm, ...]
-
-
 @dataclass(frozen=True)
 class _Declaration:
-    """An axis that equals all others of its signature: those differ in the imperfections of their signals only."""
+    """Key of a cache: axes of one signature are equal, as they differ only in imperfections of their signals."""
 
     signature: str
     axis: Axis = field(compare=False)

@@ -1,4 +1,4 @@
-"""The frequency response of an axis, and that which its logs show."""
+"""The frequency response of an axis, identified and measured."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ COHERENT = 0.6
 _AVERAGES, _LONGEST = 8, 2**14
 """Least number of averaged segments of a log, and most samples of a segment."""
 _FEWEST, _MOST = 16, 0.8
-"""Coherent points that make a measured response, and their share of the points below its end."""
+"""Least number of coherent points in a measured response, and their least share of the points below its end."""
 _STEP = 1e-3
 """Step of a difference quotient relative to a parameter or to its deviation, whichever is less."""
 _TOP = 0.4
-"""Of the sampling frequency: up to there a response is shown."""
+"""Highest frequency of a shown response, relative to the sampling frequency."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class FrequencyResponse:
 
     @property
     def is_coherent(self) -> BoolArray:
-        """Where the reading follows from the force."""
+        """Frequencies at which the reading follows from the force."""
         return np.asarray(self.coherence >= COHERENT)
 
     @property
@@ -72,9 +72,8 @@ def response_of(
     """Measured and identified response of a sensor, averaged over logs of the same sampling period.
 
     Velocity per force for a sensor of position or velocity, acceleration per force for an accelerometer. A position is
-    differentiated by central differences, whose known attenuation is taken out again. Under feedback H1 is biased
-    where the coherence is low. `values` are the physical parameters, SI; `late` the times by which signals were
-    recorded late, s.
+    differentiated by central differences, whose known attenuation is corrected. Under feedback H1 is biased where the
+    coherence is low. `values` are the physical parameters, SI; `late` are the delays of the recorded signals, s.
     """
     (sensor,) = axis.measured((signal,))
     moves = sensor.derivative in (0, 1)
@@ -110,14 +109,14 @@ def response_of(
 
 
 def has_response(axis: Axis, values: Mapping[str, float]) -> bool:
-    """Whether an axis is known well enough for its frequency response: finite values, masses above 0."""
+    """Whether the frequency response can be computed: all values are finite and all masses positive."""
     values = axis.with_known_values(values)
     masses = [values.get(b.inertial, 0.0) for b in axis.bodies]
     return bool(values) and bool(np.isfinite(list(values.values())).all()) and min(masses) > 0
 
 
 def degrees_of(response: ComplexArray) -> FloatArray:
-    """Phase in degrees; nan where it jumps by a turn, which breaks a line there.
+    """Phase in degrees; nan where it jumps by a full turn, which breaks a plotted line there.
 
     >>> degrees_of(np.array([1j, -1.0 + 0.1j, -1.0 - 0.1j])).round().tolist()
     [90.0, 174.0, nan]

@@ -1,4 +1,4 @@
-"""Plants with imperfections: laws that depend on time, on a memory, or on the load of the drive."""
+"""Plants with imperfections: laws that depend on time, on a memory, or on the drive force."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from symid.simulation.law_functions import array_function, code_of, law_function
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
 
 _FINE, _MOST_STEPS = 0.5, 50
-"""Angle, rad, by which the vibration of a joint on its presliding stiffness turns in a step; and most steps."""
+"""Largest phase advance in a step, rad, of a joint vibrating on its presliding stiffness; and most steps."""
 
 
 @dataclass(eq=False)
 class Moment:
-    """State on which laws depend besides the motion: time, s, load, memories of presliding friction.
+    """State on which laws depend besides the motion: time, s, load, and memories of presliding friction.
 
-    The load is the force of the drive, of several drives the sum of what they push with in either direction.
+    The load is the force of the drive; with several drives, the sum of the magnitudes of their forces.
     """
 
     time: float = 0.0
@@ -38,12 +38,12 @@ class Moment:
     memories: list[Dahl] = field(default_factory=list)
 
     def begin(self, displacements: FloatArray) -> None:
-        """Begin a run at displacements, with empty memories."""
+        """Begin a run at given displacements, with empty memories."""
         for memory in self.memories:
             memory.place, memory.state = float(memory.direction @ displacements), 0.0
 
     def recall(self, memories: FloatArray) -> None:
-        """Set place and state of each memory, the rows of an array."""
+        """Set place and state of each memory from the rows of an array."""
         for memory, known in zip(self.memories, memories.tolist(), strict=True):
             memory.place, memory.state = known
 
@@ -55,7 +55,7 @@ class Moment:
 
 @dataclass(eq=False)
 class Dahl:
-    """Friction in the joint of a direction that builds up over `reach`: exact along a motion that does not turn.
+    """Dahl friction in a joint, which builds up over `reach`; exact along a motion that does not reverse.
 
     `state` is z at the displacement `place` of the last update.
 
@@ -77,12 +77,12 @@ class Dahl:
         return side - (side - self.state) * math.exp(-abs(q - self.place) / self.reach)
 
     def settle(self, q: float) -> None:
-        """Remember a displacement."""
+        """Update the state at a displacement."""
         self.state, self.place = self.at(q), q
 
 
 def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[tuple[float, Plant]]:
-    """Plants of an axis, each with the time from which on it holds, s; `moment` receives the state of their laws."""
+    """Plants of an axis, each with the time from which it is valid, s; `moment` receives the state of their laws."""
     values = axis.known_parameters | dict(parameters)
     changes = [e for e in axis.elements if isinstance(e, PayloadChange)]
     plant, added = plant_of(axis, values), []
@@ -149,7 +149,7 @@ def _code(element: Imperfection) -> str:
 
 
 def presliding_level(axis: Axis, element: PreslidingFriction, values: Mapping[str, float]) -> float:
-    """Part of the Coulomb friction declared that builds up over a displacement: at most all of it."""
+    """Part of the declared Coulomb friction that builds up over a displacement: at most all of it."""
     levels = [
         law.named("level") for law in axis.laws if isinstance(law, CoulombFriction) and law.at == element.at
     ]
@@ -157,7 +157,7 @@ def presliding_level(axis: Axis, element: PreslidingFriction, values: Mapping[st
 
 
 def steps_for(axis: Axis, plant: Plant, parameters: Mapping[str, float], period: float) -> int:
-    """Steps in a sample that follow the stiffness of presliding friction, level/reach on either side of a reversal."""
+    """Steps in a sample that resolve the stiffness of presliding friction, at most 2 level/reach after a reversal."""
     most = 1.0
     for element in axis.elements:
         if isinstance(element, PreslidingFriction):
@@ -169,7 +169,7 @@ def steps_for(axis: Axis, plant: Plant, parameters: Mapping[str, float], period:
 
 
 def _with_laws(plant: Plant, added: list[tuple[FloatArray, ScaledLaw]]) -> Plant:
-    """A plant with more laws, put to those of the same direction."""
+    """The plant with more laws, each added to those in the same joint."""
     laws = list(plant.laws)
     for direction, term in added:
         same = next((i for i, law in enumerate(laws) if np.allclose(law.direction, direction)), len(laws))

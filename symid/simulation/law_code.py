@@ -1,4 +1,4 @@
-"""The formula of a law as NumPy code, from its text alone: no computer algebra is loaded for it."""
+"""The formula of a law as NumPy code, from its text alone, without computer algebra."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def law_code(formula: str) -> str:
 
 
 def level_code(formula: str) -> str | None:
-    """NumPy code of the level of dry friction, which stands beside sign(v) in its formula; None of any other law.
+    """NumPy code of the level of dry friction, the factor of sign(v) in its formula; None for any other law.
 
     Examples
     --------
@@ -64,13 +64,13 @@ def _parsed(formula: str) -> ast.expr:
 
 
 def _calls(node: ast.AST, *names: str) -> int:
-    """How often functions are called in an expression."""
+    """Number of calls of the named functions in an expression."""
     calls = (one.func for one in ast.walk(node) if isinstance(one, ast.Call))
     return sum(isinstance(function, ast.Name) and function.id in names for function in calls)
 
 
 class _InNumPy(ast.NodeTransformer):
-    """Functions of the language as those of NumPy."""
+    """Replaces functions of the law language by NumPy functions."""
 
     def visit_Call(self, node: ast.Call) -> ast.Call:
         arguments = [self.visit(argument) for argument in node.args]
@@ -81,7 +81,7 @@ class _InNumPy(ast.NodeTransformer):
 
 
 def _without_sign(node: ast.expr) -> ast.expr:
-    """A product with 1 in place of its factors sign(v), which are not looked for in sums and functions."""
+    """A product without its factors sign(v); sums and arguments of functions are not searched."""
     match node:
         case ast.Call(func=ast.Name(id="sign"), args=[ast.Name(id="v")]):
             return _ONE

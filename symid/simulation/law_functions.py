@@ -1,4 +1,4 @@
-"""Expressions of laws as functions: of two numbers for the steps of a simulation, of two arrays for a whole log."""
+"""Expressions of laws as functions of two numbers (steps of a simulation) or of two arrays (a whole log)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def code_of(law: sp.Expr | str) -> str:
-    """NumPy code of a law, which may be code already."""
+    """NumPy code of a law, given as expression or as such code."""
     if isinstance(law, str):
         return law
     from symid.codegen.lowering import code  # sympy takes half a second to load
@@ -25,7 +25,7 @@ def code_of(law: sp.Expr | str) -> str:
 
 
 def law_function(law: sp.Expr | str, numbers: tuple[str, ...] = ()) -> Callable[..., float]:
-    """Law in q, v and further `numbers`, as expression or NumPy code, as a function of two numbers and these.
+    """Function of numbers q, v and further `numbers` for a law given as expression or NumPy code.
 
     >>> law_function("v*q")(2.0, 3.0)
     6.0
@@ -38,7 +38,7 @@ def law_function(law: sp.Expr | str, numbers: tuple[str, ...] = ()) -> Callable[
 
 
 def array_function(law: sp.Expr | str, numbers: tuple[str, ...] = ()) -> Callable[..., FloatArray]:
-    """Law in q and v, as expression or NumPy code, as a function of two arrays; `numbers` as in `law_function`.
+    """Function of arrays q and v for a law given as expression or NumPy code; `numbers` as in `law_function`.
 
     >>> array_function("v*q")(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
     [6.0, 4.0]
@@ -54,9 +54,9 @@ def _function(text: str, numbers: tuple[str, ...], library: object) -> Any:
 
 
 class Scalar:
-    """Functions of the law language for single numbers, in place of ``np``: ten times as fast, of the same values.
+    """Functions of the law language for single numbers, in place of ``np``: equal values, ten times as fast.
 
-    All others come from NumPy.
+    All other names come from NumPy.
 
     >>> np_ = Scalar()
     >>> np_.sign(-2.0), np_.heaviside(0.0, 0.5), np_.exp(1e3), float(np_.sqrt(4.0))
@@ -81,7 +81,7 @@ class Scalar:
 
     @staticmethod
     def exp(x: float) -> float:
-        """Exponential; infinite where it is beyond the largest number."""
+        """Exponential; infinite where it overflows."""
         return math.exp(x) if x < 709.0 else math.inf
 
     def __getattr__(self, name: str) -> Any:

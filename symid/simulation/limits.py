@@ -1,4 +1,4 @@
-"""Limits of a commanded motion, and messages with the change that meets them."""
+"""Limits of a commanded motion, and advice on how to keep them."""
 
 from __future__ import annotations
 
@@ -83,10 +83,10 @@ amplitude by at most 0.6666
                 )
 
     def check(self, name: str, demand: Extremes, *, scaled: bool = True) -> None:
-        """SettingError if a trajectory exceeds a limit: it names each such limit, by how much, and what to change.
+        """SettingError if a trajectory exceeds a limit: it names each exceeded limit, the excess and a remedy.
 
-        The advice depends on whether one amplitude scales the whole trajectory; otherwise speed, acceleration and jerk
-        were given separately.
+        The remedy is a smaller amplitude if the whole trajectory is `scaled` by one; otherwise it is a smaller speed,
+        acceleration or jerk.
         """
         faults = self._faults_of_travel(demand)
         for kind, unit in _RATES:

@@ -1,4 +1,4 @@
-"""An axis with its controllers: the constants of a simulation."""
+"""An axis with its controllers: everything that stays constant during a simulation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ RUNAWAY = 1e100
 
 
 class LoopLaw(NamedTuple):
-    """The linear laws of all drives as one, in terms of w: the controllers' state, references, and readings.
+    """The linear laws of all drives as one, in terms of w: the controllers' states, references and readings.
 
     The references are position, velocity and acceleration for each drive.
     """
@@ -36,7 +36,7 @@ class LoopLaw(NamedTuple):
 
     @classmethod
     def of(cls, laws: Sequence[LinearLaw], places: Sequence[Sequence[int]], n_signals: int) -> LoopLaw:
-        """The laws of all drives, and the places of the readings of each among all."""
+        """Combine the laws of all drives; `places` are the indices of each controller's readings among all."""
         n_state, n_drives, first = sum(len(law.A) for law in laws), len(laws), 0
         after, forces = (np.zeros((m, n_state + 3 * n_drives + n_signals)) for m in (n_state, n_drives))
         for i, (law, own) in enumerate(zip(laws, places, strict=True)):
@@ -48,16 +48,16 @@ class LoopLaw(NamedTuple):
 
     @classmethod
     def unknown(cls, n_drives: int, n_signals: int) -> LoopLaw:
-        """The law of controllers without matrices: it holds for no force."""
+        """The law of controllers without matrices; its limits make the loop ask the controllers at every sample."""
         forces = np.zeros((n_drives, 3 * n_drives + n_signals))
         return cls(forces[:0], forces, np.full(n_drives, -1.0))
 
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A plant whose drives are under controllers along trajectories, whose sampling period is that of the controllers.
+    """A plant with a controller and a trajectory for each drive; the sampling period is that of the trajectories.
 
-    The engine makes `steps` in one sample. Laws of the plant may depend on a `moment` beside the motion.
+    The engine makes `steps` in one sample. Laws of the plant may also depend on a `moment`.
     """
 
     plant: Plant
@@ -83,7 +83,7 @@ class Loop:
 
     @cached_property
     def law(self) -> LoopLaw | None:
-        """The controllers as matrices, if all can be written so."""
+        """The controllers as matrices; None if one of them has no matrices."""
         laws = [law for law in self._laws if law is not None]
         if len(laws) < self.n_drives:
             return None
@@ -93,7 +93,7 @@ class Loop:
 
     @cached_property
     def start(self) -> Any:
-        """State of the controllers: one array if `law` holds for it, else an array for each."""
+        """Initial state of the controllers: one array if `law` exists, otherwise one array for each."""
         states = [controller.start for controller in self.controllers]
         return np.concatenate(states) if self.law else tuple(states)
 
@@ -120,19 +120,19 @@ class Loop:
 
     @cached_property
     def given(self) -> FloatArray:
-        """Given forces beside those of the matrices, of shape (n_samples, n_drives)."""
+        """Given forces, which add to those of the matrices; shape (n_samples, n_drives)."""
         n = self.trajectories[0].n_samples
         return np.column_stack([np.zeros(n) if law is None else law.given_at(n) for law in self._laws])
 
     @cached_property
     def moments(self) -> tuple[float, ...]:
-        """Times within a sample at which its pieces end, s: steps of the engine, and moments of the sensors."""
+        """Times within a sample at which its pieces end, s: steps of the engine and moments of sensors."""
         steps = (self.period * i / self.steps for i in range(1, self.steps + 1))
         return tuple(sorted({*steps, *(reader.moment for reader in self.between)}))
 
     @cached_property
     def durations(self) -> tuple[float, ...]:
-        """Lengths of the pieces, s."""
+        """Durations of the pieces, s."""
         if not self.between:
             return (self.period / self.steps,) * self.steps
         return tuple(end - begin for begin, end in pairwise((0.0, *self.moments)))
@@ -140,7 +140,7 @@ class Loop:
     def force(
         self, k: int, references: Sequence[float], readings: Sequence[float], memory: Any
     ) -> tuple[tuple[float, ...], Any]:
-        """Forces of the controllers at sample k, and their new state, as `start`."""
+        """Forces of the controllers at sample k, and their new state in the form of `start`."""
         measured = {reader.signal: value for reader, value in zip(self.controlled, readings, strict=True)}
         ends = np.cumsum([controller.start.size for controller in self.controllers[:-1]], dtype=int)
         states = np.split(memory, ends) if self.law else memory
@@ -156,5 +156,5 @@ class Loop:
 
 
 def runaway(time: float) -> SettingError:
-    """Error message of an unstable loop."""
+    """Error for an unstable loop."""
     return SettingError(f"the axis runs away at t = {time:g} s: lower the controller's gains")

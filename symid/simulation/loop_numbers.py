@@ -1,4 +1,4 @@
-"""A loop and its modes as records of arrays, which the compiled `sample_loop` takes."""
+"""A loop and its stick-slip modes as records of arrays for the compiled `sample_loop`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ IntArray = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class LawNumbers(NamedTuple):
-    """The laws of a plant, and programs: first one for each of their terms, then one for each misread sensor."""
+    """The laws of a plant, and programs: one for each term of a law, then one for each sensor with a reading error."""
 
     directions: FloatArray  # shape (n_laws, n)
     timed: np.ndarray[Any, np.dtype[np.bool_]]  # shape (n_laws,): which depend on more than the motion
@@ -26,20 +26,20 @@ class LawNumbers(NamedTuple):
     terms: IntArray  # shape (n_laws + 1,): first term of each law, and the end of the last
     parameters: FloatArray  # shape (n_terms,)
     remembers: IntArray  # shape (n_terms,): memory on which each term depends, or -1
-    # operations, operands: all programs, one behind the other
+    # operations, operands: all programs, concatenated
     operations: IntArray
     operands: FloatArray
-    ends: IntArray  # begin of each program, and the end of the last
+    ends: IntArray  # start of each program, and the end of the last
     # arguments, stack: space for the programs
     arguments: FloatArray
     stack: FloatArray
     slides: FloatArray  # shape (n_memories, n): directions of the joints with a memory
     reaches: FloatArray  # shape (n_memories,): displacement over which each builds up
-    memories: FloatArray  # shape (n_memories, 2): displacement at which each was left, and its state there
+    memories: FloatArray  # shape (n_memories, 2): displacement of the last update, and the state there
 
     @classmethod
     def of(cls, loop: Loop) -> LawNumbers:
-        """The laws of the plant of a loop and the errors of controlled sensors."""
+        """The laws of a loop's plant, and the reading errors of its controlled sensors."""
         plant, n = loop.plant, len(loop.plant.bodies)
         terms = [term for law in plant.laws for term in law.terms]
         programs = [_program(term.code, _ARGUMENTS) for term in terms]
@@ -78,16 +78,16 @@ class ChannelNumbers(NamedTuple):
     noise: FloatArray  # shape (n_samples, n_signals): their noise
     # shape (n_signals, 3 n): exact readings, as rows on displacements, velocities and accelerations
     rows: FloatArray
-    ages: IntArray  # shape (n_signals,): whole samples by which each is late
+    ages: IntArray  # shape (n_signals,): delay in whole samples
     places: IntArray  # shape (n_signals,): row of `between` that it reads, or -1
     steps: FloatArray  # shape (n_signals,): resolutions
-    misread: IntArray  # shape (n_signals,): program of its error, or -1
+    misread: IntArray  # shape (n_signals,): program of the reading error, or -1
     between: FloatArray  # shape (n_between, 3 n): rows of the sensors that take a value between two samples
-    pieces: IntArray  # shape (n_between,): the piece of a sample at whose end they do
+    pieces: IntArray  # shape (n_between,): piece of a sample at whose end they take it
 
     @classmethod
     def of(cls, loop: Loop, first_program: int) -> ChannelNumbers:
-        """Sensors of a loop; the programs of those misread begin at a number."""
+        """Sensors of a loop; `first_program` is the number of the first program of a reading error."""
         paths, controlled, between = loop.trajectories, loop.controlled, loop.between
         width, moments = 3 * len(loop.plant.bodies), loop.moments
         is_misread = [reader.misread is not None for reader in controlled]
@@ -121,7 +121,7 @@ class ModeNumbers(NamedTuple):
     # joints need, and speeds of sliding joints, positive while they keep direction
     ends: FloatArray
     rates: FloatArray  # shape (n, n_z): accelerations
-    # stuck, varying: laws of the stuck joints, and laws that are not straight lines
+    # stuck, varying: laws of the stuck joints, and laws that are not affine
     stuck: IntArray
     varying: IntArray
     signs: FloatArray  # shape (n_varying,): directions of the varying laws, 0 for both

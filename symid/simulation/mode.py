@@ -1,4 +1,4 @@
-"""Modes of an axis: which joints slide, which way, and which stick. Within a mode the motion is smooth."""
+"""Stick-slip modes of an axis: which joints slide, in which direction, and which stick. In a mode motion is smooth."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from symid.simulation.flow import Flow
 from symid.simulation.plant import JUST_MOVING, JointLaw, Plant
 
 _SPEEDS = (JUST_MOVING, *(0.7 * 10.0**power for power in range(-12, 5)))
-"""Speeds (and displacements) at which a law is looked at, to know whether it is a straight line."""
+"""Speeds and displacements at which a law is evaluated to find out whether it is affine."""
 
 
 @dataclass(frozen=True)
@@ -36,18 +36,18 @@ class StickSlipMode:
     flow : Flow
         Its motion with the joints that stick.
     signs : tuple of float
-        Direction of motion for each law; 0 if its joint sticks, or if it has no level at which it could.
+        Direction of motion for each law; 0 if its joint sticks, or if the law can never hold the joint.
     lines : sequence of AffineForce or None
-        Each law in this mode, if it is a straight line.
+        Each law in this mode, if it is affine in displacement and velocity.
     sliding : sequence of int
-        Laws that can hold their joints and do not now.
+        Laws that could hold their joints but do not in this mode.
 
     Attributes
     ----------
     constant : array of shape (n,)
-        Constant forces of the plant and of the laws that are straight lines; their slopes are the flow's.
+        Constant forces of the plant and of the affine laws; the slopes of these laws are part of the flow.
     varying : tuple of (JointLaw, float)
-        All other laws, and their sign.
+        All other laws and their signs.
     speeds : array of shape (n_sliding, 2 n)
         Rows whose products with the state are the speeds of the sliding joints, positive while they keep direction.
     """
@@ -77,7 +77,7 @@ class StickSlipMode:
         self._fixed = self._limits(np.zeros(2 * n)) if is_fixed else None
 
     def force(self, state: FloatArray) -> FloatArray:
-        """All forces but that of the drive, of shape (n,)."""
+        """All forces except those of the drives, of shape (n,)."""
         force, n = self.constant, len(self.plant.bodies)
         for law, sign in self.varying:
             force = force - law.direction * law_force(
@@ -96,12 +96,12 @@ class StickSlipMode:
 
 
 def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:
-    """Force of a joint that slides in direction `sign`, at speed 0 too; of any joint if `sign` is 0."""
+    """Force of a joint that slides in direction `sign`, also at speed 0; `sign` 0 is for laws that never hold."""
     return law.force(q, sign * max(sign * v, JUST_MOVING) if sign else v)
 
 
 class StickSlipModes:
-    """All modes of a plant, each made when first met.
+    """All stick-slip modes of a plant, each computed when it first occurs.
 
     >>> from symid.axis import load_axis
     >>> from symid.simulation.forward_dynamics import plant_of
@@ -120,7 +120,7 @@ class StickSlipModes:
         self._flow = lru_cache(maxsize=64)(self._make_flow)
 
     def start(self, state: FloatArray) -> tuple[float, ...]:
-        """Signs of a state: joints at rest stick until their laws cannot hold them."""
+        """Signs of a state; a joint at rest sticks until its law cannot hold it."""
         velocities = state[len(self.plant.bodies) :]
         return tuple(
             float(np.sign(law.direction @ velocities)) if held else 0.0
@@ -128,7 +128,7 @@ class StickSlipModes:
         )
 
     def at_rest(self, state: FloatArray, joint: int) -> FloatArray:
-        """Take what rounding has left of a joint's velocity out, by an impulse along its direction."""
+        """Set a joint's velocity to exactly zero by an impulse in the joint; rounding has left a residue."""
         direction, n = self.plant.laws[joint].direction, len(self.plant.bodies)
         velocities = state[n:] - self._impulses[joint] * (direction @ state[n:])
         return np.concatenate([state[:n], velocities])
@@ -149,7 +149,7 @@ class StickSlipModes:
 
 
 def _line(law: JointLaw, sign: float) -> AffineForce | None:
-    """The law for motion in a direction (both, if it is 0) as a straight line, if it is one."""
+    """The law as an affine force for motion in a direction (both if `sign` is 0); None if it is not affine."""
     if law.timed:
         return None
     directions = (sign,) if sign else (-1.0, 1.0)
@@ -158,8 +158,8 @@ def _line(law: JointLaw, sign: float) -> AffineForce | None:
     line = AffineForce(
         level, law.force(1.0, speeds[0]) - level, (law.force(0.0, speeds[-1]) - level) / speeds[-1]
     )
-    # Three points fix the line; many more, over all magnitudes, show whether the law is one. Laws are formulas of few
-    # terms: one that agrees at all of these points is the line.
+    # Three points determine the affine force. Many more, over all magnitudes, test it: a law is a formula of a few
+    # terms, so one that agrees at all of these points is affine.
     places = [(q, v) for q in (-1.3, 0.0, 0.4) for v in speeds]
     places += [(side * q, v) for side in (-1.0, 1.0) for q in _SPEEDS for v in (speeds[0], speeds[-1])]
     if not all(map(math.isfinite, (line.level, line.stiffness, line.damping))):

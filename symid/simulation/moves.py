@@ -25,7 +25,7 @@ class MoveProfile:
     distance : float
         Length of the move, m or rad, positive.
     speed, acceleration : float
-        Speed and acceleration that the move reaches; of a short move less than was allowed.
+        Speed and acceleration that the move reaches; a short move reaches less than allowed.
     jerk_time : float
         Duration of each of the four segments with jerk, s; 0 if the jerk is not limited.
     acceleration_time : float
@@ -94,8 +94,8 @@ class MoveProfile:
     def at(self, time: npt.ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Way covered, velocity and acceleration at given times since the start, s.
 
-        The second half of the move mirrors the first, so that the end is reached to the last digit.
-        Where the jerk is not limited, the acceleration is that just after a jump, and none after the end.
+        The second half of the move mirrors the first, so the end is reached to the last digit.
+        Without a jerk limit the acceleration at a jump is the value just after it, and 0 after the end.
 
         Examples
         --------
@@ -116,7 +116,7 @@ class MoveProfile:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cubics of the first four segments, evaluated at times up to half of the duration.
 
-        At a jump of the acceleration its value is that just after, in mirrored time that just before.
+        At a jump of the acceleration: the value just after it, or just before it in mirrored time.
         """
         ramp, steady, peak = self.jerk_time, self.acceleration_time, self.acceleration
         jerk = peak / ramp if ramp else 0.0
@@ -201,8 +201,7 @@ def trapezoids(
     """Moves there and back, at each speed over each distance, with a dwell after every move.
 
     Every move takes the shortest time that its limits allow, and begins at a sample: move and dwell together
-    are rounded up to whole sampling periods. A move too short to reach its speed or its acceleration is exact
-    as well.
+    are rounded up to whole sampling periods. Moves too short to reach their speed or acceleration are exact too.
 
     Parameters
     ----------
@@ -266,7 +265,7 @@ def trapezoids(
 def _sampled(
     profile: MoveProfile, sampling_period: float, dwell: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Way, velocity and acceleration of a move and its dwell, and what is left of the way."""
+    """Distance covered, velocity and acceleration of a move and its dwell, and the distance still to go."""
     intervals(dwell, sampling_period, "dwell")
     count = intervals(profile.duration, sampling_period, "move")
     whole = max(count, intervals(profile.duration + dwell, sampling_period, "move and dwell"))

@@ -40,7 +40,7 @@ class Multisine(Trajectory):
         Samples of one period.
     steady : tuple of int
         First sample with full amplitude, and the sample after the last: whole periods, whose discrete Fourier
-        transform is zero but at the lines.
+        transform is zero except at the lines.
     """
 
     quantity: Quantity
@@ -65,7 +65,7 @@ class Multisine(Trajectory):
 
 
 def frequency_lines(lowest: float, highest: float, step: float) -> FloatArray:
-    """Evenly spaced frequencies from `lowest` up to `highest`, Hz, the latter included if a step ends there.
+    """Evenly spaced frequencies from `lowest` to at most `highest`, Hz.
 
     Raises
     ------
@@ -100,8 +100,8 @@ def multisine(
 ) -> Multisine:
     """Sum of sines about a position, periodic between a fade-in and a fade-out.
 
-    Position, velocity and acceleration are synthesised from one spectrum, so that each is the exact derivative
-    of the one before. A period is the shortest time that holds whole cycles of every line and whole samples.
+    Position, velocity and acceleration are synthesised from one spectrum: each is the exact derivative of the one
+    before. A period is the shortest time with whole cycles of every line and whole samples.
 
     Parameters
     ----------
@@ -176,9 +176,9 @@ def whole_periods(
     quantity: Quantity = "velocity",
     rng: np.random.Generator | None = None,
 ) -> Multisine:
-    """Multisine of about these frequencies in a given time: whole periods between fades of a tenth of it each.
+    """Multisine at about these frequencies in a given time: whole periods between fades of a tenth of the time each.
 
-    Lines are rounded to whole cycles of a period that is short enough for them to be short fractions of 1 Hz.
+    Lines are rounded to whole cycles of a period that is short enough to keep their frequencies simple fractions.
 
     Examples
     --------
@@ -229,7 +229,7 @@ def _lines(
 
 
 def _common_period(lines: FloatArray, sampling_period: float) -> tuple[float, int]:
-    """Frequency of which the lines and the sampling frequency are multiples, Hz, and samples of its period."""
+    """Greatest common divisor of the lines and the sampling frequency, Hz, and the samples in its period."""
     exact = [_rational(value) for value in (*lines.tolist(), 1.0 / sampling_period)]
     base = Fraction(math.gcd(*(f.numerator for f in exact)), math.lcm(*(f.denominator for f in exact)))
     period = exact[-1] / base
@@ -266,7 +266,7 @@ def _waves(
     base: float,
     period: int,
 ) -> FloatArray:
-    """One period of position, velocity and acceleration, one a row."""
+    """One period of position, velocity and acceleration, as rows."""
     omega = 2.0 * np.pi * lines
     spectrum = np.zeros((3, period // 2 + 1), dtype=np.complex128)
     index = np.rint(lines / base).astype(np.intp)
@@ -277,7 +277,7 @@ def _waves(
 
 
 def _faded(waves: FloatArray, n_steady: int, n_fade: int, sampling_period: float) -> FloatArray:
-    """Position about its centre, velocity and acceleration, one a row: whole periods between two fades."""
+    """Position about its centre, velocity and acceleration, as rows: whole periods between two fades."""
     period = waves.shape[1]
     count = n_steady + 2 * n_fade + (1 if n_fade else 0)
     x, v, a = waves[:, (np.arange(count) - n_fade) % period]

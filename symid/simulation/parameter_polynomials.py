@@ -1,4 +1,4 @@
-"""Polynomials of the physical parameters, one by one and as arrays that are evaluated together."""
+"""Polynomials of the physical parameters, alone and as arrays that are evaluated together."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from symid.arrays import FloatArray
 
 Factors = tuple[tuple[int, int], ...]
-"""Place and power of each parameter in a product."""
+"""Index and power of each parameter in a product."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,20 +28,20 @@ class Polynomial:
 
     @cached_property
     def factors(self) -> tuple[tuple[float, Factors], ...]:
-        """Coefficient, and place and power of each parameter that stands in it, by term."""
+        """Terms as a coefficient and the index and power of each parameter in them."""
         return tuple((c, tuple((i, p) for i, p in enumerate(powers) if p)) for c, powers in self.terms)
 
 
 @dataclass(frozen=True, eq=False)
 class PolynomialArrays:
-    """Arrays of polynomials of the same parameters: most entries are zero, and many share a product of powers.
+    """Arrays of polynomials, mostly zero, whose products of powers are evaluated once and shared.
 
     Parameters
     ----------
     shapes : sequence of tuple of int
-        Of the arrays.
+        Shapes of the arrays.
     entries : sequence of Polynomial
-        Those of all arrays, one after the other.
+        Entries of all arrays, concatenated.
 
     Examples
     --------
@@ -60,14 +60,14 @@ class PolynomialArrays:
         return self._arrays((place, c * products[k]) for place, c, k in self._terms)
 
     def derivative(self, values: Sequence[float], by: int) -> list[FloatArray]:
-        """Derivatives of the arrays by the parameter at a place."""
+        """Derivatives of the arrays by the parameter with an index."""
         return self._arrays(
             (place, c * power * values[by] ** (power - 1) * _product(others, values))
             for place, c, power, others in self._terms_with.get(by, ())
         )
 
     def _arrays(self, terms: Iterable[tuple[int, float]]) -> list[FloatArray]:
-        """Arrays of sums of terms, each at its place."""
+        """The arrays from terms, each an index among all entries and a value; terms of one entry are summed."""
         flat = [0.0] * self._ends[-1]
         for place, value in terms:
             flat[place] += value
@@ -77,23 +77,23 @@ class PolynomialArrays:
 
     @cached_property
     def _ends(self) -> list[int]:
-        """Where each array ends, when all are written one after the other."""
+        """End of each array among the entries of all."""
         return list(accumulate(prod(shape) for shape in self.shapes))
 
     @cached_property
     def _products(self) -> list[Factors]:
-        """The products of powers, each once."""
+        """The distinct products of powers."""
         return list(dict.fromkeys(factors for p in self.entries for _, factors in p.factors))
 
     @cached_property
     def _terms(self) -> list[tuple[int, float, int]]:
-        """Place of the entry, coefficient and place of the product of each term."""
+        """Index of the entry, coefficient and index of the product of each term."""
         places = {factors: k for k, factors in enumerate(self._products)}
         return [(i, c, places[factors]) for i, p in enumerate(self.entries) for c, factors in p.factors]
 
     @cached_property
     def _terms_with(self) -> dict[int, list[tuple[int, float, int, Factors]]]:
-        """Place of the entry, coefficient, power of a parameter and other factors of each term with the parameter."""
+        """By parameter: index of the entry, coefficient, power of the parameter and other factors of each term."""
         found: dict[int, list[tuple[int, float, int, Factors]]] = {}
         for place, c, k in self._terms:
             for own in self._products[k]:

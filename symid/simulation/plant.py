@@ -25,16 +25,16 @@ JUST_MOVING = 1e-300
 _FELT = 1e-200
 """Least force that counts as a jump at rest; a smooth law gives far less at `JUST_MOVING`."""
 _PLACES = (0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0, -1.0)))
-"""Displacements at which a law is asked whether it holds: none, and four a decade from 1 um or urad to 10 m or rad."""
+"""Displacements at which a law may hold its joint: 0, and four in each decade from 1 um or urad to 10 m or rad."""
 
 
 class SensorRow(NamedTuple):
-    """What a sensor reads: motion of the bodies, forces of the drives and a constant.
+    """Reading of a sensor as a linear function of body motion and drive forces, plus a constant.
 
     Parameters
     ----------
     row : array of shape (n_bodies,)
-        Factors of the displacements of the free bodies; of a force those of the displacement in its joint.
+        Factors of the displacements of the free bodies. For a force sensor: those of the displacement in its joint.
     order : int or None
         Derivative that is read: 0 for a position, 1 for a velocity, 2 for an acceleration; None for a force.
     motion : array of shape (3, n_bodies)
@@ -42,7 +42,7 @@ class SensorRow(NamedTuple):
     drives : array of shape (n_drives,)
         Factors of the drive forces in it.
     constant : float
-        Reading of 0.
+        Reading when motion and forces are zero.
     """
 
     row: FloatArray
@@ -59,9 +59,9 @@ class SensorRow(NamedTuple):
 
 
 class ScaledLaw(NamedTuple):
-    """A law as parameter, SI, times expression of displacement and velocity of the joint.
+    """A law: parameter, SI, times an expression of displacement and velocity of the joint.
 
-    `code` is the expression as NumPy code, in which z is the state of the memory of that number, if any.
+    `code` is the expression as NumPy code; its z is the state of the memory with the number `memory`, if there is one.
     """
 
     parameter: float
@@ -86,12 +86,12 @@ class JointLaw:
         return sum(term.parameter * term.expression(q, v) for term in self.terms)
 
     def limits(self, q: float) -> tuple[float, float]:
-        """Lowest and highest force at rest, from either side; they differ where the law can hold the joint."""
+        """Lowest and highest force at rest; they differ where the law can hold the joint."""
         return self.force(q, -JUST_MOVING), self.force(q, JUST_MOVING)
 
     @property
     def can_hold(self) -> bool:
-        """Whether the law jumps at rest at some displacement within 10 m or rad, so that the joint can stick there."""
+        """Whether the joint can stick: the law jumps at rest at some displacement within 10 m or rad."""
         return any(high - low > _FELT for low, high in map(self.limits, _PLACES))
 
 
@@ -112,7 +112,7 @@ class Plant:
     laws : tuple of JointLaw
         Nonlinear laws by joint.
     sensors : mapping of str to SensorRow
-        Displacement that each signal measures, and its derivative.
+        Reading of each sensor, by signal.
     """
 
     bodies: tuple[str, ...]
@@ -126,13 +126,13 @@ class Plant:
 
     @property
     def drive(self) -> FloatArray:
-        """B as a vector of shape (n,), of an axis with one drive."""
+        """B of an axis with one drive, as a vector of shape (n,)."""
         (column,) = self.drives.T
         return np.asarray(column)
 
     @property
     def natural_frequencies(self) -> tuple[float, ...]:
-        """Undamped natural frequencies without the rigid motions, rising, Hz.
+        """Undamped natural frequencies in ascending order, Hz; rigid-body modes are left out.
 
         Examples
         --------
@@ -152,7 +152,7 @@ class Plant:
         return max(self.natural_frequencies, default=0.0)
 
     def follows(self, readings: Mapping[str, tuple[float, float]]) -> FloatArray:
-        """State in which position sensors read values and speeds, and springs are as far at rest as they allow.
+        """State in which position sensors read given values and speeds, with the springs in equilibrium.
 
         Parameters
         ----------
@@ -162,8 +162,8 @@ class Plant:
         Returns
         -------
         array of shape (2 n,)
-            Displacements, which minimise the energy of springs and constant forces, then velocities, at which springs
-            keep their lengths where they can.
+            Displacements of least energy in springs and constant forces, then velocities that leave the springs at
+            their lengths as far as possible.
 
         Examples
         --------
@@ -182,9 +182,9 @@ class Plant:
 
 
 def condensed(dynamics: Any, T: Any, bodies: tuple[str, ...]) -> Any:
-    """A plant in the displacements of some bodies, on which those of all depend: x = T x_bodies.
+    """The plant in terms of the displacements of some bodies, which determine all others: x = T x_bodies.
 
-    A plant of symbols has SymPy's matrices in place of arrays.
+    Also for a plant of symbols, with SymPy matrices in place of arrays.
     """
     return replace(
         dynamics,
@@ -205,7 +205,7 @@ def condensed(dynamics: Any, T: Any, bodies: tuple[str, ...]) -> Any:
 def direction_of(joint: Joint, bodies: Sequence[str]) -> FloatArray:
     """Row whose product with the absolute displacements of a plant's bodies is the displacement in a joint.
 
-    A free body that the plant lacks has no mass: springs alone may act on it.
+    A free body that is not in the plant has no mass; only springs may act on it.
 
     >>> from symid.axis import load_axis
     >>> axis = load_axis("direct_2m1s")
@@ -223,7 +223,7 @@ def direction_of(joint: Joint, bodies: Sequence[str]) -> FloatArray:
 
 
 def _shares(joint: Joint) -> Iterator[tuple[str, float]]:
-    """Displacement in a joint as a sum of factors times the displacements of free bodies."""
+    """Factors of the displacements of free bodies whose sum is the displacement in a joint."""
     if isinstance(joint, Between):
         yield from _absolute(joint.second, 1.0)
         yield from _absolute(joint.first, -joint.ratio)
@@ -236,7 +236,7 @@ def _shares(joint: Joint) -> Iterator[tuple[str, float]]:
 
 
 def _absolute(body: Body | Ground, factor: float) -> Iterator[tuple[str, float]]:
-    """The same of a multiple of the displacement of a body against the ground."""
+    """The factors for a multiple of the displacement of a body relative to the ground."""
     if isinstance(body, Body):
         yield from ((name, factor * share) for name, share in _shares(body))
         if isinstance(body.on, Body) and body.on.turns == body.turns:  # else it turns by its own coordinate

@@ -1,7 +1,7 @@
 """Law expressions as programs in postfix notation, which one compiled function evaluates for numbers.
 
-A law is known when symid runs, so that its own code would have to be compiled for every formula and every process. A
-program is data: the loop that integrates a motion is compiled once for all laws, see `evaluation`.
+Laws are known only at run time: code of a law would have to be compiled for each formula in each process. A program is
+data, so one compiled loop serves all laws; see `evaluation`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _FUNCTIONS = ("abs", "sign", "heaviside", "sin", "cos", "exp")
 CONSTANT, ARGUMENT, ADD, MULTIPLY, POWER, MAXIMUM, FUNCTION = range(7)
-"""Operations; from `FUNCTION` on they are those of `_FUNCTIONS`, in that order."""
+"""Operations; `FUNCTION` + i is function i of `_FUNCTIONS`."""
 _Steps = list[tuple[int, float]]
 
 
@@ -30,7 +30,7 @@ _Steps = list[tuple[int, float]]
 class Program:
     """An expression in postfix notation, for a stack of height `depth`.
 
-    An operand is the number that a constant puts on the stack, or the index of an argument.
+    An operand is the number that a constant pushes on the stack, or the index of an argument.
     """
 
     operations: np.ndarray[tuple[int], np.dtype[np.int64]]
@@ -39,7 +39,7 @@ class Program:
 
 
 def program(law: sp.Expr | str, arguments: tuple[str, ...]) -> Program:
-    """The program of a law in symbols named as the arguments, as expression or NumPy code; SymidError for any other.
+    """Program of a law, given as expression or NumPy code of the arguments; SymidError for any other code.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def program(law: sp.Expr | str, arguments: tuple[str, ...]) -> Program:
 
 
 def _append(node: ast.expr, arguments: tuple[str, ...], steps: _Steps) -> int:
-    """Write the steps of an expression behind others; the height of the stack that it needs."""
+    """Append the steps of an expression; return the height of the stack that it needs."""
     if (number := _number(node)) is not None:
         steps.append((CONSTANT, number))
         return 1
@@ -93,14 +93,14 @@ def _append(node: ast.expr, arguments: tuple[str, ...], steps: _Steps) -> int:
 def _joined(
     operation: int, left: ast.expr, right: ast.expr, arguments: tuple[str, ...], steps: _Steps
 ) -> int:
-    """Write the steps of two operands and of what joins them; the height of the stack."""
+    """Append the steps of two operands and of their operation; return the height of the stack."""
     height = max(_append(left, arguments, steps), 1 + _append(right, arguments, steps))
     steps.append((operation, 0.0))
     return height
 
 
 def _function_name(node: ast.expr) -> str:
-    """Name of the function that is called, of NumPy or built in; empty if none is."""
+    """Name of the NumPy or built-in function that is called; empty for any other expression."""
     match node:
         case ast.Call(
             func=ast.Attribute(value=ast.Name(id="np"), attr=name) | ast.Name(id=name), keywords=[]
@@ -111,7 +111,7 @@ def _function_name(node: ast.expr) -> str:
 
 
 def _number(node: ast.expr) -> float | None:
-    """Value of an expression of numbers alone; None for any other."""
+    """Value of a constant expression; None for any other."""
     match node:
         case ast.Constant(value=int() | float() as value):
             return float(value)

@@ -20,7 +20,7 @@ from symid.simulation.trajectory import Trajectory
 
 _SPLINE = 5
 _SLOWEST_HZ = 1000.0
-"""Rate below which a controller whose rate is not given runs at a multiple of that of the log."""
+"""Least rate of a controller whose rate is not given; it runs at a multiple of the rate of the log."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,15 @@ class ClosedLoop:
     Parameters
     ----------
     axis : Axis
-        The declared axis; noise and steps of its signals do not count, delays of its sensors do.
+        The declared axis; noise and resolution of its signals are ignored, delays of its sensors are not.
     controller : Controller or sequence of Controller, optional
-        That of the machine, or one for each drive; cascades tuned to the parameters, or read from the log, if absent.
+        Controller of the machine, or one for each drive; by default cascades, tuned to the parameters or read from the
+        log.
     rate_hz : float, optional
-        Rate of the controller, a multiple of that of the log; the least one above 1 kHz if it is not given.
+        Rate of the controller, a multiple of the rate of the log; by default the lowest one of at least 1 kHz.
     trajectory : Trajectory or sequence of Trajectory, optional
-        The commanded motion at the controller's rate, or one for each drive; by splines that of the log's column
-        reference, or reference_F of a drive F, if not given.
+        Commanded motion at the controller's rate, or one for each drive. By default it is interpolated by splines from
+        the log's column reference, or reference_F of a drive F.
 
     Raises
     ------
@@ -67,9 +68,9 @@ class ClosedLoop:
 
     @classmethod
     def with_gains(cls, axis: Axis, gains: Mapping[str, float], rate_hz: float | None = None) -> ClosedLoop:
-        """The loop under a cascade of given gains for each drive, by the fields of `Cascade`; those left out are 0.
+        """The loop under a cascade for each drive with given gains, by field of `Cascade`; other gains are 0.
 
-        Without any, the controller is left open; SettingError if there are gains, but none of the velocity loop.
+        Without gains the controller stays undetermined. SettingError if the gain of the velocity loop is missing.
         """
         loop = cls(axis, rate_hz=rate_hz)
         if not gains:
@@ -81,17 +82,16 @@ class ClosedLoop:
         return replace(loop, controller=(first, *others) if others else first)
 
     def tuned(self, parameters: Mapping[str, float]) -> ClosedLoop:
-        """The loop with cascades tuned to parameters."""
+        """The loop with cascades tuned to parameter values."""
         return replace(
             self,
             controller=tuned_cascades(plant_of(self.axis, parameters), self.axis.controlled_signals),
         )
 
     def run(self, parameters: Mapping[str, float], log: Log) -> Log:
-        """Log of the simulated axis, with the samples of the given log.
+        """Log of the simulated axis at the samples of the given log.
 
-        Its force is held over the controller's period: it acts half of that after its samples, as
-        `held_for` states.
+        The force is held over the controller's period (`held_for`): on average it acts half a period late.
 
         Raises
         ------
@@ -107,7 +107,7 @@ class ClosedLoop:
         ).log
 
     def check(self, log: Log) -> None:
-        """SettingError if the log has no reference, or its rate does not divide that of the controller."""
+        """SettingError if the log has no reference, or the controller's rate is not a multiple of its rate."""
         if self.trajectory is None and not all(name in log.signals for name in self.reference_columns(log)):
             raise SettingError(
                 f"{log.source} has no column reference (the commanded position), without which the closed loop cannot "
@@ -120,12 +120,12 @@ class ClosedLoop:
         return log.sampling_period / self._samples_for_one(log)
 
     def reference_columns(self, log: Log) -> tuple[str, ...]:
-        """Column of the log with the reference of each drive: the common one where it has none."""
+        """Column with the reference of each drive: its own, or else the common one."""
         own = (f"{REFERENCE}_{drive.signal}" for drive in self.axis.drives)
         return tuple(name if name in log.signals else REFERENCE for name in own)
 
     def _references(self, log: Log) -> tuple[Trajectory, ...]:
-        """Commanded motions from zero at the controller's rate; where they begin does not matter to an axis at rest."""
+        """Commanded motions at the controller's rate, shifted to begin at zero, where the simulated axis rests."""
         given = self.trajectory
         if given is not None:
             paths = (given,) * len(self.axis.drives) if isinstance(given, Trajectory) else tuple(given)
@@ -146,7 +146,7 @@ class ClosedLoop:
 
 
 def _splined(reference: FloatArray, log: Log, factor: int) -> Trajectory:
-    """Reference of a log at `factor` times its rate, by splines of the fifth order."""
+    """Reference of a log at `factor` times its rate, by quintic splines."""
     order = max(min(_SPLINE, (reference.size - 1) // 2 * 2 - 1), 1)
     spline = scipy.interpolate.make_interp_spline(np.arange(reference.size), reference, order)
     places = np.arange((reference.size - 1) * factor + 1) / factor

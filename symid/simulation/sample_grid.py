@@ -27,9 +27,9 @@ def positive(value: float, what: str, unit: str) -> float:
 
 
 def intervals(seconds: float, sampling_period: float, what: str) -> int:
-    """Sampling periods, s, that hold a duration of 0 s or more: the next whole number.
+    """Number of sampling periods, s, in a duration of 0 s or more, rounded up.
 
-    SettingError if that is impossible, or the samples are more than `MOST_SAMPLES`; `what` names the duration in it.
+    SettingError if the duration is not possible or has more than `MOST_SAMPLES`; `what` names it in the message.
 
     >>> intervals(0.3, 0.1, "dwell"), intervals(0.31, 0.1, "dwell")
     (3, 4)
@@ -52,7 +52,7 @@ def envelope(
     """Envelope that rises from 0 to 1 and falls to 0 again, with its first and second time derivatives.
 
     The flanks, of `n_fade` of all `n_intervals`, are polynomials of degree 7 whose first three derivatives vanish at
-    both ends, so that a faded motion begins and ends at rest with neither velocity, acceleration nor jerk.
+    both ends: a faded motion begins and ends with zero velocity, acceleration and jerk.
 
     >>> value, slope, bend = envelope(8, 4, 0.5)
     >>> value.tolist()[:5], slope.tolist()[2], bend.tolist()[2]

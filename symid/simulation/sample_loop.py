@@ -1,4 +1,4 @@
-"""Samples of a loop within one mode, compiled. Numba takes 0.3 s to import: a simulation imports this as it runs.
+"""Samples of a loop within one stick-slip mode, compiled; imported when a simulation runs, as Numba takes 0.3 s.
 
 The arguments `law`, `channels`, `laws`, `mode` and `record` are records of `loop`, `loop_numbers` and `sensor_channel`.
 """
@@ -15,13 +15,13 @@ _RUNAWAY = 1e150
 
 @compiled
 def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, after):  # type: ignore[no-untyped-def]
-    """Advance from sample `begin` up to `end`; how many samples came before one with an event.
+    """Advance from sample `begin` to `end`, or to a sample with an event; return how many samples were made.
 
-    Within a sample laws that vary act as at the middle of each piece. Where a force is beyond the limit of its law,
-    `ask(k)` has the controllers write the forces to the record and their state to `after`; it returns 0, or 1 to stop.
-    `memory`, the state of the controllers, and `laws.memories` are those after the last sample.
+    Varying laws act over each piece of a sample with their force at its middle. Where a force exceeds the limit of its
+    linear law, `ask(k)` has the controllers write the forces to the record and their state to `after`; it returns 0, or
+    1 to stop. `memory`, the state of the controllers, and `laws.memories` are left as after the last sample made.
     """
-    # Each use of a record's field counts references: the fields that all samples use are named first.
+    # Numba counts references at each access to a field: the fields used by all samples are read once, here.
     (states, accelerations, forces, between), (law_after, law_forces, limits) = record, law
     references, noise, steps, misread = channels.references, channels.noise, channels.steps, channels.misread
     readings, rows, ages, places = channels.readings, channels.rows, channels.ages, channels.places
@@ -33,7 +33,7 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
     for k in range(begin, end):
         inputs[:n_memory] = memory
         inputs[n_memory : n_known - ages.size] = references[k]
-        # Readings of sample k see the motion up to it, and forces act after it: there is no algebraic loop.
+        # Readings of sample k depend on the motion up to it, and forces act after it: there is no algebraic loop.
         for i in range(ages.size):
             value = _taken(k - 1 - ages[i], places[i], rows, i, states, accelerations, between)
             if misread[i] >= 0:
@@ -50,7 +50,7 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
             return k - begin
         if not asked:
             _product(law_after, inputs, after)
-        # The mode holds over the whole sample, or this sample is not made: the engine then finds the event within it.
+        # If the mode does not hold over the whole sample, the sample is left to the engine, which locates the event.
         z[n_state : n_state + n_drives] = forces[k]
         if is_timed:
             load = forces[k, 0] if forces.shape[1] == 1 else np.abs(forces[k]).sum()
@@ -83,7 +83,7 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
 
 @compiled
 def recursion(matrix, start, inputs):  # type: ignore[no-untyped-def]
-    """States z[k + 1] = matrix @ z[k] + inputs[k], the start first; of shape (n + 1, m)."""
+    """States z[k + 1] = matrix @ z[k] + inputs[k] from z[0] = start; shape (n + 1, m)."""
     states = np.zeros((len(inputs) + 1, start.size))
     states[0] = start
     for k in range(len(inputs)):
@@ -102,7 +102,7 @@ def _dot(rows, i, values):  # type: ignore[no-untyped-def]
 
 @compiled
 def _taken(interval, place, rows, i, states, accelerations, between):  # type: ignore[no-untyped-def]
-    """Exact value that a sensor takes in an interval between samples: that of the start before the first one."""
+    """Exact value that a sensor takes in an interval between samples; before the first one, the value at the start."""
     if place >= 0 and interval >= 0:
         return between[place, interval]
     return _exact(rows, i, max(interval + 1, 0), states, accelerations)
@@ -110,7 +110,7 @@ def _taken(interval, place, rows, i, states, accelerations, between):  # type: i
 
 @compiled
 def _exact(rows, i, k, states, accelerations):  # type: ignore[no-untyped-def]
-    """Exact value of a sensor at a sample."""
+    """Exact reading of a sensor at a sample."""
     value, n = 0.0, states.shape[1]
     for j in range(n):
         value += rows[i, j] * states[k, j]
@@ -127,7 +127,7 @@ def _product(matrix, z, out):  # type: ignore[no-untyped-def]
 
 @compiled
 def _moves(begin, end, held, z, out):  # type: ignore[no-untyped-def]
-    """Motion over a piece of a sample, to `out`; whether no sliding joint turned and every stuck joint held."""
+    """Write the motion over a piece of a sample to `out`; return whether the stick-slip mode held."""
     if len(held):
         _product(begin, z, out)
         if not _holds(out, len(begin) - len(held), held):
@@ -138,7 +138,7 @@ def _moves(begin, end, held, z, out):  # type: ignore[no-untyped-def]
 
 @compiled
 def _bends(piece, z, out, laws, mode):  # type: ignore[no-untyped-def]
-    """The same where laws vary: they act as at the middle of the piece."""
+    """As `_moves` with varying laws, whose force at the middle of the piece acts (exponential midpoint rule)."""
     n_state = 2 * laws.directions.shape[1]
     _act(z, z, laws, mode)
     _product(mode.begins[piece], z, out)
@@ -159,7 +159,7 @@ def _holds(out, first, limits):  # type: ignore[no-untyped-def]
 
 @compiled
 def _goes_on(out, n_state, limits):  # type: ignore[no-untyped-def]
-    """Whether stuck joints hold and sliding ones keep direction; false for an axis that runs away."""
+    """Whether stuck joints hold, sliding ones keep their direction, and the axis does not run away."""
     for i in range(n_state):
         if not abs(out[i]) < _RUNAWAY:
             return False
@@ -195,7 +195,6 @@ def _act(state, z, laws, mode):  # type: ignore[no-untyped-def]
 
 @compiled
 def _slide(directions, j, state):  # type: ignore[no-untyped-def]
-    """Displacement in a joint."""
     q = 0.0
     for b in range(directions.shape[1]):
         q += directions[j, b] * state[b]
@@ -204,7 +203,7 @@ def _slide(directions, j, state):  # type: ignore[no-untyped-def]
 
 @compiled
 def _law(j, q, v, laws):  # type: ignore[no-untyped-def]
-    """Force of a joint."""
+    """Force of all laws of a joint."""
     total = 0.0
     for term in range(laws.terms[j], laws.terms[j + 1]):
         laws.arguments[0], laws.arguments[1] = q, v

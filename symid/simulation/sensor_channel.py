@@ -42,9 +42,9 @@ class MotionRecord(NamedTuple):
 class SensorChannel:
     """A sensor in a simulation.
 
-    In each interval between two samples of the controller it takes one value, `moment` after the begin of the interval;
-    sample k reads the value of interval k - 1 - age. Without delay the moment is the interval's end. `misread` is the
-    reading with the error of the sensor, as NumPy code in terms of the exact value y.
+    In each interval between two samples of the controller it takes one value, `moment` after the start of the interval;
+    sample k reads the value of interval k - 1 - age. Without delay the moment is the end of the interval. `misread` is
+    NumPy code of the erroneous reading as a function of the exact value y.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class SensorChannel:
     def read_all(self, record: MotionRecord, between: Sequence[SensorChannel]) -> FloatArray:
         """Readings at all samples; the sensors `between` have a row in the record's array of that name."""
         exact = np.hstack([record.states, record.accelerations]) @ self.motion_row
-        # Forces are held: of one that jumps at a sample the mean of both sides is read.
+        # Forces are held and jump at samples, where the mean of both sides is read.
         acting = record.forces @ self.reading.drives
         if self.is_between:
             inner = record.between[between.index(self)] + acting

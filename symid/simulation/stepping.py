@@ -1,7 +1,7 @@
-"""The course of a simulation: samples of the compiled loop, and samples with an event by the engine.
+"""The course of a simulation: the compiled loop, and the engine for samples with an event.
 
 The compiled loop stops before a sample in which a joint sticks or slips, or the force of a drive reaches its limit.
-That sample is made by the controllers' own laws and, with an event, by the engine, which locates it exactly.
+The controllers' own laws then compute the force of this sample, and the engine locates the event exactly.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from symid.simulation.sensor_channel import MotionRecord
 
 
 class SimulationRun:
-    """A simulation in progress; its record holds the first state, or it continues the run `after` which it comes."""
+    """A simulation in progress: it begins at the first state of its record, or continues the run `after`."""
 
     def __init__(self, loop: Loop, record: MotionRecord, after: SimulationRun | None = None) -> None:
         from symid.simulation import sample_loop  # numba takes 0.3 s to import
@@ -79,7 +79,7 @@ class SimulationRun:
                 raise runaway(self.loop.trajectories[0].time[self._made]) from error
 
     def _answer(self, k: int) -> int:
-        """Have the controllers' own laws set the forces of a sample: 0, or 1 for an error, which is kept."""
+        """Set the forces of a sample by the controllers' own laws; return 0, or 1 for an error, which is stored."""
         references, readings = self._channels.references[k].tolist(), self._channels.readings.tolist()
         self._asked = k
         try:
@@ -95,7 +95,7 @@ class SimulationRun:
         return 0
 
     def _event(self) -> None:
-        """One sample by the engine, which locates events, under the forces that the record has."""
+        """Advance one sample with the engine, which locates events, under the recorded forces."""
         loop, record, k, engine = self.loop, self.record, self._made, self._engine
         engine.state, forces = record.states[k].copy(), record.forces[k].copy()
         if loop.moment is not None:

@@ -33,7 +33,7 @@ class Trajectory:
     sampling_period : float
         Time between two samples, s.
     name : str
-        Name of the trajectory in messages and logs.
+        Name in messages and logs.
     start : float
         Time of the first sample, s.
 
@@ -75,7 +75,7 @@ class Trajectory:
 
     @property
     def n_samples(self) -> int:
-        """Samples of the trajectory."""
+        """Number of samples."""
         return self.position.size
 
     @property
@@ -101,7 +101,7 @@ class Trajectory:
         )
 
     def checked(self, limits: Limits | None) -> Self:
-        """The trajectory itself; SettingError if a sample is beyond the limits, with what to change."""
+        """The trajectory itself; SettingError with a remedy if a sample exceeds the limits."""
         if limits is not None:
             limits.check(self.name, self.extremes)
         return self
@@ -116,11 +116,11 @@ class Trajectory:
         )
 
     def shifted(self, by: float) -> Trajectory:
-        """The motion about another place: `by` (m or rad) is added to each position."""
+        """The trajectory with `by` (m or rad) added to each position."""
         return self.with_motion(position=self.position + by)
 
     def then(self, other: Trajectory) -> Trajectory:
-        """The trajectory and then `other`, whose first sample is the last one of this.
+        """The trajectory followed by `other`, whose first sample coincides with the last one here.
 
         Raises
         ------
@@ -147,7 +147,7 @@ class Trajectory:
         )
 
     def dwell(self, seconds: float) -> Trajectory:
-        """The trajectory and then rest at its last position for `seconds`, at least.
+        """The trajectory followed by rest at its last position for at least `seconds`.
 
         Raises
         ------
@@ -181,7 +181,7 @@ class Trajectory:
             )
 
     def with_motion(self, **changed: Any) -> Trajectory:
-        """A plain trajectory with other arrays or another name, by field."""
+        """A plain trajectory with changed fields."""
         names = [item.name for item in fields(Trajectory)]
         return Trajectory(**{name: getattr(self, name) for name in names} | changed)
 

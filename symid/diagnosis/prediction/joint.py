@@ -10,7 +10,7 @@ import numpy as np
 from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.record import SLOW_SHARE, Record
-from symid.simulation.forward_dynamics import LawTerm
+from symid.simulation.dynamics_terms import LawTerm
 
 
 @dataclass(frozen=True, eq=False)
