@@ -21,7 +21,7 @@ _SETTLING = 4
 def applied(
     model: State, record: Record, allowed: BoolArray | None = None, placed: Sequence[Placed] | None = None
 ) -> tuple[State, Weighting]:
-    """A model with its values, and its effects or others, under another record, and the weighting of that."""
+    """A model with its values, and its effects or others, under another record; and the weighting there."""
     effects = model.placed if placed is None else tuple(placed)
     state, weighting = first_state(record, model.prediction.parameters, allowed, held_out=True)
     if model.prediction.levels:
@@ -35,7 +35,7 @@ def applied(
 
 
 def _levels_on(record: Record, model: State) -> list[float]:
-    """Errors of a model that weights allow for, in multiples of the noise of another record, which may have less."""
+    """Errors of a model that weights allow for, in multiples of the noise of another record, which may be lower."""
     own = model.prediction.record
     errors = dict(zip(own.outputs, np.array(model.prediction.levels) * own.noise_of_outputs, strict=True))
     levels = [errors[name] for name in record.outputs] / record.noise_of_outputs
@@ -43,7 +43,7 @@ def _levels_on(record: Record, model: State) -> list[float]:
 
 
 def _timed(state: State, weighting: Weighting) -> State:
-    """The state with the shapes that fit its record best, where shapes belong to a log."""
+    """The state with the best-fitting shapes of effects whose shapes belong to a log."""
     for i, item in enumerate(state.placed):
         shapes = (item.shape, *item.effect.shapes_of_log(state.prediction.record, item.shape))
         if len(shapes) > 1:
@@ -57,7 +57,7 @@ def _timed(state: State, weighting: Weighting) -> State:
 
 
 def errors_of(state: State, weighting: Weighting) -> FloatArray:
-    """Weighted errors without what unknown starts and values of the log itself explain; nan where no row is kept."""
+    """Weighted errors less the part that unknown initial states and values of the log explain; nan in rows not kept."""
     error = weighting.known(state.rows, state.beginning)
     of_log = _belongs_to_log(state)
     columns = weighting.known(weighting.rows(derivatives(state)[of_log]), state.beginning)
@@ -69,13 +69,13 @@ def errors_of(state: State, weighting: Weighting) -> FloatArray:
 
 
 def fitted_to_log(state: State, weighting: Weighting) -> State:
-    """The state with the phases, moments and zeros that fit its log; all other values stay."""
+    """The state with phases, moments and zeros fitted to its log; all other values stay."""
     of_log = _belongs_to_log(state)
     return fitted(state, weighting, ITERATIONS, of_log).state if of_log.any() else state
 
 
 def _belongs_to_log(state: State) -> BoolArray:
-    """Which free values belong to the log, shape (n_columns,): parameters declared so, effects in time."""
+    """Free values that belong to the log, shape (n_columns,): parameters declared so, and effects in time."""
     dynamics = state.prediction.record.dynamics
     own = [name in dynamics.axis.log_parameters for name in dynamics.parameters]
     for item in state.placed:

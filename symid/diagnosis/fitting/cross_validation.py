@@ -1,15 +1,15 @@
-"""Errors of a fitted model on blocks of the log that are left out, one after the other.
+"""Block cross-validation of a fitted model: errors on each block of the log when it is left out of the fit.
 
 For a model that is linear in its free values, the error of a block that takes no part in the fit follows from the fit
 to all rows (Allen's PRESS for blocks): with columns J and error r of the block, and the normal matrix A of all rows,
 
     r' = r + J (A - w J^T J)^-1 w J^T r
 
-With w = 1 a value that hardly any other block shows, such as the limit of a drive that saturates once, would go
-anywhere; w leaves the block a small weight, so that what nothing else determines stays where it was.
+With w = 1 a value that only this block determines, such as the limit of a drive that saturates once, would be
+arbitrary; w < 1 leaves the block a small weight, so such a value stays where it was.
 
-The same sums give standard deviations that hold for errors of any correlation within a block (the sandwich of Huber
-and White, with blocks as clusters).
+The same sums give standard deviations for errors with any correlation within a block (cluster-robust covariance of
+Huber and White, with blocks as clusters).
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ class Blocks:
     scale: FloatArray  # shape (n_columns,): their norms before
     errors: FloatArray  # shape (n_outputs, n_kept): weighted errors
     members: Sequence[slice]  # rows of each block
-    # shape (n_columns,): values that are estimated again where a block is left out: not those in which the
-    # prediction is far from linear
+    # shape (n_columns,): values that are estimated again when a block is left out; values in which the prediction
+    # is far from linear are not
     free: BoolArray
 
     @cached_property
@@ -58,7 +58,7 @@ class Blocks:
 
     @cached_property
     def squares(self) -> FloatArray:
-        """Sums of squares of the errors of each block when it is left out, of shape (n_outputs, n_blocks)."""
+        """Sum of squared errors of each block when it is left out, of shape (n_outputs, n_blocks)."""
         whole, free = self._normal.sum(axis=0), np.flatnonzero(self.free)
         columns = self.columns[free]
         found = np.zeros((len(self.errors), len(self.members)))
@@ -71,9 +71,9 @@ class Blocks:
         return found
 
     def least_seen(self, n: int) -> float:
-        """Least square of a combination of the last columns, of unit size, without what the others explain.
+        """Least sum of squares of a unit combination of the last columns after projection on the others.
 
-        Columns that no row feels do not count, such as the moment of a change while the axis rests.
+        Columns that are zero do not count, such as that of a change at a moment when the axis rests.
         """
         whole = self._normal.sum(axis=0)
         felt = np.flatnonzero(np.diag(whole) > _UNFELT)
@@ -87,7 +87,7 @@ class Blocks:
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Covariance of the free values, errors of a block correlated in any way."""
+        """Covariance of the free values, for errors with any correlation within a block."""
         inverse = np.linalg.pinv(self._normal.sum(axis=0), rcond=_RANK**1.4, hermitian=True)
         n = len(self.members)
         meat = self._gradients.T @ self._gradients * (n / max(n - len(inverse) / 2, 1))
@@ -95,7 +95,7 @@ class Blocks:
 
 
 def blocks_of(state: State, weighting: Weighting, columns: FloatArray) -> Blocks:
-    """A fitted model in blocks of the same number of rows.
+    """A fitted model in blocks of equal length.
 
     `columns` are weighted derivatives of the prediction by its values, of shape (n_columns, n_outputs, n_rows).
     """
@@ -113,14 +113,14 @@ def blocks_of(state: State, weighting: Weighting, columns: FloatArray) -> Blocks
 
 
 def _blocks(n: int) -> list[slice]:
-    """Rows one after the other in blocks, the first of which have one row more where they cannot be equal."""
+    """Contiguous blocks of rows; the first blocks have one row more where the number does not divide."""
     lengths = np.full(N_BLOCKS, n // N_BLOCKS) + (np.arange(N_BLOCKS) < n % N_BLOCKS)
     ends = np.cumsum(lengths)
     return [slice(int(end - length), int(end)) for length, end in zip(lengths, ends, strict=True)]
 
 
 def _free(state: State) -> BoolArray:
-    """All physical parameters and amplitudes; shapes only where these are all that an effect has."""
+    """All physical parameters and amplitudes; shapes only of effects without amplitudes."""
     free = [True] * len(state.prediction.parameters)
     for item in state.placed:
         amplitudes = item.n_free - len(item.shape)
@@ -148,12 +148,12 @@ def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
 
 
 def log_likelihood(squares: FloatArray, n_rows: float) -> float:
-    """Logarithm of the likelihood of errors of unknown level in each output, except for a constant; as `certainty`."""
+    """Log-likelihood of errors of unknown level in each output, up to a constant; arguments as in `certainty`."""
     return float(_log_likelihoods(squares, n_rows))
 
 
 def _log_likelihoods(squares: FloatArray, n_rows: float) -> FloatArray:
-    """The same for squares of any number of draws of the blocks, of shape (n_outputs, ..., n_blocks)."""
+    """`log_likelihood` for any number of draws of the blocks, of shape (n_outputs, ..., n_blocks)."""
     levels = np.maximum(squares.sum(axis=-1), np.finfo(float).tiny)
     return np.asarray(-0.5 * n_rows * np.sum(np.log(levels), axis=0))
 

@@ -1,8 +1,9 @@
-"""Standard deviations of what was fitted, by two routes: the larger counts.
+"""Standard deviations of fitted values; the larger of two estimates counts.
 
-Errors taken as an autoregressive process show the effect of noise. The scatter of the gradients of blocks shows that of
-errors of the model, which are correlated over any time. What takes part in a combination that leaves the prediction as
-it is, as a mass and the force constant of its drive do, is not determined: its deviation is infinite.
+The first takes the errors as an autoregressive process and shows the effect of noise. The second, from the scatter of
+the gradients of blocks, shows the effect of model errors with any correlation. A value is not determined if it takes
+part in a combination that leaves the prediction unchanged, such as a mass and the force constant of its drive: its
+deviation is infinite.
 """
 
 from __future__ import annotations
@@ -15,18 +16,19 @@ from symid.diagnosis.prediction.weighting import autoregression
 
 AR_ORDER = 6
 _NULL = 1e-13
-"""Eigenvalues of the normal matrix of columns of unit length, relative to the largest, up to which one is 0."""
+"""Relative eigenvalue of the normal matrix of unit columns below which it counts as 0."""
 _TAKES_PART = 1e-3
-"""Least component of a value in a combination that is not determined."""
+"""Least component with which a value takes part in an undetermined combination."""
 
 
 def standard_deviations(fit: Fit) -> FloatArray:
-    """Of parameters and effects' values, in their units, of shape (n_columns,)."""
+    """Standard deviations of parameters and values of effects, in their units, of shape (n_columns,)."""
     noise = autoregression(fit.left, fit.weighting.kept, AR_ORDER)
     columns = noise.apply(fit.base)
     scale = np.linalg.norm(columns, axis=1)
     scale = np.where(scale > 0, scale, 1.0)
     unit = columns / scale[:, None]
+    # Variances from the eigenvectors that the rows determine; the null space marks the undetermined values.
     squares, directions = np.linalg.eigh(unit @ unit.T)
     seen = squares > _NULL * squares[-1]
     variances = directions[:, seen] ** 2 @ (1 / squares[seen])

@@ -21,20 +21,20 @@ from symid.errors import SettingError, SymidError
 
 _LARGEST_SHAPE_STEP = 0.3
 _LARGEST_MOMENT_STEP = 0.01
-"""Of the moment of a change, relative to the log: what the error says of it holds nearby only."""
+"""Largest step of the moment of a change, relative to the log: its derivative is valid only nearby."""
 _SMALLER = 0.3
-"""Factor by which a mass or a stiffness may fall in a step: it stays positive while all else moves."""
+"""Least factor by which a mass or stiffness may change in a step, which keeps it positive."""
 _DAMPINGS = (0.0, 1e-4, 1e-2, 0.3, 5.0)
-"""Relative to the squares of the columns; with the last one, a step is a sixth of that of steepest descent."""
+"""Damping relative to the squares of the columns; the last one leaves a sixth of the steepest-descent step."""
 _SETTLED = 1e-5
-"""Share of the squares by which a step must lower them: for thousands of rows, some percent of likelihood."""
+"""Least relative decrease of the sum of squares in a step; with thousands of rows, a few percent of likelihood."""
 _RANK = 1e-10
 ITERATIONS = 10
-"""Of a fit that may begin far off, at most."""
+"""Most iterations of a fit that may begin far off."""
 _MOST_FITS, _FALLS = 6, 0.98
-"""Fits in which what was found is fitted on, while each leaves less than this share of the one before."""
+"""Most fits that continue another, as long as each leaves less than this share of the error before it."""
 _ALLOWED_ERROR = 0.1
-"""Share of the error left that the weights take for error of the model."""
+"""Share of the remaining error that the weights allow for as error of the model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +49,13 @@ class Fit:
     nominal: Mapping[str, float] = field(default_factory=dict)
 
     def after(self, other: Fit) -> Fit:
-        """The same fit, with what was given to the one that it goes on from."""
+        """The fit with the initial inertia and nominal values of the fit that it continues."""
         return replace(self, begun=other.begun, nominal=other.nominal)
 
     def released(self) -> Fit:
-        """The same without what follows from it, which is computed again where it is needed: a search keeps many.
+        """The fit without its cached arrays, which are recomputed on demand: a search keeps many fits.
 
-        What they leave is asked of all of them, and kept.
+        Only `squares` stay cached, as every fit is asked for them.
         """
         state = replace(self.state, prediction=replace(self.state.prediction))
         kept = replace(self, state=state, weighting=self.weighting.released())
@@ -69,7 +69,7 @@ class Fit:
 
     @cached_property
     def columns(self) -> FloatArray:
-        """The same, weighted, of shape (n_columns, n_outputs, n_rows)."""
+        """Weighted rows of `spectra`, of shape (n_columns, n_outputs, n_rows)."""
         return self.weighting.rows(self.spectra)
 
     @property
@@ -79,62 +79,62 @@ class Fit:
 
     @cached_property
     def error(self) -> FloatArray:
-        """Weighted rows, kept ones one after the other, without what unknown starts explain.
+        """Weighted errors in the kept rows, concatenated, less the part that unknown initial states explain.
 
-        What the columns could still explain stays in them: a value at its bound is not a perfect fit.
+        The part that the columns could still explain is included: with a value at its bound the fit is not perfect.
         """
         return self.weighting.known(self.state.rows, self.state.beginning)
 
     @cached_property
     def cost(self) -> float:
-        """Sum of their squares."""
+        """Sum of squares of `error`."""
         return float(self.error @ self.error)
 
     @property
     def left(self) -> FloatArray:
-        """The same as rows, zero where none are kept; shape (n_outputs, n_rows)."""
+        """`error` as rows, zero where a row is not kept; shape (n_outputs, n_rows)."""
         rows = np.zeros_like(self.state.rows)
         rows[:, self.weighting.kept] = self.error.reshape(len(rows), -1)
         return rows
 
     @cached_property
     def blocks(self) -> Blocks:
-        """The model block by block, for what it predicts of blocks that are left out."""
+        """The model block by block, for cross-validation."""
         return blocks_of(self.state, self.weighting, self.columns)
 
     @property
     def n_rows(self) -> float:
-        """Independent rows of an output."""
+        """Number of independent rows of an output."""
         return float(self.weighting.kept.sum()) * self.state.prediction.record.freedom
 
     @property
     def predicted(self) -> float:
-        """Logarithm of the likelihood of the blocks when they are left out, except for a constant."""
+        """Log-likelihood of the blocks when they are left out, up to a constant."""
         return log_likelihood(self.blocks.squares, self.n_rows)
 
     @property
     def base(self) -> FloatArray:
-        """All columns, with those of unknown starts, of shape (n, n_outputs, n_rows)."""
+        """All columns, including those of unknown initial states, of shape (n, n_outputs, n_rows)."""
         return np.concatenate([self.columns, self.state.beginning, self.weighting.restarts])
 
     @cached_property
     def squares(self) -> FloatArray:
-        """Mean square of the kept rows of each output, 1 if noise alone is left; shape (n_outputs,)."""
+        """Mean square of the kept rows of each output, 1 if only noise is left; shape (n_outputs,)."""
         floor = self.state.prediction.noise_through(self.weighting.density)
         rows = self.error.reshape(len(self.state.rows), -1)
         return np.asarray(np.mean(rows**2, axis=1) / floor)
 
     @property
     def mean_square(self) -> float:
-        """Of the rows kept: 1 if noise alone is left."""
+        """Mean of `squares`: 1 if only noise is left."""
         return float(np.mean(self.squares))
 
     @property
     def levels(self) -> tuple[float, ...]:
-        """Errors of the outputs that weights should allow for, in multiples of their noise.
+        """Errors of the outputs that the weights should allow for, in multiples of their noise.
 
-        Where the model errs by more than the noise, weights that allow for the noise alone would lay all stress on the
-        few frequencies with the least of it, and would let one sensor rule the others.
+        Where the error of the model exceeds the noise, weights by noise alone would fit only the few frequencies with
+        the least noise, and one sensor would dominate the others.
         """
         excess = np.maximum(self.squares - 1, 0.0)
         return tuple(float(x) for x in np.sqrt(1 + _ALLOWED_ERROR**2 * excess))
@@ -148,7 +148,7 @@ def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
 
 
 def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolArray | None = None) -> Fit:
-    """Gauss-Newton from a state, whose effects are fitted too; `free` are the columns of values that may move."""
+    """Fit a state and its effects by Gauss-Newton steps; `free` marks the values that may change."""
     fit = Fit(state, weighting)
     for _ in range(iterations):
         found = _searched(fit, free)
@@ -161,16 +161,16 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolAr
 
 
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
-    """Fitted again, with unknown states after each standstill; an axis that is seen whole has none of these."""
+    """Fit again with an unknown state of the hidden motion after each standstill."""
     weighting = with_restarts(fit.weighting, fit.state.prediction.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
 
 
 def converged(state: State, weighting: Weighting) -> Fit:
-    """Fitted from a state, and then with the weights that belong to what was found, see `settled`.
+    """Fit from a state, then fit again with the weights of the result, see `settled`.
 
-    Of a model that has lost its inertia the weights stay as they are: its own would let more of the position's noise
-    through, which lowers the inertia further, until nothing of it is left.
+    A model that has lost its inertia keeps the first weights: its own would allow for more noise of the position, which
+    would lower the inertia further, down to nothing.
     """
     start = settled(Fit(state, weighting))
     first = fitted(start.state, start.weighting, ITERATIONS)
@@ -182,9 +182,9 @@ def converged(state: State, weighting: Weighting) -> Fit:
 
 
 def fitted_on(fit: Fit) -> Fit:
-    """A fit continued under weights that belong to it, until its error hardly falls any more.
+    """A fit continued with its own weights until the error hardly falls.
 
-    A search fits no model longer than it takes to choose.
+    The search itself stops fitting a model as soon as it can choose.
     """
     for _ in range(_MOST_FITS):
         try:
@@ -200,14 +200,14 @@ def fitted_on(fit: Fit) -> Fit:
 
 
 def settled(fit: Fit) -> Fit:
-    """The same values with weights that belong to them, and that allow for the error that is left."""
+    """The same values with weights computed from them, which allow for the remaining error."""
     state, weighting = leveled(fit.state, fit.weighting.allowed, fit.levels)
     weighting = with_restarts(weighting, state.prediction.hidden)
     return Fit(state.weighted(weighting), weighting)
 
 
 def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
-    """Whether the inertia that the drive moves stays near that of other models: within a factor of two of their range.
+    """Whether the inertia that the drive moves is within a factor of two of the range of other models.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
     *plain : float
         Inertias of the other models.
     doubt : float
-        Relative deviation that it may have because the log does not determine it.
+        Further relative deviation, allowed where the log does not determine the inertia.
     """
     low, high = min(plain) / THRESHOLDS.least_inertia, max(plain) * THRESHOLDS.least_inertia
     return low / (1 + doubt) < found.inertia < high * (1 + doubt)
@@ -229,16 +229,16 @@ def stiffnesses(axis: Axis) -> list[str]:
 
 
 def masses_and_stiffnesses(axis: Axis) -> list[str]:
-    """Unknown masses and inertias of the bodies that move by themselves, and stiffnesses."""
+    """Unknown masses and inertias of the free bodies, and unknown stiffnesses."""
     inertials = (body.inertial for body in axis.free_bodies)
     return [*(name for name in inertials if name in axis.physical_parameters), *stiffnesses(axis)]
 
 
 def _searched(fit: Fit, free: BoolArray | None) -> Fit | None:
-    """The least damped step of Levenberg and Marquardt that lowers the cost; None if none does, or none could by much.
+    """The least damped Levenberg-Marquardt step that lowers the cost; None if no step lowers it noticeably.
 
-    Damping holds back directions that the rows hardly feel, such as a stiffness and the mass behind it in a fixed
-    ratio; a shorter step would hold back all.
+    Damping restrains only directions to which the rows are hardly sensitive, such as a stiffness and the mass on it in
+    a fixed ratio; a shorter step would restrain all directions.
     """
     state, weighting, error = fit.state, fit.weighting, fit.error
     moves = np.ones(len(fit.columns), dtype=bool) if free is None else free
@@ -253,6 +253,7 @@ def _searched(fit: Fit, free: BoolArray | None) -> Fit | None:
         undamped = solved(flat.T, error)
     except np.linalg.LinAlgError:
         undamped = np.zeros(len(flat))
+    # The Gauss-Newton step predicts by how much the cost can fall at best.
     if (flat @ error) @ undamped < _SETTLED * fit.cost:
         return None
     for damping in _DAMPINGS:

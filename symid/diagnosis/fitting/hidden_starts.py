@@ -1,8 +1,8 @@
-"""Where to begin a fit whose effect acts on motion that no sensor sees.
+"""Initial values of a fit whose effect acts on hidden motion.
 
-Such motion follows from the model and the effect together, so the error has many minima. Two kinds of start have been
-found to lead to the right one: the values of the same effect at a joint that is seen, and the best of a grid over the
-stiffness and mass of the hidden body and the strength of the effect, each integrated once.
+Hidden motion follows from the model and the effect together, so the error has many minima. Two kinds of start lead to
+the right one: the values of the same effect at a measured joint, and the best points of a grid over the stiffness and
+mass of the hidden body and the strength of the effect, each integrated once.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from symid.diagnosis.prediction.weighting import Weighting
 _STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
 _MASSES = (0.9, 1.1)
 _SHARES = (1.0, 0.3, 0.1, 0.03)
-"""Of the amplitudes that a projection asks for, with which a fit may begin."""
+"""Shares of the projected amplitudes with which a fit may begin."""
 _KEPT = 2
-"""Starts of the grid that are fitted, for each effect at each place."""
+"""Number of starts of the grid that are fitted for each effect at each place."""
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A model without the effect, and the effect with its first values."""
+    """A model without the effect, and the effect with its initial values."""
 
     state: State  # parameters to begin with
     weighting: Weighting  # of the errors
@@ -48,10 +48,10 @@ class Start:
         return self._with(self.placed)
 
     def best_state(self) -> State | None:
-        """The model with so much of the effect that it leaves less than the model without it; None if it is not finite.
+        """The model with the largest share of the effect that lowers the error; None if no share gives finite errors.
 
-        First amplitudes come from a projection. Where the effect acts back on the motion, or the parameters are far off
-        without it, they may be many times too large, and a fit does not find back from there.
+        The initial amplitudes come from a projection. They may be many times too large where the effect changes the
+        motion, or where the parameters are far off without it; a fit does not recover from there.
         """
         plain, state = Fit(self.state, self.weighting).cost, None
         for share in (1.0,) if self.placed.effect.fixed else _SHARES:
@@ -69,7 +69,7 @@ class Start:
 
 
 def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
-    """The effects of fitted models at hidden joints, begun with the values found for them or for their twin."""
+    """The effects of fitted models moved to hidden joints, with the values found elsewhere."""
     prediction = fit.state.prediction
     for other in found:
         item = other.state.placed[-1]
@@ -83,7 +83,7 @@ def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
 
 
 def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
-    """Strong effects in the spring of a hidden body, from values near the nominal ones.
+    """Strong effects in the spring of a hidden body, on a grid of values near the nominal ones.
 
     The re-identified model `fit` gives all values that are not hidden; `nominal` is the model before re-identification.
     """
@@ -103,14 +103,14 @@ def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) 
     values = prediction.axis.with_known_values(prediction.parameters)
     if isinstance(effect, JointEffect) and place in effect.places(prediction):
         deflected = prediction.springs[place_of(spring)]
-        if not any(deflected.range):  # a spring that came out rigid
+        if not any(deflected.range):  # the spring became rigid
             return
         for shape, amplitudes in effect.strong(deflected, values[spring.named("stiffness")]):
             yield Placed(effect, place, shape, amplitudes, integrated=True)
 
 
 def _left(start: Start) -> float:
-    """Sum of squares that the start leaves, except for unknown states at the beginning."""
+    """Sum of squares that a start leaves, apart from unknown initial states; infinite if the motion diverges."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             state = start.placed_state()
@@ -122,7 +122,7 @@ def _left(start: Start) -> float:
 
 
 def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:
-    """Models near the nominal one, with the re-identified values of what is not hidden."""
+    """Models near the nominal one, with re-identified values of everything that is not hidden."""
     prediction, weighting = nominal.state.prediction, nominal.weighting
     axis, mass = prediction.axis, body.inertial
     stiffness = spring.named("stiffness")
@@ -139,7 +139,7 @@ def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]
 
 
 def _hidden_springs(prediction: Prediction) -> Iterator[tuple[Spring, Body]]:
-    """Springs whose deflection no sensor reads, with the body that hangs on them."""
+    """Springs with hidden deflection, and the hidden body on each."""
     for spring in (e for e in prediction.axis.elements if isinstance(e, Spring)):
         if not prediction.record.is_hidden(prediction.springs[place_of(spring)].direction):
             continue

@@ -16,7 +16,7 @@ from symid.diagnosis.prediction.prediction import Prediction
 _RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
 _INTEGRATED_STEP = 1e-3
-"""Relative step where dry friction holds a body at times: the moments at which it lets go move in whole steps."""
+"""Relative step where dry friction holds a body at times: the moments of release move in whole time steps."""
 
 
 def derivatives(state: State) -> ComplexArray:
@@ -36,7 +36,7 @@ def _by_values(prediction: Prediction, placed: Sequence[Placed], item: Placed) -
 
 
 def _columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
-    """Derivatives by the amplitudes of an effect: delays and lags pass its change on, or are it."""
+    """Derivatives by the amplitudes of an effect; its change passes through delays and lags unless it is one."""
     if isinstance(item.effect, TransferEffect):
         unit = replace(item, amplitudes=(1.0,))
         return item.effect.passed_on(prediction, unit, as_read(prediction, placed))[None]
@@ -45,9 +45,9 @@ def _columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> 
 
 
 def _by_differences(state: State) -> ComplexArray:
-    """The same where hidden motion is integrated: no frequency response says how friction that holds answers."""
+    """Derivatives by finite differences where hidden motion is integrated: sticking has no frequency response."""
     prediction, parameters, placed = state.prediction, state.prediction.parameters, state.placed
-    # from the same state as the moved ones: an implicit force comes nearer to its balance each time
+    # Both sides of a difference start from the same state, as each evaluation iterates an implicit force further.
     _, here = predicted(state, parameters, placed, nearby=True)
 
     def column(value: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> ComplexArray:
@@ -72,7 +72,7 @@ def _by_differences(state: State) -> ComplexArray:
 
 
 def _moves_hidden(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> bool:
-    """Whether an effect may move hidden bodies: a force on what the drive is measured to move does not."""
+    """Whether an effect may move hidden bodies: a force on measured motion does not."""
     if any(each.effect.implicit and not each.integrated for each in placed):
         return True
     if isinstance(item.effect, JointEffect):
@@ -81,7 +81,7 @@ def _moves_hidden(prediction: Prediction, placed: Sequence[Placed], item: Placed
 
 
 def _moved(item: Placed) -> Iterator[tuple[float, Placed]]:
-    """Each free value of an effect, or 1 for zero, and the effect with that one moved by a step of it."""
+    """For each free value of an effect: the value (1 for zero), and the effect with a step of this value."""
     for i, x in enumerate(() if item.effect.fixed else item.amplitudes):
         value = abs(x) or 1.0
         amplitudes = (*item.amplitudes[:i], x + _INTEGRATED_STEP * value, *item.amplitudes[i + 1 :])
@@ -95,7 +95,7 @@ def _moved(item: Placed) -> Iterator[tuple[float, Placed]]:
 
 
 def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
-    """Derivatives by the physical parameters; what effects make of the outputs depends on these parameters too."""
+    """Derivatives by the physical parameters, on which the contributions of effects depend too."""
     misread = [e for item in placed if (e := item.effect.misreading(prediction, item)) is not None]
     columns = parameter_columns(prediction, np.sum(misread, axis=0) if misread else None)
     return passed_on(prediction, placed, columns)
@@ -104,7 +104,7 @@ def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexA
 def _shape_columns(
     prediction: Prediction, placed: Sequence[Placed], item: Placed, before: ComplexArray
 ) -> ComplexArray:
-    """Derivatives by the shape of an effect, whose derivatives by its amplitudes are those `before`."""
+    """Derivatives by the shape of an effect; `before` are its derivatives by its amplitudes."""
     columns = np.zeros((len(item.shape), *prediction.record.measured.shape), dtype=complex)
     for i, value in enumerate(item.shape):
         step = _SHAPE_STEP * abs(value)
@@ -116,7 +116,7 @@ def _shape_columns(
 def parameter_columns(prediction: Prediction, misread: ComplexArray | None = None) -> ComplexArray:
     """Derivatives of the predicted outputs by the physical parameters, of shape (n_parameters, n_outputs, n_bins).
 
-    `misread`, (n_drives, n_bins), are errors of the driven positions: their motion is not a motion of the bodies.
+    `misread`, (n_drives, n_bins), are reading errors of the driven positions, which the bodies do not follow.
     """
     n_drives = prediction.record.n_drives
     displacements, driven = prediction.displacements, prediction.outputs[:n_drives]

@@ -1,4 +1,4 @@
-"""The axis as it is declared, fitted to a record: where to begin, and from where to restart."""
+"""The declared axis fitted to a record: initial values, and restarts from others."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from symid.identification import identify
 def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
     """Physical parameters by weighted least squares on the minimal regressor.
 
-    A mass that comes out negative, as the force has the wrong sign or hardly accelerates the axis, begins with its
-    absolute value: what is wrong is said of the fit from there.
+    A negative mass, from a force of the wrong sign or one that hardly accelerates the axis, is replaced by its absolute
+    value; the fit from there shows the fault.
     """
     try:
         found = identify(model_of(axis, record.signals), record.log, examine=False).physical_parameters
@@ -42,16 +42,16 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
 _OTHER = (0.6, 0.77, 1.3, 1.7)
 """Multiples of a stiffness, or of the shape of a declared imperfection, from which a fit restarts."""
 _FEW = 3
-"""Iterations after which a fit from another stiffness that leaves more than the first is given up."""
+"""Iterations after which a restart is given up if it leaves more error than the first fit."""
 
 
 def fitted_axis(state: State, weighting: Weighting) -> Fit:
-    """The axis without effects, fitted from given values and, where these lead astray, from other stiffnesses.
+    """The axis without effects, fitted from given values and, if that fails, from other stiffnesses.
 
-    A mode that lies some widths of its resonance away from where it is sought is not found by small steps: the fit
-    then lets the masses behind it grow without bound. A fit from another stiffness is taken if it leaves noise alone or
-    a small share of what the first one leaves, or if it stays where the other ran away. Where none stays, the log does
-    not show the spring: masses and stiffnesses are then held within the range of fits that stay.
+    Small steps do not find a resonance that is several bandwidths away from the initial one: the fit then increases the
+    masses on the spring without bound. A restart from another stiffness is taken if it leaves only noise or a small
+    share of the first error, or if it stays bounded where the first fit did not. If no restart stays bounded, the log
+    does not show the spring, and masses and stiffnesses are bounded.
     """
     first = _from_other_shapes(converged(state, weighting))
     springs, values = stiffnesses(state.prediction.axis), state.prediction.parameters
@@ -71,12 +71,12 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
 
 
 def _is_clearly_better(found: Fit, first: Fit) -> bool:
-    """Whether a fit leaves noise alone, or a small share of what another leaves."""
+    """Whether a fit leaves only noise, or a small share of the error of another."""
     return found.mean_square < max(THRESHOLDS.fit_of_noise, THRESHOLDS.other_stiffness * first.mean_square)
 
 
 def _other_values(state: State) -> Iterator[dict[str, float]]:
-    """Values with other stiffnesses; of several drives, whose balances share springs, also those of least squares."""
+    """Values with other stiffnesses; with several drives, whose equations share springs, first least squares."""
     axis, values = state.prediction.axis, dict(state.prediction.parameters)
     if len(axis.drives) > 1:
         with suppress(SettingError):
@@ -86,17 +86,17 @@ def _other_values(state: State) -> Iterator[dict[str, float]]:
 
 
 def from_other_moments(fit: Fit) -> Fit:
-    """The same with other moments of changes that were found, where these leave clearly less.
+    """The fit with other moments of the changes found, where these leave clearly less error.
 
-    All else has adapted itself to a moment at the wrong end of a slow motion, so that small steps stay there.
+    All other values have adapted to a moment at the wrong end of a slow motion, so small steps do not leave it.
     """
     return _from_other_shapes(fit, ())
 
 
 def _from_other_shapes(fit: Fit, factors: Sequence[float] = _OTHER) -> Fit:
-    """The same with other shapes of its effects, one after the other, where these leave clearly less.
+    """The fit with other shapes of its effects, one effect at a time, where these leave clearly less error.
 
-    A limit beyond the largest force and a moment at a rest are not found by small steps from the values declared.
+    Small steps from the declared values find neither a limit beyond the largest force nor a moment during a rest.
     """
     for i in range(len(fit.state.placed)):
         if fit.mean_square < THRESHOLDS.fit_of_noise:
@@ -112,7 +112,7 @@ def _from_other_shapes(fit: Fit, factors: Sequence[float] = _OTHER) -> Fit:
 def _with_other_shapes(
     state: State, weighting: Weighting, at: int, factors: Sequence[float]
 ) -> Iterator[State]:
-    """States with the moments of a log for an effect that has one, with multiples of its shape for others."""
+    """States with other moments in the log for an effect that has one, with multiples of its shape for others."""
     item, others = state.placed[at], state.placed
     shapes = list(item.effect.shapes_of_log(state.prediction.record, item.shape))[1::2]
     if not shapes:

@@ -1,7 +1,7 @@
 """A model with values under a record: physical parameters, effects, and the errors that they leave.
 
-Hidden motion follows from the measured one and from the forces of the state before, so that a law in a joint that
-no sensor sees is evaluated at the motion that the model itself implies.
+Hidden motion follows from the measured motion and from the forces of the previous state: a law in a joint without a
+sensor is evaluated at the motion that the model itself implies.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from symid.errors import LogError
 _TAKES_PART = 0.2
 _LEAST_ROWS, _LEAST_HELD_OUT = 20, 8
 _BALANCED = 3
-"""Further turns in which an implicit force finds its balance: friction of half the load is then within 6 %, and
-the next step begins there."""
+"""Further iterations for an implicit force: friction of half the load is then accurate to 6 %, and the next step
+continues from there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,14 +35,14 @@ class State:
     prediction: Prediction  # motion and prediction
     placed: tuple[Placed, ...]  # effects with values
     errors: ComplexArray  # shape (n_outputs, n_bins): measured less predicted outputs
-    rows: FloatArray  # shape (n_outputs, n_rows): the same, weighted
-    # shape (n_starts, n_outputs, n_rows): what an unknown state at the beginning of the log makes of them
+    rows: FloatArray  # shape (n_outputs, n_rows): weighted errors
+    # shape (n_starts, n_outputs, n_rows): contribution of an unknown state at the beginning of the log to the rows
     beginning: FloatArray
     # least and largest values of masses and stiffnesses that a fit may take, SI
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def with_least(self, share: float, nominal: Mapping[str, float]) -> State:
-        """The same with masses that may fall to a share of their values, or of the nominal ones that are smaller."""
+        """The state with lower bounds of the masses: a share of their values, or of smaller nominal ones."""
         own = self.prediction.parameters
         names = self.prediction.record.dynamics.parameters_of("mass")
         least = {name: min(abs(own[name]), abs(nominal.get(name, own[name]))) for name in names}
@@ -50,7 +50,7 @@ class State:
         return replace(self, bounds=dict(self.bounds) | bounds)
 
     def within(self, factor: float, names: Iterable[str]) -> State:
-        """The same with parameters that stay within a factor of their values."""
+        """The state with parameters bounded to within a factor of their values."""
         own = self.prediction.parameters
         bounds = {name: (own[name] / factor, own[name] * factor) for name in names}
         return replace(self, bounds=dict(self.bounds) | bounds)
@@ -61,7 +61,7 @@ class State:
         return self.prediction.response.inertia
 
     def weighted(self, weighting: Weighting) -> State:
-        """The same with other weights."""
+        """The state with other weights."""
         beginning = weighting.rows(starting_pulses(self.prediction.record, self.prediction.hidden))
         return replace(self, rows=weighting.rows(self.errors), beginning=beginning)
 
@@ -75,7 +75,7 @@ def first_state(
 ) -> tuple[State, Weighting]:
     """The axis at given parameters with its declared imperfections, and its weighting on allowed parts of the log.
 
-    Fewer rows do where they are `held_out`: a gap is measured on them, and nothing fitted.
+    A `held_out` record needs fewer rows: a gap is measured on it, and nothing is fitted.
     """
     prediction = prediction_of(record, parameters)
     prediction = prediction_of(record, parameters, before=prediction)
@@ -96,7 +96,7 @@ def first_state(
 
 
 def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) -> tuple[State, Weighting]:
-    """The same with weights that belong to its parameters, and that allow for errors of the model.
+    """The state with weights computed from its parameters, which allow for errors of the model.
 
     `levels` are the errors of the outputs in multiples of their noise; `allowed` are parts of the log that may be used.
     """
@@ -121,14 +121,14 @@ def weighting_in(prediction: Prediction, allowed: BoolArray | None) -> Weighting
 
 
 def with_effects(state: State, weighting: Weighting, placed: tuple[Placed, ...]) -> State:
-    """The same parameters with other effects."""
+    """The state with other effects."""
     return evaluated(state, weighting, state.prediction.parameters, placed)
 
 
 def evaluated(
     state: State, weighting: Weighting, parameters: Mapping[str, float], placed: tuple[Placed, ...]
 ) -> State:
-    """Other parameters with other effects, whose forces act on the motion of the state before."""
+    """The state with other parameters and effects, whose forces are computed from the motion of the given state."""
     prediction, errors = predicted(state, parameters, placed)
     return replace(_state(prediction, placed, errors, weighting), bounds=state.bounds)
 
@@ -138,8 +138,7 @@ def predicted(
 ) -> tuple[Prediction, ComplexArray]:
     """The prediction with other parameters and effects, and the errors that it leaves.
 
-    `nearby` values differ so little that the frequency response, which counts little where hidden motion is integrated,
-    stays that of the state.
+    For `nearby` values the frequency response is kept; it matters little where hidden motion is integrated.
     """
     prediction = _acted_on(state.prediction, parameters, placed, nearby=nearby)
     if any(item.effect.implicit and not item.integrated for item in placed):
@@ -164,7 +163,7 @@ def as_read(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
 
 
 def passed_on(prediction: Prediction, placed: Iterable[Placed], outputs: ComplexArray) -> ComplexArray:
-    """Outputs, or small changes of them, as delays and lags pass them on, of shape (..., n_outputs, n_bins)."""
+    """Outputs, or small changes of them, after delays and lags, of shape (..., n_outputs, n_bins)."""
     changes = (item.effect.passed_on(prediction, item, outputs) for item in placed)
     return sum((change for change in changes if change is not None), start=outputs)
 
@@ -172,7 +171,9 @@ def passed_on(prediction: Prediction, placed: Iterable[Placed], outputs: Complex
 def _acted_on(
     before: Prediction, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool
 ) -> Prediction:
-    """The prediction that follows when effects act as the motion and the forces of another one ask for."""
+    """The next prediction, with the forces that effects have at the motion of the prediction before."""
+    # Hidden motion: a force of moderate strength is taken from the motion before (fixed-point iteration). A strong one
+    # is integrated in time, and the frequency response has an equivalent impedance in its place.
     record, forces, dry = before.record, np.zeros_like(before.forces), before.record.dry_terms
     impedances, integrated = [], []
     for item in placed:
@@ -187,7 +188,7 @@ def _acted_on(
         elif isinstance(item.effect, LinearEffect):
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
             impedances.append((joint.direction, stiffness))
-            if dry or any(other.integrated for other in placed):  # an integration knows forces alone
+            if dry or any(other.integrated for other in placed):  # an integration has no impedances
                 forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)
         else:
             forces -= np.multiply.outer(_force(before, item, joint), joint.direction)
@@ -212,13 +213,13 @@ def _acted_on(
 
 
 def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
-    """Spectrum of the force of an effect that acts on the motion of a prediction."""
+    """Spectrum of the force of an effect at the motion of a prediction."""
     assert isinstance(item.effect, JointEffect)
     return np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
 
 
 def can_integrate(prediction: Prediction, item: Placed) -> bool:
-    """Whether an effect acts on hidden motion, and its force is known point by point."""
+    """Whether an effect acts on hidden motion and its force is a law point by point."""
     effect = item.effect
     if not isinstance(effect, JointEffect) or not prediction.record.is_hidden(
         effect.joint(prediction, item.at).direction
@@ -228,7 +229,7 @@ def can_integrate(prediction: Prediction, item: Placed) -> bool:
 
 
 def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
-    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of it moves hidden joints far less."""
+    """Dynamic stiffness k + j w c - w^2 m closest to a force; the rest of the force moves hidden joints far less."""
     if not np.isfinite(force).all():
         raise OverflowError(f"the force at {joint.name} grows without bound")
     s = 1j * joint.record.omega

@@ -1,10 +1,10 @@
-"""Effects found one after the other, judged together.
+"""Backward elimination: effects found one at a time are judged together.
 
-What was found first stood in for what was found later, and forward selection does not take it back. With all others in
-the model, the effect found first is therefore sought again among all candidates, and one that then explains nothing is
-dropped (stepwise regression with replacement and backward elimination). What is left is put into the order of what the
-model loses without each, and fitted again in this order, so that the steps of the gap add up. Where one of them is
-worth nothing at its place, the order of what each took away when it was found is tried; and else they stay as they are.
+Forward selection never reconsiders an effect, but the first one also stood in for those found later. With all others in
+the model, the first effect is therefore selected again among all candidates, and an effect that then explains nothing
+is dropped (stepwise regression with replacement and backward elimination). The remaining effects are sorted by the
+error that the model has without each, and fitted again in this order, so that the steps of the gap add up. If an effect
+explains nothing at its position, the order of their gains when found is tried, then the order in which they were found.
 """
 
 from __future__ import annotations
@@ -26,32 +26,32 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _ITERATIONS = 3
 _RIVALS = 3
-"""Candidates found in a new screening that are fitted beside those that were, in place of the effect found first."""
+"""Candidates from earlier and from new screening that compete with an effect when it is selected again."""
 
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """An effect of the whole model."""
+    """An effect of the model with all effects."""
 
-    placed: Placed  # with its values in the whole model
+    placed: Placed  # with its values beside all others
     step: SelectionStep  # in which it was chosen, with its rivals
-    lost: float  # sum of squares of the force errors on blocks left out, of the model without it
+    lost: float  # cross-validated sum of squared force errors of the model without it
 
     @property
     def is_timing(self) -> bool:
-        """A reading that is late: the others are measured with readings that belong together."""
+        """Whether it is the delay of a reading, which goes first: other effects need readings of one instant."""
         return self.placed.effect.name == LATE_READING
 
     @property
     def taken(self) -> float:
-        """Mean square that it took away when it was chosen."""
+        """Decrease of the mean square when it was chosen."""
         return self.step.before.mean_square - self.step.confirmed[0].fit.mean_square
 
 
 def backward_elimination(
     steps: Sequence[SelectionStep], library: Sequence[Effect]
 ) -> tuple[SelectionStep, ...]:
-    """Steps in the order of what their effects take away; those that take nothing are left out."""
+    """Steps sorted by the error that their effects remove; effects that remove nothing are dropped."""
     accepted = [step for step in steps if step.accepts]
     if len(accepted) < 2:
         return tuple(steps)
@@ -64,13 +64,15 @@ def backward_elimination(
         sorted(members, key=lambda member: -member.taken),
         members,
     )
+    # Effects are fitted one by one in each order. The first order counts in which each is justified at its position and
+    # the last model is as good as the whole one.
     most = THRESHOLDS.as_good * whole.mean_square
     chains = (_chain(_whole_before_part(order), first, most) for order in orders)
     return next((chain for chain in chains if chain is not None), _beside_others(accepted, members))
 
 
 def _whole_before_part(order: Sequence[Member]) -> list[Member]:
-    """The same order, except for Coulomb friction behind its presliding part: it goes before that."""
+    """The order with Coulomb friction moved before its presliding part."""
     found: list[Member] = []
     for member in order:
         behind = (i for i, other in enumerate(found) if is_part(other.placed, member.placed))
@@ -79,7 +81,7 @@ def _whole_before_part(order: Sequence[Member]) -> list[Member]:
 
 
 def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member]) -> tuple[SelectionStep, ...]:
-    """Steps as they were, with the lead over rivals that their effects have beside all others."""
+    """The steps in their old order, with the lead over rivals that their effects have beside all others."""
     chosen = {member.placed.key: member.step for member in members}
     return tuple(
         _in_place_of(chosen.get(step.confirmed[0].key, step), step.before, step.confirmed[0])
@@ -88,13 +90,13 @@ def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member])
 
 
 def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
-    """Steps without the effect of one of them, the others fitted again; the same if one then explains nothing."""
+    """Steps without one effect, the others fitted again; unchanged if one of them then explains nothing."""
     members = _members(steps)
     return _chain([*members[:at], *members[at + 1 :]], steps[0].before, math.inf) or tuple(steps)
 
 
 def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
-    """Steps with the effect of one of them as the first, fitted again; the same if one then explains nothing."""
+    """Steps with one effect moved to the front, fitted again; unchanged if one of them then explains nothing."""
     members, whole = _members(steps), steps[-1].confirmed[0].fit
     order = [members[at], *members[:at], *members[at + 1 :]]
     chain = _chain(order, steps[0].before, math.inf, justified=True) or ()
@@ -104,18 +106,20 @@ def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionSte
 
 
 def most_probable(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
-    """Steps in which each effect gives way to the rival that is more probable beside the others, fitted again.
+    """Steps in which each effect is replaced by its rival if that is more probable beside all others, fitted again.
 
-    What was found first was chosen by its gain; what else is known, as the level of a friction, speaks in the end.
+    An effect is chosen by its gain. Prior knowledge, such as the level of a friction, decides only now, when the other
+    effects are known.
 
     Parameters
     ----------
     steps : sequence of SelectionStep
-        That accept their effects.
+        Steps that accept their effects.
     """
     for at in range(len(steps)):
         step = steps[at]
         named = {own.confirmed[0].key for own in steps if own is not step}
+        # A more probable rival takes the place only if the fit in the same order stays as good.
         likeliest = next(iter(probabilities(step, named)))
         rival = next((own for own in step.confirmed if own.key == likeliest), step.confirmed[0])
         if rival is step.confirmed[0]:
@@ -127,23 +131,22 @@ def most_probable(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
 
 
 def _members(steps: Sequence[SelectionStep]) -> list[Member]:
-    """Effects of steps that accept them, with their values beside all others."""
+    """Effects of accepting steps, with their values beside all others."""
     placed = steps[-1].confirmed[0].fit.state.placed[-len(steps) :]
     return [Member(item, step, 0.0) for item, step in zip(placed, steps, strict=True)]
 
 
 def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> list[Member]:
-    """The effects, each beside all others: the first one sought again, those left out that explain nothing.
+    """The effects, each selected again beside all others; effects that explain nothing are dropped.
 
-    None where one matters whose values are then not credible, and nothing can stand in its place.
+    Empty if an effect matters but is not credible beside the others, and no rival can replace it.
     """
     first = accepted[0].before
     whole = accepted[-1].confirmed[0].fit.after(first)
     n, members, dropped = len(accepted), list[Member](), list[Member]()
     for i, step in enumerate(accepted):
-        at = (
-            len(whole.state.placed) - n
-        )  # an effect done with goes to the end: the next one is the first of the last n
+        # A reselected effect moves to the end, so the next one is the first of the last n.
+        at = len(whole.state.placed) - n
         begun = _without(whole, at)
         own, before = begun.placed, fitted(begun.state, begun.weighting, _ITERATIONS).after(whole)
         simpler = [member for member in dropped if own.contains(member.placed.key)]
@@ -168,7 +171,7 @@ def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) ->
 
 
 def _stands_in(found: SelectionStep, before: Fit, whole: Fit) -> bool:
-    """Whether an effect takes away most of what the one at its place does."""
+    """Whether an effect removes most of the error that the effect in its place removes."""
     taken = before.mean_square - found.confirmed[0].fit.mean_square
     return taken > THRESHOLDS.stands_in * (before.mean_square - whole.mean_square)
 
@@ -181,10 +184,10 @@ def _chosen(
     library: Sequence[Effect],
     simpler: Sequence[Member] = (),
 ) -> SelectionStep | None:
-    """The step of an effect beside all others; None if nothing is worth its place.
+    """The step of an effect beside all others; None if no candidate is justified.
 
-    It begins with all values of the whole model: where a large effect is missing, small ones are led astray. What is
-    `simpler`, and was dropped as the effect contains it, is a rival again.
+    Fits begin with the values of the whole model: without a large effect, small ones would go astray. A `simpler`
+    effect that was dropped because this one contains it competes again.
     """
     own = begun.placed
     starts = [begun, *(Start.of(before, member.placed) for member in simpler)]
@@ -214,10 +217,10 @@ def _chosen(
 
 
 def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
-    """Whether a rival predicts blocks better than the effect that was found, by more than they scatter.
+    """Whether a rival predicts blocks better than the effect that was found, by more than their scatter.
 
-    A refinement of it, as presliding is one of Coulomb friction, takes its place only where more than errors speaks
-    for it, or where it gains much more.
+    A refinement of the effect, such as presliding of Coulomb friction, replaces it only if its prior odds are higher or
+    it gains much more.
     """
     least = max(THRESHOLDS.least_penalised_gain, deviation(own.squares, best.squares, own.fit.n_rows))
     if best.placed.contains(own.key):
@@ -230,10 +233,10 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
 def _chain(
     members: Sequence[Member], first: Fit, most: float, *, justified: bool = False
 ) -> tuple[SelectionStep, ...] | None:
-    """Steps in an order, fitted again; None if one of them is then worth nothing, or `most` or more is left.
+    """Steps fitted again in an order; None if one is then not justified, or the error reaches `most`.
 
-    Of effects that are `justified` beside each other, what each takes away at its place does not count, but what spoke
-    for it beside the others. Those are left out that no machine has behind the first.
+    Effects that are `justified` beside each other keep their evidence, whatever each removes at its position; those
+    that are not credible after the first are left out.
     """
     chain: list[SelectionStep] = []
     before = first
@@ -258,14 +261,14 @@ def _chain(
 
 
 def _without(whole: Fit, at: int) -> Start:
-    """The model without one of its effects, all else as it is, and that effect."""
+    """The model without one of its effects, all other values unchanged, and that effect."""
     placed = list(whole.state.placed)
     own = placed.pop(at)
     return Start(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, own)
 
 
 def _in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> SelectionStep:
-    """A step with another model before it; rivals, and what speaks for them, stay as far behind as they were."""
+    """A step after another model; its rivals keep their distance from the best candidate."""
     best, *rivals = step.confirmed
     behind = [rival.beside(best, found) for rival in rivals]
     screened = tuple(

@@ -1,4 +1,4 @@
-"""Candidates fitted with all parameters free, judged and put into an order."""
+"""Candidates fitted with all parameters free, checked and ranked."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from symid.errors import SettingError
 _COULOMB, _COGGING, _PERIODIC = "coulomb_friction", "cogging", "periodic_disturbance"
 _DIRECT = (4, 4, 3)
 _INTEGRATION = (4, 8, 8)
-"""Iterations at most: before a hopeless fit is given up, after that, and with the weights of the values found."""
+"""Most iterations: before a hopeless fit is given up, after that, and with the weights of the values found."""
 
 
 def confirmed_from(
     fit: Fit, start: Start, most: float = math.inf, beside: Sequence[Placed] = ()
 ) -> Confirmed | None:
-    """A candidate fitted from a start, and its gain over the model without it.
+    """A candidate fitted from a start, and its gain over the model without it; None if it is not credible.
 
-    It is fitted no better from a mean square `most` on, as others leave much less. Effects `beside` are known to be
-    there, but the model has them not yet.
+    The fit stops early if the mean square is still `most` or more, as others leave much less. Effects `beside` are
+    known to be present but not yet in the model.
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
@@ -48,7 +48,7 @@ def confirmed_from(
 
 
 def _judged(fit: Fit, found: Fit, beside: Sequence[Placed]) -> Confirmed | None:
-    """The gain of a model over that without its last effect, on blocks that are left out."""
+    """Cross-validated gain of a model over the model without its last effect."""
     if not (np.isfinite(found.mean_square) and np.isfinite(found.columns).all()):
         return None
     blocks = found.blocks
@@ -63,10 +63,10 @@ def _judged(fit: Fit, found: Fit, beside: Sequence[Placed]) -> Confirmed | None:
 
 
 def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
-    """Candidates, the best first: one whose values the log does not determine is none.
+    """Candidates, the best first, which must have values that the log determines.
 
-    What spoils another output goes last. Timing goes before what it looks like, and where places cannot be told apart,
-    a driven body goes first.
+    A candidate that spoils another output goes last. A delay of a reading goes before effects that imitate it, and
+    among indistinguishable places a driven body goes first.
     """
     candidates = list(confirmed)
     driven = before.state.prediction.record.driven_bodies
@@ -83,7 +83,7 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
 
 
 def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
-    """Whether what may stand for the best candidate and explains as much is likelier than it by what else is known."""
+    """Whether a refinement of the best candidate that explains as much is more probable by prior knowledge."""
     of_position = (best.key, own.key) == ((_PERIODIC, best.key[1]), (_COGGING, best.key[1]))
     if not (own.placed.contains(best.key) or of_position):
         return False
@@ -94,7 +94,7 @@ def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
 
 
 def _is_certain(fit: Fit) -> bool:
-    """Whether each shape of the last effect exceeds its deviation, by whichever route this is larger."""
+    """Whether each shape of the last effect exceeds its standard deviation."""
     item = fit.state.placed[-1]
     shapes = range(-len(item.shape), 0)
     deviations = standard_deviations(fit)
@@ -103,7 +103,7 @@ def _is_certain(fit: Fit) -> bool:
 
 
 def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
-    """Drop what explains hardly more than the Coulomb friction that it contains: the next step finds the rest."""
+    """Drop refinements that explain hardly more than the Coulomb friction in them: the next step finds the rest."""
     for name, place in list(confirmed):
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
         if plain is None or not more.placed.contains(plain.key):

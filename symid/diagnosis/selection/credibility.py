@@ -1,4 +1,4 @@
-"""Whether a machine can be as a model with one more effect says: inertia, force, deviations, plausible sizes."""
+"""Credibility of a fitted effect: inertia, force, deviations, plausible sizes."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _OF_MASSES = ("flexible_mode", "payload_change")
 _DIFFERS = ("asymmetric_friction", "position_dependent_friction")
-"""Friction that adds to its mean here and takes away there."""
+"""Friction that exceeds its mean at some points of the motion and falls below it at others."""
 _DRY = ("coulomb_friction", "presliding_friction")
 _FRICTIONS = (*_DIFFERS, "coulomb_friction", "viscous_friction", "stribeck_friction", "quadratic_drag")
 
 
 def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] = ()) -> bool:
-    """Whether a machine can be as a model with one more effect says, and the log determines its values.
+    """Whether a machine can have the values of a model with one more effect, and the log determines them.
 
-    `blocks` are those of the model with the effect; effects `beside` are known to be there, in neither model yet.
+    `blocks` belong to the model with the effect. Effects `beside` are known to be present but in neither model yet.
     """
     item, prediction = found.state.placed[-1], found.state.prediction
     explains = found.mean_square < THRESHOLDS.explains_all * fit.mean_square
@@ -46,7 +46,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
 
 
 def _springs_ran_away(fit: Fit, found: Fit) -> bool:
-    """Whether a stiffness has left the one without the effect by far: the spring has become rigid, or nothing."""
+    """Whether a stiffness grew far beyond its value without the effect."""
     names = stiffnesses(fit.state.prediction.axis)
     return any(
         abs(found.parameters[n]) > THRESHOLDS.spring_ran_away * abs(fit.parameters[n]) > 0 for n in names
@@ -68,8 +68,8 @@ def force_share(fit: Fit) -> float:
 def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> bool:
     """Whether dry and viscous friction of a joint, as declared and found, would push it along for a part of its way.
 
-    What such friction stands for while the axis moves is a constant force, a weight, or no friction at all. Dry
-    friction that is declared in a joint that moves along may be that of this one.
+    Such friction imitates a constant force, a weight, or no friction at all. Dry friction that is declared in a joint
+    that moves along counts as friction of this one.
     """
     joint = state.prediction.joints[at]
     q, v = joint.q[joint.moving], joint.v[joint.moving]
@@ -86,7 +86,7 @@ def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> boo
 
 
 def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
-    """Whether Stribeck friction that hardly falls with the speed stands for Coulomb friction, which its joint lacks."""
+    """Whether Stribeck friction hardly falls with speed and so stands in for Coulomb friction missing in its joint."""
     *others, item = state.placed
     if item.effect.name != "stribeck_friction":
         return False
@@ -97,7 +97,7 @@ def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
 
 
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
-    """Whether the drive moves the inertia of the model without the effect, or the one that the axis was given."""
+    """Whether the drive moves about the inertia of the model without the effect, or the initial one."""
     plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
     spread = np.sqrt(np.diag(blocks.covariance))[: len(found.parameters)]
     masses = found.state.prediction.record.dynamics.parameters_of("mass")
@@ -108,7 +108,7 @@ def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
 
 
 def is_determined(item: Placed, blocks: Blocks) -> bool:
-    """Whether the log tells the last effect from the others, and its values exceed their deviations."""
+    """Whether the log distinguishes the last effect from the others, and its values exceed their deviations."""
     if not item.n_free:
         return True
     if blocks.least_seen(item.n_free) < THRESHOLDS.seen:
@@ -126,9 +126,9 @@ def is_determined(item: Placed, blocks: Blocks) -> bool:
 
 
 def _is_a_gain(found: Fit) -> bool:
-    """Whether what the last effect makes of the force of its drive is in proportion to it, which the parameters are.
+    """Whether the last effect changes the drive force in proportion to it, as scaled parameters do.
 
-    Of a force that a relay switches between two values, every limit and every bend of the gain is one.
+    With a force that a relay switches between two values, every limit and every nonlinear gain is such a change.
     """
     prediction, item = found.state.prediction, found.state.placed[-1]
     if not item.effect.is_of_command:
@@ -141,9 +141,9 @@ def _is_a_gain(found: Fit) -> bool:
 
 
 def acting_share(fit: Fit) -> float:
-    """Share of the logged force that acts on the axis if effects of the drive keep some of it back, in rms.
+    """Share of the logged force, in rms, that acts on the axis after the effects of the drive.
 
-    Of several drives, of the one of which most is kept back.
+    With several drives, the smallest share.
     """
     prediction = fit.state.prediction
     changes = [item.change(prediction) for item in fit.state.placed if isinstance(item.effect, DriveEffect)]

@@ -1,8 +1,9 @@
-"""Probabilities of what was considered, and the verdict.
+"""Probabilities of the candidates, and the verdict.
 
-The gain of a candidate in the logarithm of the likelihood would be the logarithm of its odds if the model were exact
-except for noise. It is not: the laws of a real axis, and of another simulator, differ a little from ours. Gains are
-therefore tempered by a share of the largest one: candidates that explain nearly the same are nearly as probable.
+The gain of a candidate in log-likelihood would be the logarithm of its odds if the model were exact except for noise.
+It is not: the laws of a real axis, and of another simulator, differ a little from the model. Gains are therefore
+divided by a temperature that grows with the largest one: candidates that explain nearly the same are nearly as
+probable.
 """
 
 from __future__ import annotations
@@ -26,16 +27,16 @@ Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "re
 
 
 def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key, float]:
-    """Probability of each candidate of a step, the most probable first, if one of them is right.
+    """Probability of each candidate of a step, given that one of them is right; the most probable first.
 
-    Where places cannot be told apart, a driven body is a little more likely.
+    Among indistinguishable places, a driven body is a little more probable.
 
     Parameters
     ----------
     step : SelectionStep
         The step.
     beside : collection of (str, str)
-        Other effects of the whole model: what is there anyway, or is nearly that, stands in for nothing.
+        Other effects of the whole model; candidates equal or similar to these are excluded.
     """
     chance = _of_candidates(step)
     present = with_alike(beside)
@@ -46,7 +47,7 @@ def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key
 
 
 def _of_candidates(step: SelectionStep) -> dict[Key, float]:
-    """Probability of each candidate of a step, whatever else is there."""
+    """Probability of each candidate of a step, without regard to other effects."""
     driven = step.before.state.prediction.record.driven_bodies
     gains = _penalised_gains(step)
     least = min(gains.values(), default=0.0)
@@ -73,8 +74,8 @@ def _of_candidates(step: SelectionStep) -> dict[Key, float]:
 def _penalised_gains(step: SelectionStep) -> dict[Key, float]:
     """Penalised gain of each candidate that was fitted.
 
-    One that is linear and holds a simpler one, as an asymmetry of friction holds a constant force, gains at least as
-    much less the penalty of its further values: with these at 0 it is the simpler one.
+    A linear candidate that contains a simpler one, as an asymmetry of friction contains a constant force, gains at least
+    as much less the penalty of its further values: with these at 0 it is the simpler one.
     """
     gains = {c.key: c.penalised_gain for c in step.confirmed}
     for own in step.confirmed:
@@ -86,7 +87,7 @@ def _penalised_gains(step: SelectionStep) -> dict[Key, float]:
 
 
 def _doubts(step: SelectionStep) -> dict[Key, float]:
-    """Deviation of what each candidate that was fitted gains less than the best: blocks of a log disagree."""
+    """Standard deviation of each fitted candidate's gain relative to the best, from the scatter of the blocks."""
     if not step.confirmed:
         return {}
     best = max(step.confirmed, key=lambda c: c.penalised_gain)
@@ -110,13 +111,13 @@ class Outcome:
     parameters: float
     effect: float
     unexplained: float
-    # whether what was found is more than noise, and takes away a share of the gap that counts. It may still stand
-    # for something that no effect of the library is: the less it takes away, the more so
+    # whether the effects found are more than noise and remove a considerable share of the gap. They may still stand in
+    # for an effect that is not in the library, the more probably the less they remove
     holds: bool = False
 
     @property
     def verdict(self) -> Verdict:
-        """The most probable; what was found, as soon as it holds."""
+        """The most probable verdict; "effect" as soon as the effects found hold."""
         if self.holds:
             return "effect"
         found = {name: p for name, p in self.as_mapping.items() if name != "effect"}
@@ -124,7 +125,7 @@ class Outcome:
 
     @property
     def as_mapping(self) -> Mapping[Verdict, float]:
-        """By name."""
+        """Probabilities by verdict."""
         return {
             "no_gap": self.no_gap,
             "parameters": self.parameters,
@@ -137,12 +138,12 @@ class Outcome:
 class Errors:
     """Force errors on the validation data."""
 
-    # nominal, reidentified, explained: in multiples of the noise; nominal is None if no values are given
+    # nominal, reidentified, explained: in multiples of the noise; nominal is None without nominal values
     nominal: float | None
     reidentified: float
     explained: float
     left: float  # share of the re-identified model's excess that stays; nan if it has none
-    stationary: bool = False  # whether the re-identified model errs alike however the axis moves
+    stationary: bool = False  # whether the error of the re-identified model is independent of the motion
     # error of the re-identified model relative to the force; inf if it is not known
     relative: float = math.inf
     # largest error of the re-identified model in a reading that it predicts, in multiples of its noise
@@ -150,19 +151,19 @@ class Errors:
 
     @property
     def largest(self) -> float:
-        """Error of the re-identified model in the force or in a reading."""
+        """Largest error of the re-identified model, in the force or in a reading."""
         return max(self.reidentified, self.others)
 
 
 def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outcome:
-    """Probabilities of the verdicts; `upheld` effects hold on the validation data, which the errors are of."""
+    """Probabilities of the verdicts; `upheld` is the number of effects that hold on the validation data."""
     if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(steps[0]) if steps else 0.0
     if not upheld or errors.largest <= THRESHOLDS.noise_alone or not _is_likeliest(steps, upheld):
         there = min(there, THRESHOLDS.unlikely)
     if errors.largest < (THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white):
-        there *= _covers(errors)  # of noise, and of instants of reversals, some effect explains a part
+        there *= _covers(errors)  # some effect always explains a part of noise, or of errors at reversals
     holds = there * (1 - _in_vain(errors))
     causes = holds * _covers(errors)
     good = 1.0
@@ -172,7 +173,7 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
     most = THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white
     excess = min(errors.reidentified / most, errors.relative / THRESHOLDS.negligible)
     fits = _logistic(-math.log(max(excess, 1e-9)) / 0.08)
-    # What was found and does not hold says nothing against a model that leaves hardly more than noise.
+    # An effect that was found but does not hold is no evidence against a model that leaves hardly more than noise.
     plain = (1 - holds) * fits
     return Outcome(
         no_gap=plain * good,
@@ -184,13 +185,13 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
 
 
 def _is_likeliest(steps: Sequence[SelectionStep], upheld: int) -> bool:
-    """Whether the first effect found is indistinguishable from the most probable candidate, or that itself."""
+    """Whether the first effect found is the most probable candidate or indistinguishable from it."""
     first, *others = [step.confirmed[0].key for step in steps if step.accepts][:upheld]
     return probabilities(steps[0], others)[first] >= THRESHOLDS.indistinguishable
 
 
 def _covers(errors: Errors) -> float:
-    """Probability that what takes away a share of the gap is what it is called, and stands for nothing else."""
+    """Probability that an effect found is the true cause and does not stand in for another one."""
     if not np.isfinite(errors.left):
         return 1.0
     if errors.largest < THRESHOLDS.white:
@@ -201,7 +202,7 @@ def _covers(errors: Errors) -> float:
 
 
 def _in_vain(errors: Errors) -> float:
-    """Probability that an effect found is not a cause of the gap but only near one: it takes too little of it away."""
+    """Probability that an effect found is only similar to a cause of the gap: it removes too little."""
     if errors.explained <= THRESHOLDS.noise_alone or not np.isfinite(errors.left):
         return 0.02
     return 0.02 + 0.96 * _logistic((THRESHOLDS.least_removed - (1 - errors.left)) / THRESHOLDS.removed_width)

@@ -1,4 +1,4 @@
-"""Which effects explain what the re-identified model leaves: screened, confirmed, accepted one after the other."""
+"""Forward selection of the effects that explain the gap: candidates are screened and fitted, the best is accepted."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from symid.diagnosis.thresholds import THRESHOLDS
 _INTEGRATED = 2
 _OTHER_PLACES = 3
 _AGAIN = 3
-"""Candidates that explain nearly all and are fitted from the nominal values too."""
+"""Candidates that are fitted from the nominal values too if they explain nearly all."""
 _ALWAYS = 3
-"""Candidates fitted where there is a gap, whatever a projection says."""
+"""Candidates that are fitted where there is a gap, whatever their projected gain."""
 
 
 def forward_selection(
@@ -30,7 +30,7 @@ def forward_selection(
 ) -> tuple[SelectionStep, ...]:
     """Steps of the search: the first, and those that accept their best candidate after it.
 
-    The model before re-identification, `nominal`, is another start for effects that led the parameters astray.
+    The model before re-identification, `nominal`, is another start where unmodelled effects led the parameters astray.
     """
     fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
     nominal = nominal and replace(nominal, state=replace(nominal.state, bounds=fit.state.bounds))
@@ -46,9 +46,9 @@ def forward_selection(
 
 
 def _restarted(step: SelectionStep) -> Fit | None:
-    """The model of a step fitted from the values found with the best candidate; None if this leaves hardly less.
+    """The model of a step fitted from the values found with the best candidate; None if the error is hardly lower.
 
-    A fit that went astray takes any effect that sets its values right for the cause.
+    If the first fit went astray, any effect that corrects its values would be taken for the cause.
     """
     if not step.accepts:
         return None
@@ -61,7 +61,7 @@ def _restarted(step: SelectionStep) -> Fit | None:
 
 
 def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tuple[SelectionStep, ...]:
-    """A first step and those that accept their best candidate after it."""
+    """A first step, and the steps after it that accept their best candidate."""
     steps, last = [first], first
     while last.accepts and len(steps) < THRESHOLDS.most_effects:
         current = refitted(settled(last.confirmed[0].fit)).after(fit)
@@ -76,7 +76,7 @@ def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tup
 
 
 def _predicts(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
-    """Logarithm of the likelihood with which the last model predicts blocks left out, less the penalties."""
+    """Cross-validated log-likelihood of the last model, less the penalties."""
     if not steps[-1].confirmed:
         return -math.inf
     state = steps[-1].confirmed[0].fit.state
@@ -87,7 +87,7 @@ def _predicts(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
 
 
 def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> SelectionStep:
-    """Confirm the best candidates; as long as none explains the error, more of them, at more cost."""
+    """Fit the best candidates, and more of them at higher cost as long as none explains the error."""
     found = screened(fit, library)
     confirmed: dict[Key, Confirmed] = {}
     tried: dict[Key, Placed] = {}
@@ -106,9 +106,9 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
 
 
 def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed]) -> dict[Key, Placed]:
-    """Fit candidates, which are returned; each keeps the best of its fits.
+    """Fit candidates, keep the best fit of each in `confirmed`, and return the candidates.
 
-    What one of them refines is always fitted to the end: the two are compared.
+    A simpler effect that a confirmed one refines is always fitted to the end, as the two are compared.
     """
     tried = {}
     for start in starts:
@@ -122,7 +122,7 @@ def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed])
 
 
 def _is_alike(key: Key, tried: Mapping[Key, Placed]) -> bool:
-    """Whether a candidate is a simpler effect than one of those tried, or the same but for how a force is late."""
+    """Whether a candidate is a simpler effect than one that was tried, or the delay to a lag, or the reverse."""
     if key in tried:
         return False
     name, at = key
@@ -147,7 +147,7 @@ def _stages(
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
-    if not confirmed:  # what seemed best is no machine's: the others are seen without it
+    if not confirmed:  # the most promising candidates are not credible: others are tried
         yield [
             Start.of(fit, c.placed)
             for c in _promising([c for c in found if c.placed.key not in tried], fit)[:6]
@@ -173,10 +173,10 @@ def _stages(
 
 
 def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
-    """Candidates that gain enough to be fitted, beside the best of them.
+    """Candidates with enough gain to be fitted, relative to the best one.
 
-    Where a model leaves much more than noise, the first are fitted whatever their gain: few rows cannot give more to a
-    projection whose shapes are only near the right one.
+    Where a model leaves much more than noise, the first few are fitted whatever their gain: with few rows, a projection
+    whose shapes are only near the right one gains little.
     """
     gains = [max(c.penalised_gain, c.white_penalised_gain) for c in found]
     least = max(THRESHOLDS.least_penalised_gain / 2, THRESHOLDS.promising * max(gains, default=0.0))
@@ -186,12 +186,12 @@ def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
 
 
 def _best_first(confirmed: Mapping[Key, Confirmed]) -> list[Confirmed]:
-    """Candidates confirmed, the largest gain first."""
+    """Confirmed candidates, the largest gain first."""
     return sorted(confirmed.values(), key=lambda c: -c.penalised_gain)
 
 
 def _least_left(confirmed: Mapping[Key, Confirmed]) -> float:
-    """Mean square that the best of those confirmed leaves."""
+    """Least mean square of the confirmed candidates."""
     return min((c.fit.mean_square for c in confirmed.values()), default=math.inf)
 
 

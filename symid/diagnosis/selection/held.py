@@ -1,4 +1,4 @@
-"""Whether forces are held from sample to sample: they then act half a sample after their record, without any delay."""
+"""Detection of a held force, which acts half a sample after its record without any delay."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HELD = (
 
 
 def shows_hold(fit: Fit) -> bool:
-    """Whether a delay of every force by half a sample explains a part of what a model leaves that has none declared."""
+    """Whether a delay of every force by half a sample explains a part of the error; False if a delay is declared."""
     if any(item.effect.name in LATE_FORCES for item in fit.state.placed):
         return False
     period, places = (

@@ -1,9 +1,9 @@
-"""Prior knowledge that favours one effect over another, besides the errors of its fit.
+"""Prior odds: knowledge that favours one effect over another, besides the fit.
 
-A constant force and friction that is stronger one way are the same force while an axis moves. Friction that has grown
-one way has raised the mean level as much as it differs by, though; a constant force has left it alone. So the level
-beside its nominal value shows which of the two is there. And while an axis turns steadily, a periodic force of its
-position, which every motor has, is one of time.
+A constant force and an asymmetric friction are the same force while an axis moves. Friction that grew in one direction,
+however, also raised the mean friction level by its asymmetry, and a constant force did not: the level relative to its
+nominal value distinguishes the two. While an axis turns steadily, a periodic force of the position, which every motor
+has, looks like a periodic force of time.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _LEVELS = ("coulomb_friction", "stribeck_friction", "position_dependent_friction
 
 
 def temperature(best: float) -> float:
-    """Temperature by which gains in log-likelihood are divided, from that of the best candidate.
+    """Temperature of the tempered likelihood: gains are divided by it. `best` is the gain of the best candidate.
 
     >>> temperature(1000.0)
     7.0
@@ -32,7 +32,7 @@ def temperature(best: float) -> float:
 
 
 def prior(state: State, nominal: Mapping[str, float]) -> float:
-    """Logarithm of the prior odds of the last effect of a model, beside others that explain as much.
+    """Logarithm of the prior odds of the last effect of a model relative to effects that explain as much.
 
     `nominal` are the values that the user gave; empty if there are none.
     """
@@ -45,14 +45,14 @@ def prior(state: State, nominal: Mapping[str, float]) -> float:
 
 
 def _turns_steadily(state: State, at: str) -> bool:
-    """Whether a joint moves so steadily that a course over time is one over the position."""
+    """Whether a joint moves so steadily that a function of time is a function of the position."""
     record, q = state.prediction.record, state.prediction.joints[at].q
     inside = record.in_log
     return bool(abs(np.corrcoef(q[inside], record.fine_time[inside])[0, 1]) > THRESHOLDS.steady)
 
 
 def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
-    """Logarithm of how much likelier the friction level is if it has grown one way than if it has not changed."""
+    """Log-likelihood ratio of the friction level: grown in one direction against unchanged."""
     along = moving_along(state.prediction, item.at)
     frictions = [law for law in state.prediction.axis.laws if isinstance(law, CoulombFriction)]
     levels = {law.named("level"): along.get(getattr(law.at, "name", ""), 0.0) for law in frictions}
@@ -70,7 +70,7 @@ def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> 
 
 
 def _level(state: State, item: Placed) -> float:
-    """Mean friction that an effect makes while its joint moves."""
+    """Mean friction of an effect while its joint moves."""
     assert isinstance(item.effect, LawEffect)
     joint = state.prediction.joints[item.at]
     q, v = joint.q[joint.moving], joint.v[joint.moving]
@@ -78,5 +78,5 @@ def _level(state: State, item: Placed) -> float:
 
 
 def _likelihood(deviations: float) -> float:
-    """Logarithm of the likelihood of a level; far off, either story leaves it unexplained."""
+    """Log-likelihood of a level, bounded below: a level far off supports neither hypothesis."""
     return math.log(math.exp(-(deviations**2) / 2) + THRESHOLDS.level_elsewhere)

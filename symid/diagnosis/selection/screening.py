@@ -1,4 +1,4 @@
-"""Every effect at every place over its shapes, as a projection on what the fitted model leaves."""
+"""Screening: the error of the fitted model is projected on every effect at every place, over its shapes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from symid.diagnosis.prediction.weighting import Autoregression, autoregression,
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _BATCH = 200_000
-"""Values of the columns of shapes that are tried at a time: those that a processor's cache holds."""
+"""Values in the columns of the shapes that are tried together: as many as fit in a processor's cache."""
 _BLIND = 1e-4
 
 
@@ -25,17 +25,17 @@ class Candidate:
     """An effect at a place with its best shape and amplitudes by projection."""
 
     placed: Placed  # effect, place and values
-    gain: float  # gain of the logarithm of the likelihood, errors taken as they are
-    white_gain: float  # the same after an autoregressive model of the errors
+    gain: float  # gain of the log-likelihood, errors taken as white
+    white_gain: float  # gain after whitening by an autoregressive model of the errors
 
     @property
     def penalised_gain(self) -> float:
-        """The gain, less what its free values would gain in noise."""
+        """The gain less the penalty of the free values."""
         return self.gain - THRESHOLDS.penalty * self.placed.n_free
 
     @property
     def white_penalised_gain(self) -> float:
-        """The same after an autoregressive model."""
+        """Penalised gain after whitening by an autoregressive model."""
         return self.white_gain - THRESHOLDS.penalty * self.placed.n_free
 
 
@@ -67,10 +67,10 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
 
 
 class _Projection:
-    """What columns explain of the error that the base columns leave, under a noise model.
+    """Projection of the error that the base columns leave on further columns, under a noise model.
 
-    Products of white columns with the white base and the error are products of the columns themselves with what the
-    adjoint of the noise model makes of those, once.
+    Products of whitened columns with the whitened base and error equal products of the columns themselves with the
+    adjoint of the whitening applied to these, which is computed once.
     """
 
     def __init__(self, fit: Fit, noise: Autoregression) -> None:
@@ -90,7 +90,8 @@ class _Projection:
         products = products.reshape(*rows.shape[:2], -1)
         explained, targets = products[..., :-1], products[..., -1]
         whole = white @ white.swapaxes(1, 2)
-        left = whole - explained @ explained.swapaxes(1, 2)  # of the base: sums of squares and products
+        # Gram matrix of the columns after projection on the base (partial regression)
+        left = whole - explained @ explained.swapaxes(1, 2)
         sizes, norms = (np.sqrt(np.maximum(np.diagonal(g, axis1=1, axis2=2), 0.0)) for g in (whole, left))
         seen = np.all(norms > _BLIND * np.maximum(sizes, np.finfo(float).tiny), axis=1)
         seen &= np.isfinite(norms).all(axis=1)
@@ -114,7 +115,7 @@ class _Projection:
         return self._of(float(target @ (share / norms)) / self.square), share / norms
 
     def _of(self, closed: float) -> float:
-        """Gain of columns that close a share of the sum of squares."""
+        """Gain of columns that remove a share `closed` of the sum of squares."""
         return float(-0.5 * self.n_rows * np.log1p(-min(closed, 1 - 1e-12)))
 
 
@@ -125,7 +126,7 @@ def _best_shapes(
     place: str,
     shapes: Sequence[Shape],
 ) -> list[Candidate]:
-    """Candidates with the best shape under either noise model."""
+    """Candidates with the best shape under each noise model."""
     found: list[Candidate] = []
     prediction = fit.state.prediction
     many = max(1, _BATCH // (max(len(effect.amplitudes), 1) * fit.state.rows.size))

@@ -21,19 +21,19 @@ class Confirmed:
     """A candidate fitted with all parameters free."""
 
     fit: Fit  # the model with it
-    gain: float  # of the logarithm of the likelihood over the model without it, on blocks left out
-    certainty: float  # probability that it predicts such blocks better than the model without it
-    squares: FloatArray  # shape (n_outputs, n_blocks): sums of squares of its errors of each of these blocks
+    gain: float  # of the cross-validated log-likelihood over the model without it
+    certainty: float  # probability that it predicts blocks left out better than the model without it
+    squares: FloatArray  # shape (n_outputs, n_blocks): sum of squared errors of each block when left out
     odds: float = 0.0  # logarithm of its prior odds
-    spoils: bool = False  # whether it makes the error of another output grow by much
+    spoils: bool = False  # whether it greatly increases the error of another output
 
     @property
     def penalised_gain(self) -> float:
-        """The gain, less what its free values would gain in noise."""
+        """The gain less the penalty of the free values."""
         return self.gain - THRESHOLDS.penalty * self.placed.n_free
 
     def beside(self, best: Confirmed, found: Confirmed) -> Confirmed:
-        """A rival of `best`, as far behind it as it was, block by block, where `found` is the best in its place."""
+        """A rival of `best` at the same distance, block by block, from `found`, which replaces `best`."""
         share = found.squares.sum(axis=1) / best.squares.sum(axis=1)
         squares = found.squares + (self.squares - best.squares) * share[:, None]
         return replace(self, gain=found.gain + self.gain - best.gain, squares=squares)
@@ -61,14 +61,14 @@ class SelectionStep:
     before: Fit  # the model without the effect of this step
     confirmed: tuple[Confirmed, ...]  # candidates that were fitted, the largest gain first
     screened: tuple[Candidate, ...]  # all candidates
-    # effects and places that were fitted and not confirmed: mostly as no machine can have the values found
+    # effects and places that were fitted but not confirmed, mostly because the values found are not credible
     refused: frozenset[Key] = frozenset()
-    # whether gains are those beside all other effects, and not over the model before
+    # whether gains are relative to the model with all other effects, not to the model before
     beside_others: bool = False
 
     @property
     def accepts(self) -> bool:
-        """Whether the best candidate is worth its acceptance."""
+        """Whether the best candidate is accepted."""
         return bool(self.confirmed) and (self.beside_others or self._accepts(self.confirmed[0]))
 
     def _accepts(self, own: Confirmed) -> bool:
@@ -77,9 +77,10 @@ class SelectionStep:
         return gains and own.certainty > THRESHOLDS.least_certainty
 
     def with_acceptable(self) -> SelectionStep:
-        """The same, where the best candidate is not accepted with the next one first that is, if it gains enough.
+        """The step led by its best acceptable candidate, if that gains enough.
 
-        An effect that a few blocks show, such as a mass that changes once, is certain when the others are dealt with.
+        The best candidate may be uncertain because few blocks show it, such as a mass that changes once; it becomes
+        certain when other effects are in the model.
         """
         if self.accepts or not self.confirmed:
             return self
@@ -90,10 +91,10 @@ class SelectionStep:
         return self.led_by(found[0])
 
     def whole_before_part(self) -> tuple[SelectionStep, ...]:
-        """The same with Coulomb friction accepted in place of presliding friction that leaves more than noise.
+        """The step led by Coulomb friction in place of presliding friction that leaves more than noise; else empty.
 
-        Where only a part of the friction builds up over a displacement, presliding friction alone finds a wrong reach.
-        Beside Coulomb friction all reaches are tried. Rivals stay as far behind it as they are behind both.
+        Where only a part of the friction builds up over a displacement, presliding friction alone finds a wrong reach;
+        beside Coulomb friction all reaches are tried. Rivals keep their distance.
         """
         if not self.accepts or self.confirmed[0].fit.mean_square < THRESHOLDS.explained:
             return ()
@@ -105,19 +106,19 @@ class SelectionStep:
         return (replace(self, confirmed=(whole, best, *behind)),)
 
     def led_by(self, own: Confirmed) -> SelectionStep:
-        """The same with another of its candidates first."""
+        """The step with another of its candidates first."""
         return replace(self, confirmed=(own, *(other for other in self.confirmed if other is not own)))
 
     def fitted_on(self) -> SelectionStep:
-        """The same with its best model fitted until its error hardly falls any more."""
+        """The step with its best model fitted until the error hardly falls."""
         best, *others = self.confirmed
         return replace(self, confirmed=(replace(best, fit=fitted_on(from_other_moments(best.fit))), *others))
 
     def other_timing(self) -> tuple[SelectionStep, ...]:
-        """The same with the lag accepted in place of the delay, or the other way round, if it explains as much or less.
+        """Steps led by the lag in place of the delay, or the other way round, if its gain is comparable.
 
-        Which of the two it is shows at high frequencies, where what is not yet modelled may decide wrongly: a lag
-        makes more of a ripple of the encoder than a delay does.
+        The two differ at high frequencies, where effects that are not yet in the model may decide wrongly: a lag
+        explains more of an encoder ripple than a delay does.
         """
         if not self.accepts or self.confirmed[0].effect.name not in LATE_FORCES:
             return ()
@@ -127,14 +128,14 @@ class SelectionStep:
         return tuple(self.led_by(own) for own in others if own.penalised_gain > least and self._accepts(own))
 
     def justifies_another(self, first: Fit) -> bool:
-        """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
+        """Whether the best candidate is justified besides others; `first` is the model that all effects explain."""
         if not self.accepts:
             return False
         return takes(self.before, self.confirmed[0].fit, first)
 
 
 def takes(before: Fit, after: Fit, first: Fit) -> bool:
-    """Whether an effect beside others takes away what counts, where `first` was to be explained."""
+    """Whether an effect besides others removes enough error; `first` is the model that all effects explain."""
     most = float(np.max(before.squares - after.squares)) / before.squares.size
     of_first, of_rest = _taken(before, after, first), _taken(before, after, before)
     counts = of_first > THRESHOLDS.least_of_first or (is_clear(before) and of_rest > THRESHOLDS.least_of_rest)
@@ -147,9 +148,9 @@ def is_clear(left: Fit) -> bool:
 
 
 def _taken(before: Fit, after: Fit, first: Fit) -> float:
-    """Share of what a first model leaves that an effect takes away: in the mean of the outputs, or of their shares.
+    """Share of a first model's error that an effect removes: of the mean over outputs, or the mean of the shares.
 
-    Errors of one output may be thousands of times those of another in multiples of the noise, and hide what is taken.
+    In multiples of the noise, the error of one output may be thousands of times that of another and would hide it.
     """
     taken = before.squares - after.squares
     return float(max(np.mean(taken / first.squares), np.mean(taken) / first.mean_square))
