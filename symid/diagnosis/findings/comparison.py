@@ -1,4 +1,4 @@
-"""Models compared on data that took no part in any choice."""
+"""Comparison of models on data that took no part in any choice."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ from symid.diagnosis.thresholds import THRESHOLDS
 _UNEVEN = 2.0
 _FEW = 8
 _ENOUGH = 60
-"""Rows of which either half shows the level of its errors to some 20 %."""
+"""Least number of rows; each half then shows the level of its errors to about 20 %."""
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """Errors of several models on one record, with the same weights.
 
-    Of an axis with several drives, levels, shares, signals and spectrum are those of one of them.
+    With several drives, levels, shares, signals and spectrum belong to one of them.
     """
 
     weighting: Weighting  # of the record
-    # models, simplest first: nominal, re-identified, with the first effect, the first two,
+    # models, simplest first: nominal, re-identified, with the first effect, with the first two, ...
     states: tuple[State | None, ...]
     # shape (n_outputs, n_rows): their weighted errors, in multiples of the noise; nan where no row is kept
     errors: tuple[FloatArray | None, ...]
-    drive: int = 0  # whose force is looked at
+    drive: int = 0  # index of the drive whose force is compared
 
     @property
     def record(self) -> Record:
@@ -51,18 +51,18 @@ class Comparison:
         return replace(self, states=self.states[: 2 + n], errors=self.errors[: 2 + n])
 
     def fitted_to_log(self) -> Comparison:
-        """The same models with the phases and moments of this log, which only their errors leave out so far."""
+        """The comparison with phases and moments fitted to this log; so far only the errors account for them."""
         own = (None if state is None else fitted_to_log(state, self.weighting) for state in self.states)
         return replace(self, states=tuple(own))
 
     @property
     def of_drives(self) -> tuple[Comparison, ...]:
-        """The same for the force of each drive."""
+        """The comparison for the force of each drive."""
         return tuple(replace(self, drive=drive) for drive in range(self.record.n_drives))
 
     @property
     def of_largest(self) -> Comparison:
-        """The same for the force in which the re-identified model errs most, in multiples of the floor."""
+        """The comparison for the force with the largest error of the re-identified model, in multiples of the floor."""
         return max(self.of_drives, key=lambda own: own.excess(1, own.drive) / own.floor**2)
 
     @property
@@ -72,12 +72,12 @@ class Comparison:
 
     @property
     def measured(self) -> ComplexArray:
-        """Spectrum of its force."""
+        """Spectrum of the force of the drive."""
         return np.asarray(self.record.measured[self.drive])
 
     @property
     def upheld(self) -> int:
-        """How many of the effects hold on these data: what follows makes the error grow, or may do so."""
+        """Number of effects that hold on these data; further ones increase the error, or may do so."""
         errors = [self._misfit(model) for model in range(1, len(self.states))]
         held = [n for n in range(1, len(errors)) if errors[n] <= THRESHOLDS.falls * min(errors[:n])]
         last = max(held, default=0)
@@ -87,7 +87,7 @@ class Comparison:
 
     @property
     def worsened(self) -> int | None:
-        """The first of several effects that clearly makes the error, or a hidden motion, grow on these data."""
+        """Index of the first of several effects that clearly increases the error here, or makes motion diverge."""
         n_effects = len(self.states) - 2
         grows = (
             n for n in range(n_effects) if self.states[n + 2] is None or self.removed(n + 1, n + 2).high < 0
@@ -96,18 +96,18 @@ class Comparison:
 
     @property
     def misfit(self) -> float:
-        """That of the effects that hold, relative to the re-identified model."""
+        """Error with the effects that hold, relative to the re-identified model."""
         return self._misfit(1 + self.upheld)
 
     def _misfit(self, model: int) -> float:
-        """Root mean square of the errors of all outputs, each relative to that of the re-identified model."""
+        """Rms error over all outputs, each relative to the error of the re-identified model."""
         outputs = range(len(self.weighting.density))
         shares = [np.mean(self.squares(model, o)) / np.mean(self.squares(1, o)) for o in outputs]
         return float(np.sqrt(np.mean(shares)))
 
     @cached_property
     def floors(self) -> FloatArray:
-        """Weighted errors of the outputs that noise alone would leave of the model with all effects."""
+        """Weighted rms errors of the outputs that noise alone leaves with all effects in the model."""
         last = self.states[-1]
         if last is None:
             return np.ones(len(self.weighting.density))
@@ -115,11 +115,11 @@ class Comparison:
 
     @property
     def floor(self) -> float:
-        """That of the force."""
+        """Noise floor of the force."""
         return float(self.floors[self.drive])
 
     def excess(self, model: int, output: int) -> float:
-        """Mean square of an error of a model above the floor, in the unit of the weights."""
+        """Mean square of the weighted error of a model above the floor."""
         return max(float(np.mean(self.squares(model, output))) - float(self.floors[output]) ** 2, 0.0)
 
     def whole_excess(self, model: int) -> float:
@@ -127,18 +127,18 @@ class Comparison:
         return sum(self.excess(model, d) / float(self.floors[d]) ** 2 for d in range(self.record.n_drives))
 
     def removed(self, before: int, after: int) -> Removed:
-        """Share of the re-identified model's excess that goes from one model to another, with a 95 % interval.
+        """Share of the re-identified model's excess removed from one model to another, with a 95 % interval.
 
-        It is that of the force, and that of a further reading for an error of this reading.
+        The excess is that of the force, or of a further reading if the effect is an error of this reading.
         """
         output = self._output_of(after)
         rows = np.stack([self.squares(i, output) for i in (1, before, after)])
         return removed_share(rows, float(self.floors[output]) ** 2)
 
     def _output_of(self, model: int) -> int:
-        """Output in which the last effect of a model is felt: the force, except for errors of further readings.
+        """Output that shows the last effect of a model: the force, or a further reading whose error the effect is.
 
-        Of several forces, the one whose excess it lowers most.
+        With several forces, the one whose excess the effect lowers most.
         """
         state, outputs = self.states[model], self.record.outputs
         place = state.placed[-1].at if state is not None and state.placed else ""
@@ -152,12 +152,12 @@ class Comparison:
         )
 
     def felt_by(self, model: int) -> Comparison:
-        """The same for the force in which the last effect of a model is felt."""
+        """The comparison for the force that shows the last effect of a model."""
         output = self._output_of(model)
         return replace(self, drive=output) if output < self.record.n_drives else self
 
     def squares(self, model: int, output: int | None = None) -> FloatArray:
-        """Squares of a weighted error in the kept rows: that of the force, or of any output."""
+        """Squared weighted errors of a model in the kept rows, of the force or of a given output."""
         errors = self.errors[model]
         return (
             np.full(int(self.weighting.kept.sum()), np.nan)
@@ -167,12 +167,12 @@ class Comparison:
 
     @cached_property
     def unit(self) -> float:
-        """Force that a weighted error of 1 stands for: the force noise in the band."""
+        """Force that corresponds to a weighted error of 1: the force noise in the band."""
         return float(1 / self.weighting.density[self.drive].max())
 
     @property
     def _relative_density(self) -> FloatArray:
-        """Weight of the force error relative to that of force noise alone, of shape (n_bins,)."""
+        """Weight of the force error relative to its maximum, of shape (n_bins,)."""
         density = self.weighting.density[self.drive]
         return np.asarray(density / density.max())
 
@@ -211,7 +211,7 @@ class Comparison:
 
     @property
     def unexplained_share(self) -> float:
-        """Share of the re-identified model's excess that stays, see `removed`; nan if it has none."""
+        """Share of the re-identified model's excess that remains, see `removed`; nan if there is no excess."""
         felt = self._output_of(2) if len(self.states) > 2 else 0
         output = felt if felt >= self.record.n_drives else self.drive
         before, left = (self.excess(i, output) for i in (1, len(self.errors) - 1))
@@ -220,7 +220,7 @@ class Comparison:
 
     @property
     def unexplained_of_all(self) -> float:
-        """The same of all forces together, in multiples of their floors."""
+        """`unexplained_share` of all forces together, in multiples of their floors."""
         n_drives = self.record.n_drives
         felt = self._output_of(2) if len(self.states) > 2 else 0
         if n_drives == 1 or felt >= n_drives:
@@ -230,7 +230,7 @@ class Comparison:
 
     @cached_property
     def near_reversal(self) -> BoolArray:
-        """Kept rows within some time of a reversal or of a standstill of the driven joint."""
+        """Kept rows near a reversal or a standstill of the driven joint."""
         record = self.record
         velocity = record.rows(1j * record.omega * self.motion)
         inside = record.rows_in_log
@@ -240,10 +240,10 @@ class Comparison:
 
     @cached_property
     def is_stationary(self) -> bool:
-        """Whether the re-identified model errs as much where the axis moves little as where it moves much.
+        """Whether the error of the re-identified model is independent of the motion, as noise of any colour is.
 
-        Rows are halved by the speed and by the acceleration of the driven joint. Noise of any colour does not know of
-        the motion; an error of the model does. A few rows cannot show it.
+        Rows are split at the median speed, and at the median acceleration, of the driven joint, and the errors of both
+        halves are compared. False with too few rows.
         """
         record, kept = self.record, self.weighting.kept
         if kept.sum() < _ENOUGH:
@@ -268,7 +268,7 @@ class Comparison:
         return Reversal(re, explained)
 
     def not_repeated(self) -> NotRepeated | None:
-        """Part of the last model's force error that is new each time; None where the motion does not repeat."""
+        """Part of the last model's force error that differs in each repetition; None if the motion does not repeat."""
         record, inside = self.record, self.record.rows_in_log
         errors = self.errors[-1]
         if errors is None:
@@ -279,14 +279,14 @@ class Comparison:
 
     @cached_property
     def half_power_hz(self) -> float:
-        """Frequency at which the weight of the force error has fallen to 0.7."""
+        """Frequency at which the weight of the force error has fallen by 3 dB."""
         fallen = np.flatnonzero(self._relative_density < np.sqrt(0.5))
         bins = fallen[fallen > 8]
         return float(self.record.omega[bins[0]] / (2 * np.pi)) if bins.size else self.record.band_hz
 
     @property
     def row_rate(self) -> float:
-        """Rows a second, Hz."""
+        """Rate of the rows, Hz."""
         return self.record.n_rows / self.record.period
 
     @property
@@ -304,9 +304,9 @@ class Comparison:
 def compared(
     record: Record, nominal: State | None, fits: Sequence[Fit], allowed: BoolArray | None
 ) -> Comparison:
-    """Apply models to a validation record; only what belongs to a log, such as its beginning, is fitted to it.
+    """Apply models to a validation record; only values that belong to a log, such as its initial state, are fitted.
 
-    All errors are weighted alike: by the noise that the first of the fits, the re-identified model, lets through.
+    All errors have the same weights: those of the first fit, the re-identified model.
     `allowed`, of shape (n_fine,), are the parts of the record that may be used.
     """
     base, weighting = applied(fits[0].state, record, allowed)
@@ -320,7 +320,7 @@ def compared(
 def _applied(
     model: State | None, record: Record, allowed: BoolArray | None, weighting: Weighting
 ) -> State | None:
-    """A model under a record; None without one, or where its hidden motion grows without bound there."""
+    """A model under a record; None without a model, or if its hidden motion diverges there."""
     if model is None:
         return None
     try:

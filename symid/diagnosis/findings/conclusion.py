@@ -36,10 +36,10 @@ def concluded(
     logs: tuple[Log, Log | None],
     damaged: Damage = NO_DAMAGE,
 ) -> Diagnosis:
-    """The diagnosis that follows from a search, except for its sentence and the gap in the motion.
+    """The diagnosis that follows from a search, without its sentence and the gap in the motion.
 
-    `fits` are the re-identified model and those with effects accepted one by one; `comparison` has them and the nominal
-    model on the validation data. `logs` are that of the identification, and that of the validation if there is one.
+    `fits` are the re-identified model and those with the accepted effects, one more in each; `comparison` has them and
+    the nominal model on the validation data. `logs` are the identification log and the validation log, if there is one.
     """
     upheld = comparison.upheld
     comparison, fits = comparison.with_effects(upheld).of_largest, fits[: 1 + upheld]
@@ -82,7 +82,7 @@ def concluded(
 
 
 def _gaps(comparison: Comparison) -> tuple[Gap, ...]:
-    """Gap of the force that is looked at, and of the other ones."""
+    """Gap of the force of the comparison, then of the other forces."""
     others = (own for own in comparison.of_drives if own.drive != comparison.drive)
     return tuple(own.gap() for own in (comparison, *others))
 
@@ -96,7 +96,7 @@ def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
 
 
 def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit) -> Errors:
-    """Errors of the first of several forces, or the largest of all."""
+    """Errors for the verdict; with several forces, the largest multiples of the noise."""
 
     def largest(levels: Iterable[Level]) -> float:
         return max(level.rms / gap.noise_floor.rms for level, gap in zip(levels, gaps, strict=True))
@@ -114,9 +114,9 @@ def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit) -> 
 
 
 def _verdict(chances: Outcome, gaps: Sequence[Gap], share: float, damaged: Sequence[str]) -> Verdict:
-    """The most probable; effects that leave more than noise and a stated share of the gap explain it partly.
+    """The most probable verdict; "partly" if effects leave more than noise and more than a small share of the gap.
 
-    Of a damaged recording no physics is read: what looks like an effect is what the damage looks like.
+    From a damaged recording no effect is concluded: it may be an image of the damage.
     """
     verdict = chances.verdict
     if damaged and verdict not in ("no_gap", "parameters"):
@@ -162,11 +162,11 @@ def _effects(
 def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
     """Free values of each effect with standard deviations.
 
-    A moment that the log does not determine, because the axis rests, has the deviation of a uniform distribution over
-    the log.
+    A moment that the log does not determine, because the axis rests, has the standard deviation of a uniform
+    distribution over the log.
     """
     parts = with_parts(fit.state.placed)
-    if parts != fit.state.placed:  # else its derivatives are known
+    if parts != fit.state.placed:  # otherwise the cached derivatives stay valid
         fit = replace(fit, state=replace(fit.state, placed=parts))
     deviations = standard_deviations(fit)[len(fit.parameters) :]
     anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
@@ -206,7 +206,7 @@ def _alternatives(comparison: Comparison, step: SelectionStep, chances: Outcome)
 def _shares(
     comparison: Comparison, accepted: Sequence[SelectionStep], steps: Sequence[SelectionStep]
 ) -> dict[str, float]:
-    """Share of the excess error by place: what its effects take away; without effects, what they could."""
+    """Share of the excess error by place: removed by its effects; without any, the probability of its candidates."""
     shares: dict[str, float] = {}
     if not accepted:
         chance = probabilities(steps[0]) if steps else {}
@@ -224,7 +224,7 @@ def _shares(
 
 
 def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tuple[ParameterChange, ...]:
-    """Parameters and, named `effect.value`, the values of declared imperfections; `effect_2.value` of the second."""
+    """Parameters, and values of declared imperfections as `effect.value`; `effect_2.value` for a second one."""
     base, last = fits[0], fits[-1]
     before, after = standard_deviations(base), standard_deviations(last)
     units = base.state.prediction.axis.physical_parameters
@@ -254,7 +254,7 @@ def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tup
 def _change(
     declared: tuple[str, str, float], before: tuple[float, float], after: tuple[float, float]
 ) -> ParameterChange:
-    """Name, unit and nominal value; value and deviation without effects and with them."""
+    """The change of a parameter (name, unit, nominal value) from value and deviation `before` effects to `after`."""
     (old, old_std), (new, new_std) = before, after
     limit = max(THRESHOLDS.absorbed_deviations * old_std, THRESHOLDS.absorbed_share * abs(new))
     absorbed = before != after and abs(new - old) > limit

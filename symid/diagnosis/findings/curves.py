@@ -1,4 +1,4 @@
-"""Courses and spectra of a comparison, as pages and plots draw them."""
+"""Signals and spectra of a comparison, for pages and plots."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def weighted_of(comparison: Comparison) -> WeightedError | None:
 
 
 def spectrum_of(comparison: Comparison) -> Spectrum:
-    """Density of a drive's force error, before and after, against that of the noise."""
+    """Densities of a drive's force error, before and after, and of the noise."""
     record = comparison.record
     grid, before = comparison.power(1, _SEGMENT)
     after = comparison.power(len(comparison.errors) - 1, _SEGMENT)[1]

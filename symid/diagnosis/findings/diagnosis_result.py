@@ -54,7 +54,7 @@ class Signals:
     measured, nominal, reidentified, explained : array of shape (n,)
         Drive force: measured, and as each model predicts it from the motion; nan where a model is missing.
     compared : bool array of shape (n,)
-        Whether a sample is part of the gap; standstills and the ends are not.
+        Whether a sample belongs to the gap; standstills and the ends do not.
     """
 
     time: FloatArray
@@ -97,7 +97,7 @@ class DriveError:
 
 @dataclass(frozen=True)
 class SimulatedParameter:
-    """A physical parameter that the simulator's log implies, beside that of the machine's.
+    """A physical parameter as identified from the simulator's log and from the machine's.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class Simulator:
     log : str
         Its source.
     error : float
-        What the axis with these values and effects leaves of that log, in multiples of the noise.
+        Error of the axis with these values and effects on that log, in multiples of the noise.
     parameters : tuple of SimulatedParameter
         Of the declared axis.
     effects : tuple of SimulatedEffect
@@ -189,9 +189,9 @@ class Diagnosis(Shown):
     maps : mapping of str to tuple of MapCell
         The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``.
     effects : tuple of FoundEffect
-        Those accepted, the one that closes most first.
+        Accepted effects, the one that removes most first.
     alternatives : tuple of Alternative
-        Everything considered, most probable first.
+        All candidates, the most probable first.
     probabilities : mapping of str to float
         Of "no_gap", "parameters" and "unexplained".
     parameters : tuple of ParameterChange
@@ -199,7 +199,7 @@ class Diagnosis(Shown):
     faults : tuple of str
         Faults of the recording.
     assumptions : tuple of str
-        What was assumed.
+        Assumptions of the diagnosis.
     next_experiment : str
         The next step, in words.
     signals : Signals
@@ -209,15 +209,15 @@ class Diagnosis(Shown):
     weighted : WeightedError or None
         For correlations; None where the hidden motion of the last model grows without bound.
     drives : tuple of DriveError
-        Of an axis with several drives, the force error of each.
+        Force error of each drive, if there are several.
     simulated : Simulator or None
-        What the log of a simulator says, if one was given: then it is the nominal model.
+        Findings from the log of a simulator, if one was given; it is then the nominal model.
     planned : Experiment or None
-        The motion designed as the next experiment, and what simulation says of it, where one was asked for.
+        The motion of the next experiment and its simulated result, if it was requested.
     search : tuple of SelectionStep
-        The models that were fitted, from which the next experiment is designed; part of no file.
+        The fitted models, from which the next experiment is designed; not written to files.
     model : State or None
-        The model found, with the phases and moments of the log on which the gap was measured; part of no file.
+        The model found, with the phases and moments of the validation log; not written to files.
     """
 
     axis: Axis
@@ -246,13 +246,13 @@ class Diagnosis(Shown):
 
     @property
     def headline(self) -> str:
-        """The verdict, and the sentence that says it."""
+        """Axis, sensors, verdict and its sentence."""
         return f"{self.axis.name} from {', '.join(self.measured)}, {self.verdict}: {self.sentence}"
 
     def to_frame(self) -> pl.DataFrame:
         """A polars data frame of kind, name, value, std, unit (SI): the parameters of the axis and of the effects.
 
-        Those of the axis are the ones with the effects found; the kind is "physical", or the effect and its place.
+        Values of the axis are those with the effects found; the kind is "physical", or the effect and its place.
         ``to_pandas`` and ``to_arrow`` give frames of other libraries.
         """
         rows = [("physical", p.name, p.explained, p.explained_std, p.unit) for p in self.parameters]
@@ -265,11 +265,11 @@ class Diagnosis(Shown):
 
     @property
     def drive(self) -> Drive:
-        """The drive whose force error the gap is."""
+        """The drive whose force error is the gap."""
         named = (drive for drive in self.axis.drives if drive.signal == self.gap.signal)
         return next(named, self.axis.drives[0])
 
     @property
     def record(self) -> Record | None:
-        """The log that was identified from, in the frequency domain; None where the search was not kept."""
+        """The identification log in the frequency domain; None if the search was not kept."""
         return self.search[0].before.state.prediction.record if self.search else None

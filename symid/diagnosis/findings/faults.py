@@ -1,4 +1,4 @@
-"""Faults of the recording, which are looked for before physics."""
+"""Faults of the recording, which are checked before physical effects."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from symid.identification.recording import channel_fault
 
 _LOST = replace(CRITERIA, dead_share=0.05)
 _REPEATED = replace(CRITERIA, dead_share=0.4)
-"""Share of lost and of repeated samples from which on a log shows its recorder rather than its machine. Coarse encoders
-and slow controllers repeat values by nature; a channel that is updated every second time does so in half of them."""
+"""Share of lost and of repeated samples above which a log shows its recorder rather than its machine. Coarse encoders
+and slow controllers repeat values by nature; a channel that is updated at every second sample repeats half of them."""
 _WHOLE_SAMPLE = 0.15
 _OPPOSITE = -0.5
-"""Correlation of the measured with the predicted force from which on one of their signs is wrong."""
+"""Correlation of the measured with the predicted force below which a sign may be wrong."""
 _MIRRORED = 0.3
-"""Mean square left of a force of the other sign, relative to that of the one recorded, below which it is wrong."""
+"""Error with the opposite force relative to that with the recorded one, mean squares, below which the sign is wrong."""
 _BOTH_SIGNS = 0.2
-"""Share of the samples in which a force must be negative, and positive, for a record of one sign to be odd."""
+"""Least share of samples with each sign in a predicted force for a record of one sign to be suspicious."""
 
 _COASTS = 0.1
 """Share of the samples of a motion in which the force is exactly 0: the drive is off, and no sign is lost."""
@@ -37,16 +37,16 @@ _COASTS = 0.1
 class Damage:
     """Faults of a recording."""
 
-    fatal: tuple[str, ...] = ()  # those that make the log useless, one sentence each
-    noted: tuple[str, ...] = ()  # those that do less harm
+    fatal: tuple[str, ...] = ()  # sentences on faults that make the log useless
+    noted: tuple[str, ...] = ()  # sentences on minor faults
 
     def led_by(self, text: str) -> Damage:
-        """The same with a sentence, if it is not empty, before those that make the log useless."""
+        """The damage with a further fatal sentence in front, unless it is empty."""
         return replace(self, fatal=(text, *self.fatal)) if text else self
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """All of it, the worst first."""
+        """All sentences, fatal ones first."""
         return (*self.fatal, *self.noted)
 
 
@@ -54,9 +54,9 @@ NO_DAMAGE = Damage()
 
 
 def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
-    """Damage that the recorder, or a wrong sign, has done to logs, seen by the axis with the values to begin with.
+    """Damage of logs by their recorder or by a wrong sign.
 
-    `found` is the axis as it fits the logs.
+    `begun` is the axis with its initial values, `found` the axis fitted to the logs.
     """
     record = begun.state.prediction.record
     names = (*record.forces, *record.signals)
@@ -75,7 +75,7 @@ def _destroyed(x: FloatArray, name: str, *, is_force: bool) -> str:
 
 
 def _wrong_sign(begun: Fit, found: Fit, drive: int) -> str:
-    """Whether the measured force of a drive is opposite to what the motion asks for, or never changes its sign."""
+    """Sentence if the force of a drive is opposite to the predicted one, or is its absolute value; otherwise empty."""
     state, weighting = begun.state, begun.weighting
     record = state.prediction.record
     force = record.forces[drive]
@@ -101,7 +101,7 @@ def _wrong_sign(begun: Fit, found: Fit, drive: int) -> str:
 
 
 def _fits_mirrored(begun: Fit, found: Fit, force: str) -> bool:
-    """Whether the axis fits a force of the other sign far better than the one recorded."""
+    """Whether the axis fits the force of opposite sign far better than the recorded one."""
     record = begun.state.prediction.record
     log = replace(record.log, signals={**record.log.signals, force: -record.log[force]})
     other = replace(record, log=log)
@@ -110,9 +110,9 @@ def _fits_mirrored(begun: Fit, found: Fit, force: str) -> bool:
 
 
 def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
-    """Whether the absolute value of what the motion asks for explains a record better than a constant force beside it.
+    """Whether a record follows the absolute value of the predicted force rather than the force, each plus a constant.
 
-    A weight that the model lacks keeps a force on one side, too.
+    A weight that is not in the model can keep a force on one side, too.
     """
 
     def left(course: FloatArray) -> float:
@@ -123,7 +123,7 @@ def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
 
 
 def shifted_channels(log: Log, forces: Sequence[str], accepted: Sequence[SelectionStep]) -> tuple[str, ...]:
-    """Accepted delays that may be shifts of channels, and filters through which a force was recorded."""
+    """Sentences on accepted delays, which may be shifts of channels, and on filters of a recorded force."""
     found = []
     for step in accepted:
         item = step.confirmed[0].placed

@@ -1,8 +1,8 @@
-"""Logs that show the controller in place of the machine.
+"""Detection of logs that show the controller instead of the machine.
 
-While the reference stands still, a controller makes its force of position and speed: u = c - Kp q - Kd v. A model with
-friction and a spring can take this form with the signs turned round, and then explains the log without any error,
-whatever the machine is. Such a model feeds energy to the motion, which no machine does.
+While the reference stands still, the force of a controller depends on position and speed only: u = c - Kp q - Kd v. A
+model with friction and a spring of opposite sign has the same form and explains the log without error, whatever the
+machine is. Such a model feeds energy into the motion, which no machine does.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ import numpy as np
 from symid.diagnosis.fitting.fit import Fit
 
 _AS_GOOD = 1.2
-"""Error of the law of feedback relative to that of the model, up to which the model may be that law."""
+"""Largest error of the feedback law, relative to that of the model, at which the model may be this law."""
 
 
 def feedback_law(fit: Fit) -> str:
-    """Sentence that a log shows its controller, where the model fitted to it is the law of one; else empty."""
+    """Sentence if a log shows its controller, that is, if the fitted model is a feedback law; otherwise empty."""
     record = fit.state.prediction.record
     if record.n_drives > 1 or not _feeds_energy(fit):
         return ""

@@ -33,11 +33,11 @@ class FoundEffect:
     gap_after : Level
         The gap with this effect and those before it added to the re-identified model.
     removes : Removed
-        Share of the excess error that it takes away on the validation data, after those before it.
+        Share of the excess error that it removes on the validation data, after the effects before it.
     indistinguishable_from : tuple of (str, str)
         Effects and places that this log does not distinguish from it.
     signal : str
-        The drive of whose force `gap_after` is the error: of several, the one in which the effect is felt most.
+        Force whose error `gap_after` is; with several drives, the one that shows the effect most.
     """
 
     effect: str
@@ -102,5 +102,5 @@ class ParameterChange:
 
     @property
     def is_determined(self) -> bool:
-        """Whether the log determines it: where masses or springs are tied, only a combination is."""
+        """Whether the log determines it, and not only a combination with other parameters."""
         return self.explained_std < math.inf

@@ -17,7 +17,7 @@ class Level:
     rms : float
         Root mean square, in the unit of its signal.
     relative : float
-        The same relative to the root mean square of the signal.
+        Relative to the root mean square of the signal.
     """
 
     rms: float
@@ -26,7 +26,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Removed:
-    """Share of the excess error of the re-identified model that an effect takes away, on data it has not seen.
+    """Share of the excess error of the re-identified model that an effect removes, on validation data.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Reversal:
 
 @dataclass(frozen=True)
 class NotRepeated:
-    """Part of the force error that is new each time where the motion repeats: no law of the motion explains it."""
+    """Part of the force error that differs in each repetition of the motion: no law of the motion explains it."""
 
     period: float  # of the motion, s
     level: Level  # of that part of the error, with the effects found
@@ -65,7 +65,7 @@ class NotRepeated:
 
 @dataclass(frozen=True)
 class MotionError:
-    """How a simulated axis moves beside the measured one.
+    """Motion of a simulated axis compared with the measured one.
 
     Parameters
     ----------
@@ -77,9 +77,9 @@ class MotionError:
     position_rms, velocity_rms : float
         Root mean square of the differences, SI.
     reversal_rms : float
-        That of the positions within 50 ms of reversals, SI; nan if there are none.
+        Root mean square difference of the positions within 50 ms of reversals, SI; nan if there are none.
     message : str
-        Failures, or parts of the model that the simulation lacks.
+        Failures, or parts of the model that are not simulated.
     """
 
     status: Literal["ok", "failed"]
@@ -94,7 +94,7 @@ class MotionError:
 
 @dataclass(frozen=True)
 class SimulatedMotion:
-    """The gap as it is seen in the motion: the axis simulated, on data that took no part in any choice.
+    """The gap in the motion of the simulated axis, on data that took no part in any choice.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class SimulatedMotion:
     gains : mapping of str to float
         Kpp in 1/s, Kpv in SI and Kiv in 1/s of the controller or observer.
     share : float
-        Of the variance of the measured force, what a controller explains; nan for an observer.
+        Share of the variance of the measured force that the controller explains; nan for an observer.
     tracking_rms : float
         Root mean square of the measured tracking error, SI; nan without a reference.
     nominal : MotionError or None
@@ -137,7 +137,7 @@ class Gap:
     signal, unit : str
         The drive force.
     band_hz : float
-        Up to here the force error is compared: above, the noise of the position reading drowns it.
+        Highest frequency of the comparison; above it, the noise of the position reading dominates.
     nominal : Level or None
         With the nominal values; None if there are none.
     reidentified : Level
@@ -149,15 +149,15 @@ class Gap:
     steps : tuple of Level
         With the first effect, the first two, and so on; the last is `explained`.
     closed_fraction : float
-        Of the way from `reidentified` to `noise_floor`; nan if that way has no length.
+        Removed fraction of the distance from `reidentified` to `noise_floor`; nan if that is zero.
     closed_interval : (float, float)
         95 % interval of it, from resampled parts of the validation data.
     unexplained_share : float
-        Share of the mean square of the re-identified model's error above the floor that stays; nan if it has none.
+        Share of the re-identified model's excess that remains; nan if there is no excess.
     reversal : Reversal or None
-        The same error near reversals and standstills; None if the log has none.
+        Error near reversals and standstills; None if the log has none.
     not_repeated : NotRepeated or None
-        Part of the error that is new each time; None where the motion does not repeat within the validation data.
+        Part of the error that differs each time; None if the motion does not repeat within the validation data.
     motion : SimulatedMotion or None
         Error of the simulated motion; None where it was not simulated.
     """
@@ -179,13 +179,13 @@ class Gap:
 
     @property
     def least(self) -> float:
-        """Rms that no model can be expected to go below: the noise floor, or what does not repeat if that is more."""
+        """Least rms that a model can be expected to reach: the larger of the noise floor and the part not repeated."""
         return max(self.noise_floor.rms, self.not_repeated.level.rms if self.not_repeated else 0.0)
 
 
 @dataclass(frozen=True)
 class Location:
-    """Where a share of the excess error comes from.
+    """Place at which a share of the excess error arises.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ class Location:
     band_hz : (float, float)
         Frequency band that holds most of it.
     regime : str
-        Regime of motion in which most of it is.
+        Regime of motion with the largest part of it.
     """
 
     at: str
@@ -212,11 +212,11 @@ class MapCell:
     Parameters
     ----------
     label : str
-        What it holds: a band, a regime, a part of the stroke.
+        Name of its band, regime or part of the stroke.
     low, high : float
-        Its limits, nan where it has none.
+        Its limits; nan without limits.
     samples : float
-        Share of the rows that it holds.
+        Share of the rows in it.
     share : float
         Of the excess error of the re-identified model.
     before, after : float

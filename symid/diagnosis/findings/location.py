@@ -1,4 +1,4 @@
-"""Where the gap lies: over frequency, motion, stroke, drive force and time, and at which place of the axis."""
+"""Location of the gap: over frequency, motion, stroke, drive force and time, and by place of the axis."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class _Motion:
         self.from_reversal = np.minimum(self.time - padded[nearest], padded[nearest + 1] - self.time)
 
     def regimes(self) -> list[tuple[str, float, float, BoolArray]]:
-        """Regimes of motion; each row is in the first that fits."""
+        """Regimes of motion; each row belongs to the first that applies."""
         top, hard = (
             self.speed.max(initial=0.0),
             np.quantile(np.abs(self.acceleration), 0.99) if self.speed.size else 0,
@@ -93,7 +93,7 @@ def _ranges(values: FloatArray, unit: Unit) -> list[tuple[str, float, float, Boo
 
 
 def _rounded(value: float, edges: FloatArray) -> str:
-    """A limit to a twentieth of what lies between two."""
+    """A limit, rounded to less than a tenth of the distance between two limits."""
     step = float(edges[1] - edges[0])
     return f"{round(value, 2 - math.ceil(math.log10(step))) + 0.0:.6g}" if step > 0 else f"{value:.3g}"
 
@@ -132,7 +132,7 @@ def _by_band(comparison: Comparison) -> tuple[MapCell, ...]:
 
 
 def _density(comparison: Comparison, model: int) -> tuple[FloatArray, FloatArray]:
-    """Power of the error of a model over frequency, relative to that of noise alone."""
+    """Power density of the error of a model, relative to noise."""
     frequency, power = comparison.power(model, _SEGMENT)
     return frequency, power * comparison.row_rate / 2 / comparison.kept_share * comparison.record.freedom
 

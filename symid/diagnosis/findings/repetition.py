@@ -1,9 +1,9 @@
-"""The part of an error that does not repeat where the motion repeats: no law of the motion can explain it.
+"""The part of an error that does not repeat with the motion: no law of the motion can explain it.
 
-The noise floor of a diagnosis is that of the sensors. A machine does not repeat itself that well: where a log runs
-through the same motion several times, half the mean square of the difference between an error and itself one repetition
-later is that part of it which is new each time, as with periodic excitation in the frequency domain (R. Pintelon and
-J. Schoukens, System Identification: A Frequency Domain Approach, 2012).
+The noise floor of a diagnosis is that of the sensors, but a machine repeats itself less well. Where a log contains the
+same motion several times, half the mean square of the difference between the errors of successive repetitions is the
+part that differs each time, as with periodic excitation in the frequency domain (R. Pintelon and J. Schoukens, System
+Identification: A Frequency Domain Approach, 2012).
 """
 
 from __future__ import annotations
@@ -16,27 +16,27 @@ import scipy.fft
 from symid.arrays import BoolArray, FloatArray
 
 _SAME = 0.02
-"""Rms difference of a motion from itself one repetition later, relative to its own rms, at most."""
+"""Largest rms difference between two repetitions, relative to the rms of the motion."""
 _SAME_SPEED = 0.1
-"""The same of the velocity: faster motion on a repeated stroke must repeat too."""
+"""Largest relative rms difference of the velocity, as faster motion on a repeated stroke must repeat too."""
 _OTHER = 0.5
-"""The same somewhere within a repetition, at least: a slow motion differs little from itself shortly after."""
+"""Relative difference that a lag must exceed first: a slow motion differs little from itself shortly after."""
 _FEWEST = 40
-"""Rows that are compared, at least."""
+"""Least number of compared rows."""
 
 
 @dataclass(frozen=True)
 class Repetition:
-    """A motion that repeats, and what does not repeat of an error."""
+    """A motion that repeats, and the part of an error that does not."""
 
     rows: int  # from one repetition to the next
-    rms: float  # of what is new each time, in the unit of the error
+    rms: float  # of the part that differs each time, in the unit of the error
 
 
 def repetition(motion: FloatArray, error: FloatArray, kept: BoolArray) -> Repetition | None:
-    """The part of an error that is new in each repetition of a motion; None where the motion does not repeat.
+    """The part of an error that differs in each repetition of a motion; None if the motion does not repeat.
 
-    Position and error at evenly spaced rows, of shape (n,); the error counts at the `kept` ones.
+    Motion and error are given at evenly spaced rows, shape (n,); the error counts in the `kept` ones.
 
     >>> t = np.arange(4000) / 1000
     >>> new = np.random.default_rng(1).standard_normal(t.size)
@@ -55,12 +55,13 @@ def repetition(motion: FloatArray, error: FloatArray, kept: BoolArray) -> Repeti
 
 
 def repeated_after(motion: FloatArray) -> int | None:
-    """Rows after which a motion is the same for the first time, within the first half of it; None if it never is."""
+    """Rows after which a motion first repeats, at most half of all; None if it does not repeat."""
     x = motion - motion.mean()
     n = x.size
     spectrum = scipy.fft.rfft(x, scipy.fft.next_fast_len(2 * n, real=True))
     products = scipy.fft.irfft(np.abs(spectrum) ** 2)[: n // 2 + 1]
     squares = np.concatenate([[0.0], np.cumsum(x**2)])
+    # Mean squared difference at each lag, from the autocorrelation and cumulative sums of squares.
     lags = np.arange(products.size)
     apart = squares[n - lags] + squares[n] - squares[lags] - 2 * products
     power = float(np.mean(x**2))
@@ -71,7 +72,7 @@ def repeated_after(motion: FloatArray) -> int | None:
     same = np.flatnonzero(differs[away:] < _SAME) + away
     if not away or not same.size:
         return None
-    # the smallest difference of the first run of rows that are the same
+    # The lag of smallest difference in the first run of lags at which the motion repeats.
     first = same[: int(np.argmax(np.diff(same, append=n) > 1)) + 1]
     lag = int(first[np.argmin(differs[first])])
     speed = np.diff(motion)

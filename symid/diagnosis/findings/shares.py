@@ -12,13 +12,13 @@ _DRAWS = 400
 
 
 def closed_fraction(before: FloatArray, after: FloatArray, floor: float = 1.0) -> float:
-    """Share of the way from one error to the noise that another goes; nan where the first is no larger than noise."""
+    """Fraction of the rms above the noise that is removed between two errors; nan if the first is only noise."""
     first, last = np.sqrt(np.mean(before)), np.sqrt(np.mean(after))
     return float(min((first - last) / (first - floor), 1.0)) if first > floor * (1 + 1e-6) else float("nan")
 
 
 def _drawn(squares: FloatArray) -> FloatArray:
-    """Means of squares, of shape (n, n_rows), over resampled blocks of rows; shape (n_draws, n)."""
+    """Means of squares, given as (n, n_rows), over blocks of rows drawn with replacement; shape (n_draws, n)."""
     blocks = np.array_split(np.arange(squares.shape[1]), _BLOCKS)
     means = np.array([squares[:, b].mean(axis=1) for b in blocks if b.size])
     rng = np.random.default_rng(0)
@@ -37,7 +37,7 @@ def closed_interval(before: FloatArray, after: FloatArray, floor: float) -> tupl
 
 
 def removed_share(squares: FloatArray, floor: float) -> Removed:
-    """Share of the first mean square above the floor by which the third is below the second."""
+    """Decrease from the second to the third mean square, relative to the first one above the floor."""
 
     def share(means: FloatArray) -> FloatArray:
         excess = np.maximum(means - floor, 0.0)

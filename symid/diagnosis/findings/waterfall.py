@@ -1,4 +1,4 @@
-"""The waterfall of a gap: from the nominal values over the identified ones and each effect down to the noise floor."""
+"""The waterfall of a gap: nominal values, identified values, each effect, noise floor."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from symid.diagnosis.findings.wording import spoken
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of the waterfall: the remaining error of a model (None without it) above the noise floor.
+    """One stage of the waterfall: the remaining error of a model (None without the model), and the noise floor.
 
-    `removed` is the reduction against the stage before, in the unit of the force; nan for the first.
+    `removed` is the reduction relative to the previous stage, in the unit of the force; nan for the first.
     """
 
     model: str

@@ -26,14 +26,14 @@ _ADVICE = {
     "gain_nonlinearity": "accelerate at several levels up to the limit",
 }
 _LIKELY = 0.5
-"""Probability from which on the model is said to lack an effect."""
+"""Probability above which the sentence states an effect without reservation."""
 _ADVICE |= {
     effect.name: effect.advice for effect in LIBRARY if isinstance(effect, LawEffect) and effect.advice
 }
 
 
 def spoken(effect: str, at: str = "") -> str:
-    """An effect, at its place if one is given, as one says it.
+    """An effect in words, with its place if one is given.
 
     >>> spoken("stribeck_friction", "motor")
     'stribeck friction at motor'
@@ -42,7 +42,7 @@ def spoken(effect: str, at: str = "") -> str:
 
 
 def sentence(found: Diagnosis) -> str:
-    """The verdict in one sentence, with the gaps of all drives, that which counts most first; and one of the motion."""
+    """The verdict in one sentence, with the gaps of all drives, the main one first; and a sentence on the motion."""
     gap = found.gap
     gaps = (gap, *(own.gap for own in found.drives if own.gap.signal != gap.signal))
     left, before = _sizes(gaps, [g.explained for g in gaps]), _sizes(gaps, [g.reidentified for g in gaps])
@@ -71,7 +71,7 @@ def sentence(found: Diagnosis) -> str:
 
 
 def _lacking(effects: Sequence[FoundEffect]) -> str:
-    """What the model lacks, or may lack, and what the first may be instead."""
+    """Words for the missing effects, and for those indistinguishable from the first."""
     first, *further = (spoken(effect.effect, effect.at) for effect in effects)
     doubt = effects[0].indistinguishable_from
     lacks = "lacks" if doubt or effects[0].probability > _LIKELY else "may lack"
@@ -84,7 +84,7 @@ def _lacking(effects: Sequence[FoundEffect]) -> str:
 
 
 def of_motion(found: Diagnosis) -> str:
-    """How far the simulated axis is from the measured position, before and after; empty without effects."""
+    """Sentence on the simulated position error before and after; empty without effects."""
     motion = found.gap.motion
     if (
         motion is None
@@ -139,7 +139,7 @@ def _size(gap: Gap, rms: float) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    """Names as one says them.
+    """Names in words.
 
     Examples
     --------

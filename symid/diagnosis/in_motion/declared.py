@@ -1,4 +1,4 @@
-"""The effects that were found as elements of a new axis: what is derived, generated and identified like any other."""
+"""An axis with the effects found as elements, which can be derived, generated and identified like any other."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ class ExplainedAxis:
     values : dict of str to float
         Values of its physical parameters, SI.
     left_out : tuple of str
-        A sentence for each effect that cannot be an element of an axis: a force or a reading that is early. Of an
-        axis to be written also one for each value that no real axis has.
+        A sentence for each effect that cannot be an element of an axis, such as a force or a reading that is early,
+        and, from `explained_axis`, for each value that is impossible for a real axis.
     """
 
     axis: Axis
@@ -57,12 +57,12 @@ class ExplainedAxis:
 def explained_axis(found: Diagnosis) -> ExplainedAxis:
     """The axis with the effects of a diagnosis added, and the values of its parameters.
 
-    What belongs to a log, such as the moment of a change, is that of the validation log, as in `Gap.motion`.
+    Values that belong to a log, such as the moment of a change, are those of the validation log, as in `Gap.motion`.
 
     Parameters
     ----------
     found : Diagnosis
-        Without an effect the axis is the declared one, with its values re-identified.
+        Result of a diagnosis. Without effects the axis is the declared one with re-identified values.
 
     Raises
     ------
@@ -81,9 +81,9 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
 
 
 def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:
-    """The same with the declared sensors in place of those whose integral or quantity was taken.
+    """The axis with its declared sensors in place of integrated speeds and scaled sensors.
 
-    A ripple is of a position.
+    A sensor with ripple stays a position.
     """
     found = {sensor.signal: sensor for sensor in explained.axis.sensors}
     rippled = {item.signal for item in explained.axis.imperfections if isinstance(item, EncoderRipple)}
@@ -98,12 +98,12 @@ def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:
 
 
 def _alike(declared: Sensor, found: Sensor | None) -> bool:
-    """Whether a sensor of a model reads as it is declared."""
+    """Whether a sensor of a model reads the declared quantity."""
     return found is not None and not declared.is_scaled and found.quantity == declared.quantity
 
 
 def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
-    """A sentence for each inertia and stiffness that is not positive: a log that does not fix them lets them go there.
+    """A sentence for each negative inertia and stiffness, which a log that does not determine them may give.
 
     >>> from symid.axis import load_axis
     >>> impossible_values(load_axis("rigid_1m"), {"M": -2.0, "Fv": 1.0, "Fs": 1.0})
@@ -118,9 +118,9 @@ def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
 
 
 def axis_of(state: State) -> ExplainedAxis:
-    """The axis of a model with the effects that it holds as elements, and the values of its parameters.
+    """The axis of a model with its effects as elements, and the values of its parameters.
 
-    Declared imperfections are among them, with the values that were identified.
+    The effects include declared imperfections, with identified values.
     """
     declared, values = state.prediction.axis, dict(state.prediction.parameters)
     axis = declared.without(*declared.imperfections)
@@ -135,13 +135,13 @@ def axis_of(state: State) -> ExplainedAxis:
 
 
 def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
-    """The axis with an effect, whose new parameters join the values; None if it cannot be an element."""
+    """The axis with an effect; its new parameters are added to `values`. None if it cannot be an element."""
     if item.effect.name == "flexible_mode":
         return _with_mode(axis, item, values)
     if isinstance(item.effect, LawEffect):
         place, effect = place_named(axis, item.at), item.effect
         laws, added = effect.elements(place, item.at, item.shape, item.amplitudes)
-        if added.keys() & values.keys():  # two effects of a joint may call an amplitude alike
+        if added.keys() & values.keys():  # amplitudes of two effects in one joint may have the same name
             prefix = f"{item.at}_{effect.name}"
             laws, added = effect.elements(place, prefix, item.shape, item.amplitudes)
         values |= added
@@ -155,18 +155,18 @@ def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
 
 
 def _read_late(axis: Axis, item: Placed) -> Axis | None:
-    """The axis with a reading that is late; None where it is early."""
+    """The axis with a reading that is late; None if it is early."""
     (sensor,) = axis.measured((item.at,))
     delay = sensor.delay + item.shape[0]
     return axis.with_signal(item.at, sensor.noise, sensor.resolution, delay) if delay > 0 else None
 
 
 def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
-    """The axis whose Coulomb friction, which is added where there is none, builds up over a displacement."""
+    """The axis with Coulomb friction that builds up over a displacement; the friction is added if there is none."""
     (level,), (reach,) = item.amplitudes, item.shape
     place = place_named(axis, item.at)
     declared = any(isinstance(law, CoulombFriction) and law.at == place for law in axis.laws)
-    if item.integrated or not declared:  # beside the friction that is there, not a part of it
+    if item.integrated or not declared:  # in addition to existing friction, not a part of it
         name = f"{item.at}_Fs"
         if name not in values:
             axis = axis.with_effect(CoulombFriction(place, name))
@@ -175,7 +175,7 @@ def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
 
 
 def _left_out(prediction: Prediction, item: Placed) -> str:
-    """Why an effect cannot be an element of an axis: what acts before its cause belongs to the recording."""
+    """Sentence on an effect that cannot be an element; one before its cause belongs to the recording."""
     found = {name: (value, unit) for name, value, unit in item.values(prediction)}
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
     if item.effect.name == "delay":
@@ -188,7 +188,7 @@ def _left_out(prediction: Prediction, item: Placed) -> str:
 
 
 def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
-    """The axis with a part of a body's mass hung on a spring."""
+    """The axis with a part of a body's mass on a spring."""
     (mass,), (frequency, ratio) = item.amplitudes, item.shape
     body = next(b for b in axis.free_bodies if b.name == item.at)
     own = 2 * math.pi * frequency

@@ -12,7 +12,7 @@ from symid.simulation.frequency_response import FrequencyResponse, has_response,
 
 
 def explained_response(found: Diagnosis, of: FrequencyResponse) -> ComplexArray | None:
-    """Response with those effects found that are linear; None where the axis is not determined well enough."""
+    """Response with the linear effects among those found; None if it cannot be computed."""
     try:
         with_effects = explained_axis(found)
         axis, values = with_effects.axis, with_effects.values
@@ -26,6 +26,6 @@ def explained_response(found: Diagnosis, of: FrequencyResponse) -> ComplexArray 
             turned = 2j * np.pi * of.frequency * effect.parameters["T"].value
             if effect.effect == "delay":
                 drive *= np.exp(-turned)
-            else:  # below 0 the record lags, not the force
+            else:  # a negative time means that the record lags, not the force
                 drive *= 1 / (1 + turned) if effect.parameters["T"].value > 0 else 1 - turned
     return np.asarray(drive * identified_response(axis, values, of.signal, of.frequency, of.order))

@@ -1,4 +1,4 @@
-"""The gap as it is seen in the motion: each model simulated under the controller of the log, beside the machine."""
+"""The gap in the motion: each model is simulated under the controller of the log and compared with the machine."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from symid.estimation.residual_measures import fit_percent
 from symid.simulation import Cascade
 
 _SAME = 0.01
-"""Difference of two references relative to the stroke, and of two durations, up to which both are the same."""
+"""Relative difference of two references or durations below which they count as equal."""
 _AWAY = 10.0
-"""Distance from the measured position, in its ranges, from which on a simulated axis runs away."""
+"""Distance from the measured position, in multiples of its range, at which a simulated axis counts as running away."""
 
 
 def with_motion(
@@ -45,12 +45,12 @@ def with_motion(
     controller: Cascade | Sequence[Cascade] | None = None,
     simulated: Log | None = None,
 ) -> Diagnosis:
-    """A diagnosis with its gap in the motion, of several drives in that of each.
+    """A diagnosis with the gap in the motion next to each drive.
 
-    An effect with which the axis moves less like the machine becomes unlikely.
+    An effect becomes unlikely if the axis moves less like the machine with it.
     """
     models = comparison.with_effects(len(found.effects))
-    if runs[1] is not None:  # the validation log has phases and moments of its own
+    if runs[1] is not None:  # phases and moments differ in the validation log
         models = models.fitted_to_log()
     motions = motions_of(models, runs, allowed, controller=controller, simulated=simulated)
     of_force = dict(zip(comparison.record.forces, motions, strict=True))
@@ -63,7 +63,7 @@ def with_motion(
 
 
 def _contradicted(found: Diagnosis, motion: SimulatedMotion) -> Diagnosis:
-    """A diagnosis with the probabilities that the simulated motion leaves."""
+    """A diagnosis with the probabilities corrected by the simulated motion."""
     errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
     steps = zip(found.effects, errors[:-1], errors[1:], strict=True)
     effects = tuple(
@@ -91,8 +91,8 @@ def motions_of(
     """Motion of the simulated axis with each model of a comparison, at the position next to each drive.
 
     `runs` are the logs for identification, from which controllers are read, and for validation. `allowed`, of shape
-    (n_fine,), are points that took no part in any choice. `simulated` is a run of the user's own simulator under the
-    reference of the log, which then is the nominal model.
+    (n_fine,), are points that took no part in any choice. `simulated` is a log of the user's own simulator under the
+    same reference; it then replaces the nominal model.
     """
     record, states = comparison.record, comparison.states
     given: Sequence[Cascade | None] = [None] * record.n_drives
@@ -178,7 +178,7 @@ def _stays(part: Part, position: FloatArray) -> bool:
 
 
 def _is_like(simulated: Log, parts: Sequence[Part]) -> bool:
-    """Whether a simulator's log has the duration of a log of the machine, and its references where both have them."""
+    """Whether a simulator's log has the duration of a machine's log, and equal references as far as both have them."""
     log = parts[0].log
     durations = [one.n_samples * one.sampling_period for one in (simulated, log)]
     if abs(durations[0] - durations[1]) > _SAME * durations[1]:
@@ -196,7 +196,7 @@ def _at_samples(simulated: Log, part: Part) -> FloatArray:
 
 
 def _compared(parts: Sequence[Part], simulated: Sequence[FloatArray], message: str) -> MotionError:
-    """Positions, velocities and tracking errors of all parts beside the simulated ones."""
+    """Errors of simulated positions, velocities and tracking errors over all parts."""
     pairs = list(zip(parts, simulated, strict=True))
     positions = [(part.position[part.used], found[part.used]) for part, found in pairs]
     speeds = [(part.speed[part.used], part.speed_of(found)[part.used]) for part, found in pairs]
@@ -219,7 +219,7 @@ def _compared(parts: Sequence[Part], simulated: Sequence[FloatArray], message: s
 
 
 def _fit(pairs: Sequence[tuple[FloatArray, FloatArray]]) -> float:
-    """Fit of the second of each pair to the first in per cent, nan where that is constant or there is none."""
+    """Fit of simulated to measured values in per cent; nan if these are constant or missing."""
     if not pairs:
         return math.nan
     measured, simulated = (np.concatenate(values) for values in zip(*pairs, strict=True))

@@ -1,14 +1,13 @@
-"""Logs driven through simulated axes: the samples that count, what drives the axis, and how it then moves.
+"""Replay of logs through simulated axes: the samples that count, the drive forces, and the resulting motion.
 
 A controller responds to the position. Had the machine moved as the simulated axis does, its controller would have
 sent
 
     F = F measured + C (q measured - q simulated),
 
-C being its law from position to force: what it makes of the reference, of feed-forwards and of pulses from outside is
-in the measured force already, so that C alone need be known. If it is, this is the closed loop along the log's
-reference. Where the log does not determine C, a slow cascade takes its place: an observer, which keeps the axis from
-drifting away.
+where C is its law from position to force. The measured force already contains its response to the reference, to
+feed-forwards and to external signals, so only C must be known; this is then the closed loop along the log's reference.
+Where the log does not determine C, a slow cascade replaces it: an observer, which keeps the axis from drifting away.
 """
 
 from __future__ import annotations
@@ -35,28 +34,28 @@ from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simul
 from symid.simulation.imperfect_plant import misreading
 
 _LEAST_RATE = 1000.0
-"""Rate of the simulated controller at least, Hz."""
+"""Least rate of the simulated controller, Hz."""
 _OBSERVER_HZ = 2.0
-"""An observer pulls a free mass to the measured position with two poles at half this frequency."""
+"""Bandwidth of the observer: it moves a free mass to the measured position with two poles at half of it."""
 _EXPLAINED = 0.9
-"""Share of the force's variance that a cascade read from a log explains, to be taken for its controller."""
+"""Least share of the force's variance that a cascade read from a log must explain to count as its controller."""
 _AT_REST = 0.01
-"""Speed at the beginning, relative to the highest, below which the axis begins at rest."""
+"""Initial speed, relative to the highest, below which the axis starts at rest."""
 _ENDS = 8
 _HIGHEST = 0.4
-"""Of the sampling frequency, up to which signals are differentiated."""
+"""Highest cutoff of differentiated signals, relative to the sampling frequency."""
 _STIFFEST = 50.0
-"""Radians in a sample of the log up to which an axis is simulated: a stiffer one would take thousands of steps."""
+"""Highest eigenfrequency of a simulated axis, in rad per sample: a stiffer one would take thousands of steps."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
     """A log with the samples that count, as one drive sees it."""
 
-    log: Log  # one run
+    log: Log  # one log
     used: BoolArray  # shape (n_samples,): samples that took no part in any choice
-    record: Record  # that it is part of
-    drive: int = 0  # which one
+    record: Record  # the record that contains the log
+    drive: int = 0  # index of the drive
 
     @property
     def signal(self) -> str:
@@ -69,7 +68,7 @@ class Part:
 
     @property
     def reference_column(self) -> str:
-        """That of the drive, or the common one where it has none."""
+        """Column of the drive's own reference, or of the common one."""
         own = f"{REFERENCE}_{self.force}"
         return own if own in self.log.signals else REFERENCE
 
@@ -89,7 +88,7 @@ class Part:
         return LowPass(_cutoff(self.record)).by_spectrum(values, self.log.sampling_frequency)
 
     def speed_of(self, position: FloatArray) -> FloatArray:
-        """Its derivative in the band of the motion."""
+        """Derivative of a position in the band of the motion."""
         return derivatives(self.low_passed(position), self.log.sampling_period, 1)[0]
 
     @cached_property
@@ -98,7 +97,7 @@ class Part:
 
     @cached_property
     def near_reversal(self) -> BoolArray:
-        """Samples within some time of the moment at which the axis stops, starts or turns."""
+        """Samples near a moment at which the axis stops, starts or reverses."""
         course = self.speed_of(self.reference) if self.has_reference else self.speed
         direction = np.where(np.abs(course) < SLOW * np.abs(course).max(), 0.0, np.sign(course))
         return near(np.diff(direction, prepend=direction[0]) != 0, self.log.sampling_frequency)
@@ -110,7 +109,7 @@ class Part:
 
     @cached_property
     def path(self) -> Trajectory:
-        """The measured position as the reference of a cascade, with the differences that it takes of it itself."""
+        """The measured position as the reference of a cascade, differentiated as the cascade does."""
         n, period = self.log.n_samples, self.log.sampling_period / self.factor
         position = self.position
         if self.factor > 1:
@@ -127,7 +126,7 @@ class Part:
 
     @property
     def start(self) -> tuple[float, float]:
-        """Position and velocity at the first sample; a velocity that is little more than noise is none."""
+        """Position and velocity at the first sample; a very small velocity counts as 0."""
         slope, value = np.polyfit(np.arange(_ENDS), self.position[:_ENDS], 1)
         speed = float(slope) / self.log.sampling_period
         return float(value), speed if abs(speed) > _AT_REST * np.abs(self.speed).max() else 0.0
@@ -139,7 +138,7 @@ class Driver:
 
     kind: Literal["given", "identified", "observer"]  # "given", "identified" or "observer"
     cascade: Cascade  # its gains
-    share: float  # of the variance of the force that it explains; nan for an observer
+    share: float  # share of the force's variance that it explains; nan for an observer
 
 
 def _cutoff(record: Record) -> float:
@@ -176,7 +175,7 @@ def driver_of(record: Record, parts: Sequence[Part], given: Cascade | None, iner
 
 
 def _share_explained(cascade: Cascade, parts: Sequence[Part]) -> float:
-    """Share of the variance of the measured force that a cascade sends along the log, nan without a reference."""
+    """Share of the measured force's variance that a cascade explains along the log; nan without a reference."""
     left, whole = 0.0, 0.0
     for part in parts:
         if not part.has_reference:
@@ -207,7 +206,7 @@ def fastest(plant: Plant) -> float:
 def simulated_positions(
     explained: ExplainedAxis, parts: Sequence[Part], drivers: Sequence[Driver]
 ) -> list[FloatArray]:
-    """Position that the sensor next to each drive of a simulated axis reads at the samples of a log, without noise."""
+    """Noise-free readings of the position next to each drive of a simulated axis, at the samples of a log."""
     log, axis = parts[0].log, explained.axis
     plant = plant_of(axis, explained.values)
     if fastest(plant) * log.sampling_period > _STIFFEST:
@@ -217,7 +216,9 @@ def simulated_positions(
     begin = {}
     for part in parts:
         place, speed = part.start
-        if (misread := misreading(axis, part.signal)) is not None:  # the reading at the start has its error
+        if (
+            misread := misreading(axis, part.signal)
+        ) is not None:  # the measured start contains the reading error
             place = 2 * place - float(misread(np.array([place]))[0])
         begin[part.signal] = place, speed
     loops = [
@@ -239,7 +240,7 @@ def since_begin(log: Log) -> FloatArray:
 
 
 def without_noise(axis: Axis) -> Axis:
-    """An axis whose signals have neither noise nor steps; delays stay."""
+    """The axis without noise and resolution of its signals; delays stay."""
     for signal, delay in ((s.signal, s.delay) for s in axis.sensors):
         axis = axis.with_signal(signal, noise=0.0, delay=delay)
     for drive in axis.drives:

@@ -1,4 +1,4 @@
-"""Which sensors a log holds, and which position is next to each drive."""
+"""The sensors in a log, and the position next to each drive."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from symid.simulation import ForwardDynamics
 
 
 def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
-    """Sensors that a log holds, first the position that moves most with each drive."""
+    """Sensors in a log, first the position that moves most with each drive."""
     present = [name for name in dynamics.sensors if name in log.signals]
     positions = [name for name in present if dynamics.sensors[name][1] == 0]
     if not positions:
@@ -39,13 +39,13 @@ def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
 
 
 def _drive_directions(dynamics: ForwardDynamics) -> FloatArray:
-    """Effect of each drive on the bodies, with gains of 1, of shape (n_drives, n_bodies)."""
+    """Factors of each drive force on the bodies, at parameters of 1, of shape (n_drives, n_bodies)."""
     ones = np.ones(len(dynamics.generators))
     return np.array([[effect.at(ones) for effect in row] for row in dynamics.drives]).T
 
 
 def _independent(dynamics: ForwardDynamics, names: Sequence[str]) -> bool:
-    """Whether no sensor reads what the others do."""
+    """Whether the readings of sensors are linearly independent."""
     return bool(np.linalg.matrix_rank(np.stack([dynamics.sensors[name][0] for name in names])) == len(names))
 
 

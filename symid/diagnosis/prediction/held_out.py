@@ -11,17 +11,17 @@ from symid.diagnosis.prediction.record import Record
 
 _PARTS: Final = 12
 _FEWER_PARTS: Final = 6
-"""Of a motion of few rows: the window takes some of each."""
+"""Parts of a motion of few rows; the window removes some rows of each part."""
 _EVERY: Final = 3
 _FEW_ROWS: Final = 100
 _MOSTLY_MOVES: Final = 0.5
-"""Share of the log from which on the parts are of its time, and not of that of the motion."""
+"""Share of moving time above which the parts divide the time of the log, not the time of motion."""
 
 
 def training_and_held_out(record: Record) -> tuple[BoolArray, BoolArray]:
     """Points of the fine grid for identification and for validation: every third of twelve parts is held out.
 
-    They are parts of the time in which the axis moves, where it mostly rests or moves shortly.
+    The parts divide the time of motion if the axis mostly rests or moves only briefly.
 
     Parameters
     ----------

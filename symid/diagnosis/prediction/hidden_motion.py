@@ -1,9 +1,9 @@
-"""Hidden motion under strong nonlinear laws: one step after the other, driven by the measured motion.
+"""Time integration of hidden motion under strong nonlinear laws, driven by the measured motion.
 
-Where an effect bends or frees the spring of a hidden body, or holds it, its force depends on the motion that it makes,
-and no iteration of frequency responses converges. The hidden equation of motion is then integrated: the linear part
-exactly, inputs and forces as straight lines between the points of the fine grid (Heun's rule for the force). One
-hidden coordinate is treated, which two bodies and a measured drive have.
+An effect that stiffens or frees the spring of a hidden body, or holds the body, has a force that depends on the motion
+it causes, and no iteration of frequency responses converges. The hidden equation of motion is then integrated in time:
+its linear part exactly, with inputs and forces interpolated linearly between the points of the fine grid (Heun's rule
+for the force). There is one hidden coordinate: that of two bodies of which the driven one is measured.
 """
 
 from __future__ import annotations
@@ -23,25 +23,25 @@ from symid.simulation import Plant
 from symid.simulation.postfix import Program, program
 
 ARGUMENTS = ("q", "v", "_course", "_z", "_load")
-"""Of the programs of laws, before their values; rewritten at each step."""
+"""First arguments of the programs of laws, written at each step; the values of the law follow."""
 _KEPT = 64
-"""Directions and discretised equations that are kept: derivatives by values of laws ask for the same ones."""
+"""Number of cached directions and discretised equations, which derivatives by values of laws share."""
 _NOTHING = 1e-9
-"""Share of a change that rounding leaves in an equation in which it does not stand."""
+"""Relative change of an equation below which it is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pointwise:
-    """A law point by point: the force that opposes a joint; of dry friction its level.
+    """A law point by point: the force that opposes the motion of a joint, or the level of dry friction.
 
-    The sign of dry friction follows from the motion, and it holds the joint where it can.
+    The integration determines the sign of dry friction, and whether it holds the joint.
     """
 
     # NumPy code in displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, drive force `_load`
     # and `values`
     force: str
     values: Mapping[str, float]  # numbers by their names in `force`
-    course: FloatArray | None = None  # shape (n_fine,): a factor that follows the time, on the fine grid
+    course: FloatArray | None = None  # shape (n_fine,): a factor as a function of time, on the fine grid
     reach: float = math.inf  # displacement over which Dahl's state z(1) = (v - abs(v) z) / reach builds up
     dry: bool = False  # whether it is dry friction
 
@@ -61,15 +61,15 @@ class HiddenMotion:
     """The hidden coordinate of a plant whose driven position is measured."""
 
     free: FloatArray  # shape (n_bodies,): displacements of the bodies for a unit of the hidden coordinate
-    # shape (n_bodies,): displacements for a unit of the driven position held at rest, so that the hidden
-    # coordinate is but a deflection
+    # shape (n_bodies,): static displacements for a unit of the driven position, so that the hidden coordinate is a
+    # pure deflection
     carried: FloatArray
-    # shape (n_bodies,): combination of the bodies' balances that the drive does not enter
+    # shape (n_bodies,): combination of the equations of motion without the drive force
     balance: FloatArray
 
 
 def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
-    """The hidden coordinate for the row of the driven position; two bodies."""
+    """The hidden coordinate of two bodies; `driven` is the sensor row of the driven position."""
     free, balance = _beside(tuple(driven)), _beside(tuple(plant.drive))
     carried = driven / (driven @ driven)
     stiffness = balance @ plant.stiffness @ free
@@ -80,12 +80,12 @@ def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
 
 @lru_cache(maxsize=_KEPT)
 def _beside(row: tuple[float, ...]) -> FloatArray:
-    """Direction of unit length in which a product with a row is zero."""
+    """Unit vector orthogonal to a row of two entries."""
     return read_only(np.linalg.svd(np.array([row]))[2][-1])
 
 
 def acts_on_hidden(plant: Plant, other: Plant, driven: FloatArray) -> bool:
-    """Whether two plants differ in the equation of the hidden motion, and not in that of the drive alone."""
+    """Whether two plants differ in the equation of the hidden motion, not only in that of the drive."""
     balance = hidden_motion(plant, driven).balance
     kinds = ("mass", "damping", "stiffness", "constant")
     changes = [getattr(other, kind) - getattr(plant, kind) for kind in kinds]
@@ -103,11 +103,11 @@ def integrated_motion(
 ) -> tuple[ComplexArray, tuple[ComplexArray, ...]]:
     """Spectra of the displacements of two bodies, (2, n_bins), and of the force of each law on hidden motion.
 
-    `known` are other forces on the bodies as `Record.course`, (2, n_points); a law has the direction of its joint and
-    its force.
+    `known` are other forces on the bodies at the points of `Record.course`, (2, n_points). Each law comes with the
+    direction of its joint.
     """
-    # The measured position fixes one combination of the two bodies; one coordinate is left. What the measured motion
-    # does to its balance is linear in courses that all models share; only this coordinate is stepped in time.
+    # The measured position fixes one combination of the two bodies; one coordinate is left. The measured motion enters
+    # its equation as a known input, linear in courses that all models share: only this coordinate is integrated.
     hidden = hidden_motion(plant, plant.sensors[record.signals[0]][0])
     row, by_state = _drive_balance(plant, hidden)
     matrices = plant.stiffness, plant.damping, plant.mass
@@ -135,7 +135,7 @@ def integrated_motion(
 
 
 class _Equation(NamedTuple):
-    """The hidden coordinate and its rate over a step: transition, and what forces do that fall, rise or hold in it."""
+    """Exact step of the hidden coordinate and its rate: transition, responses to falling, rising and held forces."""
 
     transition: FloatArray  # shape (2, 2)
     falling: FloatArray  # shape (2,): of a force that falls from 1 to 0
@@ -154,15 +154,15 @@ class _Driven(NamedTuple):
 
 
 class _JointLaws(NamedTuple):
-    """Laws in joints, each (n_laws,) unless stated, and their programs, one behind the other."""
+    """Laws in joints, each (n_laws,) unless stated, and their concatenated programs."""
 
     by_driven: FloatArray  # displacement of the joint for a unit of the driven position
-    by_hidden: FloatArray  # the same for the hidden coordinate
+    by_hidden: FloatArray  # displacement for a unit of the hidden coordinate
     on_hidden: FloatArray  # share of the force in that on the hidden coordinate
     on_drive: FloatArray  # share in the drive force
     reach: FloatArray  # of Dahl's state
     dry: BoolArray
-    courses: FloatArray  # shape (n_laws, n_points): factors that follow the time
+    courses: FloatArray  # shape (n_laws, n_points): factors as functions of time
     operations: np.ndarray[Any, np.dtype[np.int64]]
     operands: FloatArray
     ends: np.ndarray[Any, np.dtype[np.int64]]
@@ -171,9 +171,9 @@ class _JointLaws(NamedTuple):
 
 
 def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, FloatArray]:
-    """Combination of balances in which the drive force stands with factor 1 and the hidden acceleration does not.
+    """Combination of the equations of motion with drive force 1 and without the hidden acceleration.
 
-    A row over the bodies, and the shares of the hidden coordinate and its rate in the drive force.
+    Returns a row over the bodies, and the shares of the hidden coordinate and its rate in the drive force.
     """
     body = int(np.argmax(np.abs(plant.drive)))
     row = np.eye(len(plant.bodies))[body]
@@ -192,7 +192,9 @@ def _periodic(
     n_log: int,
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Hidden coordinate and forces at the points; the way back to the beginning is run twice, for a periodic course."""
+    """Hidden coordinate and forces at the points, as periodic courses."""
+    # The way back from the end of the log to its beginning is integrated before the log, which gives the state there,
+    # and after it. Blending both closes the period.
     n = driven.q.size
     order = np.concatenate([np.arange(n_log, n), np.arange(n)])
     states, courses = _stepped(equation, driven, joints, laws, order, stride)
@@ -216,7 +218,7 @@ def _stepped(
     order: np.ndarray[tuple[int], np.dtype[np.int64]],
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """States and forces in the order of the points, each `stride` points of the fine grid from the last."""
+    """States and forces at points in an order; neighbours are `stride` points of the fine grid apart."""
     from symid.diagnosis.prediction.hidden_steps import steps  # numba takes 0.3 s, and most axes need none
 
     programs, own = [law.program for law in laws], len(ARGUMENTS)

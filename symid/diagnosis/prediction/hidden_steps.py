@@ -10,9 +10,9 @@ from symid.simulation.evaluation import built_up, evaluate
 def steps(equation, driven, laws, order):  # type: ignore[no-untyped-def]  # compiled for records
     """Hidden coordinate, of shape (n,), and forces of laws, (n_laws, n), at points in an order.
 
-    Smooth forces by Heun's rule, dry friction held over each step.
+    Smooth forces follow Heun's rule; dry friction is constant over each step.
     """
-    # Each use of a record's field counts references: the fields are named first.
+    # Numba counts references at each access to a field: the fields are read once, here.
     (transition, falling, rising, held), (pushed, load, by_state, q, v) = equation, driven
     by_driven, by_hidden, on_hidden, on_drive, reach, dry, courses = laws[:7]
     operations, operands, ends, arguments, stack = laws[7:]
@@ -21,7 +21,7 @@ def steps(equation, driven, laws, order):  # type: ignore[no-untyped-def]  # com
     x, rate, total, before_drive = 0.0, 0.0, 0.0, 0.0
     for i in range(order.size):
         k, last_total = order[i], total
-        if i:  # the linear part is exact for inputs that are straight lines from point to point
+        if i:  # the linear part is exact for inputs that are linear between two points
             now, then = pushed[order[i - 1]], pushed[(order[i - 1] + 1) % pushed.size]
             given, quickened = falling[0] * now + rising[0] * then, falling[1] * now + rising[1] * then
             ahead = transition[0, 0] * x + transition[0, 1] * rate + given - held[0] * total
@@ -47,6 +47,7 @@ def steps(equation, driven, laws, order):  # type: ignore[no-untyped-def]  # com
                 arguments[j, 0], arguments[j, 1], arguments[j, 2] = place, speed, courses[j, k]
                 forces[j, i] = _value(j, operations, operands, ends, arguments, stack)
                 total += on_hidden[j] * forces[j, i]
+        # Corrector: the change of the smooth forces rises linearly over the step.
         x -= rising[0] * (total - last_total)
         rate -= rising[1] * (total - last_total)
         for j in range(n_laws):
@@ -68,6 +69,6 @@ def steps(equation, driven, laws, order):  # type: ignore[no-untyped-def]  # com
 
 @compiled
 def _value(j, operations, operands, ends, arguments, stack):  # type: ignore[no-untyped-def]
-    """Value of the program of a law, whose arguments are written."""
+    """Value of the program of a law at its current arguments."""
     begin, end = ends[j], ends[j + 1]
     return evaluate(operations[begin:end], operands[begin:end], arguments[j], stack)

@@ -1,4 +1,4 @@
-"""Logs of a speed in place of a position: its integral is the position, apart from a zero that no law may need."""
+"""Logs of a speed without a position: the integral of the speed takes its place, with an arbitrary zero."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from symid.data import Log
 
 
 def with_positions(axis: Axis, logs: Sequence[Log]) -> tuple[Axis, list[Log], tuple[str, ...]]:
-    """The axis and its logs with positions in place of speeds, if the logs hold no position; and what was done.
+    """The axis and its logs with positions in place of speeds, if the logs hold no position.
 
     Parameters
     ----------
     axis : Axis
         The declared axis.
     logs : sequence of Log
-        Logs of it. The integral of a speed has its name.
+        Logs of it. The integral of a speed keeps the name of the signal.
 
     Returns
     -------
     tuple of Axis, list of Log and tuple of str
-        The same where the logs hold a position, or no speed.
+        Axis, logs, and sentences on the change; unchanged if the logs hold a position, or no speed.
 
     Examples
     --------

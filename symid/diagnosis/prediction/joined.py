@@ -1,6 +1,6 @@
 """Several logs of an axis as one, joined by smooth bridges that belong to no log.
 
-Values of an axis are common to its logs; states that no sensor sees are unknown after each bridge, as after any rest.
+The logs share the values of the axis; hidden states are unknown after each bridge, as after any rest.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ _ENDS = 8
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """Logs one after the other."""
+    """Joined logs."""
 
-    log: Log  # all of them, with smooth ways in between
+    log: Log  # all of them, with smooth bridges in between
     recorded: BoolArray  # shape (n_samples,): samples that belong to a log
     parts: tuple[Log, ...]  # the logs as they were recorded
 
 
 def joined(logs: Sequence[Log]) -> Joined:
-    """Logs one after the other, with the signals that all of them have.
+    """Join logs by smooth bridges, with the signals that all of them have.
 
     >>> one = Log.from_arrays({"q": np.zeros(100)}, sampling_period=0.01)
     >>> both = joined([one, one])
@@ -64,10 +64,10 @@ def joined(logs: Sequence[Log]) -> Joined:
 
 
 def with_common_zeros(logs: Sequence[Log], driven: Sequence[str], others: Sequence[str]) -> list[Log]:
-    """Logs whose further position readings begin to count where those of the first log do.
+    """Logs whose further position readings have the zeros of the first log.
 
-    Two incremental encoders have different zeros in each log. A reading y follows those of the driven positions q as
-    y = r q + z + deflection: z is made that of the first log, with r and z by least squares.
+    Incremental encoders have other zeros in each log. A further reading is y = r q + z + deflection for the driven
+    positions q: r and z follow by least squares, and z is replaced by its value in the first log.
     """
     found = [logs[0]]
     for log in logs[1:]:
@@ -102,7 +102,7 @@ def way(before: FloatArray, after: FloatArray, n: int) -> FloatArray:
 
 
 def bridge(left: tuple[float, float], right: tuple[float, float], n: int) -> FloatArray:
-    """The n samples of the quintic between two values with their slopes a sample, both without curvature."""
+    """The n samples of the quintic between two values with slopes per sample, and zero curvature at both ends."""
     (x0, v0), (x1, v1) = left, right
     u = np.arange(1, n + 1) / (n + 1)
     v0, v1, distance = v0 * (n + 1), v1 * (n + 1), x1 - x0

@@ -22,15 +22,15 @@ class Joint:
     name : str
         The body whose joint it is, or the spring.
     direction : array of shape (n_bodies,)
-        Its displacement is the product with those of the bodies.
+        The product with the displacements of the bodies is the displacement of the joint.
     spectrum : array of shape (n_bins,)
-        Its displacement, as measured where sensors see it.
+        Its displacement, measured where there are sensors.
     modelled : array of shape (n_bins,)
-        Its displacement as it follows from the driven position.
+        Its displacement that follows from the driven position.
     record : Record
         The log.
     memory : LastValues
-        What follows from its motion alone.
+        Cache of values that follow from its motion alone.
     """
 
     name: str
@@ -47,25 +47,24 @@ class Joint:
 
     @cached_property
     def v(self) -> FloatArray:
-        """Velocity."""
+        """Velocity on the fine grid."""
         return self.record.fine(1j * self.record.omega * self.spectrum)
 
     @cached_property
     def a(self) -> FloatArray:
-        """Acceleration, as it follows from the driven position: readings would bring their noise."""
+        """Acceleration from the driven position, without the noise of further readings."""
         return self.record.fine(-(self.record.omega**2) * self.modelled)
 
     @cached_property
     def _crossings(self) -> tuple[IntArray, FloatArray]:
-        """Points after which the velocity changes its sign, and how much of the step to the next has passed then."""
+        """Points after which the velocity changes sign, and the share of the step at which it does."""
         before = np.flatnonzero(np.signbit(self.v[:-1]) != np.signbit(self.v[1:]))
         return before, self.v[before] / (self.v[before] - self.v[before + 1])
 
     def averaged(self, force: FloatArray) -> FloatArray:
-        """A force on the fine grid, which may jump where the velocity changes its sign, as its mean over each step.
+        """Mean over each step of a force on the fine grid that may jump where the velocity changes sign.
 
-        A jump between two points belongs to the one or the other in part: sampled as it is, it would be off by up to
-        half a step.
+        A jump between two points is divided between them; without this its time would be off by up to half a step.
         """
         k, passed = self._crossings
         jump = force[..., k + 1] - force[..., k]
@@ -93,7 +92,7 @@ class Joint:
 
     @property
     def stroke(self) -> float:
-        """Difference of both."""
+        """Length of `range`."""
         return self.range[1] - self.range[0]
 
     @cached_property

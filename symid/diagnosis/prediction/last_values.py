@@ -1,4 +1,4 @@
-"""What has been computed of a motion or a frequency response, kept for the next one who asks."""
+"""Cache of values computed from a motion or a frequency response."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class LastValues:
     known: dict[Hashable, tuple[Hashable, Any]] = field(default_factory=dict)
 
     def of(self, key: Hashable, given: Hashable, compute: Callable[[], Found]) -> Found:
-        """Value that follows from what it belongs to and from the last `given`, computed once."""
+        """Value of a key for `given`: the last one if `given` has not changed, otherwise computed."""
         if key not in self.known or self.known[key][0] != given:
             self.known[key] = given, compute()
         found: Found = self.known[key][1]

@@ -1,4 +1,4 @@
-"""Where the motion of a log ends in frequency, and the noise of readings and forces beyond it."""
+"""The highest frequency of the motion in a log, and the noise of readings and forces above it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from symid.diagnosis.prediction.quantisation import rounding_error
 WIDEST = 0.3
 """Share of the sampling frequency up to which motion may reach."""
 _HIGH = 0.35
-"""Share of the sampling frequency above which nothing but noise is taken to be left."""
+"""Share of the sampling frequency above which only noise is assumed."""
 _ABOVE_NOISE = 3.0
 _RISES = 3.0
 _WIDTH_OF_LINES = 9
@@ -23,15 +23,15 @@ _SEGMENT = 4096
 _SEGMENTS = 8
 """Least number of segments, without overlap, of a coherence."""
 _BINS_OF_MOTION = 5
-"""Neighbouring frequencies of which most must stand out of the noise where the axis moves."""
+"""Number of neighbouring frequencies, most of which must exceed the noise where the axis moves."""
 
 
 def motion_band(position: FloatArray, sampling_frequency: float) -> float:
-    """Frequency at which the motion sinks into the noise of its reading: where the acceleration is smallest.
+    """Frequency at which the motion falls to the noise of its reading: the minimum of the acceleration density.
 
-    The acceleration of a machine falls with frequency, that of a noisy reading rises, up to the end of the spectrum. Of
-    a reading so smooth that it does not, motion ends where the spectrum falls to the level of its end; of a coarse one,
-    where it falls to that of its rounding, whose errors wander with the motion.
+    The acceleration of a machine falls with frequency; the second derivative of noise rises up to the end of the
+    spectrum. If a reading is too smooth for such a minimum, motion ends where its spectrum falls to the level at the
+    end. In a coarse reading it ends where the spectrum falls to that of the rounding error.
     """
     if (error := rounding_error(position)) is not None:
         frequency, rounding = _density(error, sampling_frequency)
@@ -49,7 +49,7 @@ def motion_band(position: FloatArray, sampling_frequency: float) -> float:
 
 
 def _last_octave_above(ratio: FloatArray) -> int:
-    """Middle of the first octave of which most stands out no longer; lines of rounding do, one by one."""
+    """Middle of the first octave whose median does not exceed the noise; single lines of rounding still may."""
     middle = float(_FEWEST_BINS)
     while 2**0.5 * middle < ratio.size:
         octave = ratio[int(middle / 2**0.5) : int(middle * 2**0.5) + 1]
@@ -64,7 +64,7 @@ def _within(frequency: FloatArray, end: int, sampling_frequency: float) -> float
 
 
 def _least_from_above(acceleration: FloatArray) -> int | None:
-    """Where a density that falls from its end on is smallest before it rises again; None if it does not fall first."""
+    """First minimum of a density, searched from its end downwards; None if the density does not fall there."""
     least = np.minimum.accumulate(acceleration[::-1])[::-1]
     rises = np.flatnonzero(acceleration > _RISES * least)
     beyond = int(rises.max(initial=0)) + 1
@@ -103,8 +103,8 @@ def force_noise(
 ) -> float:
     """Standard deviation of white noise with the least density of a force within the octave beyond a frequency.
 
-    The lower of two densities counts: the whole, and what is incoherent with the accelerations, which are as flat as
-    the force, from shorter segments.
+    The lower of two densities counts: that of the force, and that of its part incoherent with the accelerations, whose
+    spectra are as flat, from shorter segments.
     """
     segment = min(_SEGMENT, force.size // _SEGMENTS)
     densities = (
@@ -116,7 +116,7 @@ def force_noise(
 
 
 def _least_beyond(above_hz: float, frequency: FloatArray, density: FloatArray) -> float:
-    """Least mean over a part of the octave beyond a frequency."""
+    """Least moving average of a density in the octave above a frequency."""
     beyond = density[(frequency > above_hz) & (frequency < 2 * above_hz)]
     if beyond.size < 4:
         beyond = density[-8:]

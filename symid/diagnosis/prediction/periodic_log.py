@@ -1,8 +1,8 @@
 """A log continued periodically: its spectrum, and the grids on which its courses are compared.
 
-The log is continued smoothly from its end to its beginning, so that it is periodic; differentiation, hidden motion and
-missing forces are then products with frequency responses, and every comparison is made on a coarser grid of *rows*
-that holds the band and nothing else. Laws, which are not linear, are evaluated on a grid twice as fine.
+A smooth continuation from the end of the log to its beginning makes it periodic. Differentiation, hidden motion and
+missing forces are then products with frequency responses. Models are compared on a coarse grid of *rows*, which just
+holds the band; nonlinear laws are evaluated on a finer grid.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ _CONTINUATION = 0.5
 _BAND_OF_MOTION = 2.0
 _END_SECONDS = 0.01
 FEWEST_BINS = 8
-"""Frequencies that a comparison needs."""
+"""Least number of frequencies of a comparison."""
 _FLAT = 0.65
 _FINE_HZ = 1000.0
 """Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
 _FINEST = 8
 _POINTS_PER_ROW = 2
-"""Of an integration."""
+"""Points of an integration for each row."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,12 +47,12 @@ class PeriodicLog:
 
     @property
     def duration(self) -> float:
-        """Of the log, s."""
+        """Duration of the log, s."""
         return self.log.n_samples * self.log.sampling_period
 
     @property
     def period(self) -> float:
-        """Of the continued log, s."""
+        """Duration of the continued log, s."""
         return self.n_extended * self.log.sampling_period
 
     @property
@@ -62,12 +62,12 @@ class PeriodicLog:
 
     @cached_property
     def n_bins(self) -> int:
-        """Frequencies used."""
+        """Number of frequencies used."""
         return max(int(self.band_hz * self.period), FEWEST_BINS)
 
     @cached_property
     def n_rows(self) -> int:
-        """Rows of a period."""
+        """Number of rows of a period."""
         return scipy.fft.next_fast_len(2 * self.n_bins, real=True)
 
     @cached_property
@@ -90,7 +90,7 @@ class PeriodicLog:
 
     @cached_property
     def taper(self) -> FloatArray:
-        """Falls from 1 to 0 towards the end of the band, so that jumps of friction do not ring through the rows."""
+        """Taper from 1 to 0 towards the end of the band; without it, jumps of friction would ring in the rows."""
         place = np.linspace(0, 1, self.n_bins)
         return 0.5 + 0.5 * np.cos(np.pi * np.clip((place - _FLAT) / (1 - _FLAT), 0, 1))
 
@@ -141,7 +141,7 @@ class PeriodicLog:
         return np.asarray(scipy.fft.irfft(spectrum * (1 / self.n_extended), n, norm="forward"))
 
     def continued(self, x: FloatArray, *, smoothly: bool) -> FloatArray:
-        """A signal and its way back from its end to its beginning: with the velocities of both ends if `smoothly`."""
+        """A signal with a continuation to its beginning: linear, or `smoothly` with the slopes at both ends."""
         n = self.n_extended - x.size
         u = np.arange(1, n + 1) / (n + 1)
         if not smoothly:

@@ -1,4 +1,4 @@
-"""Names of the places where effects sit."""
+"""Names of the places of effects."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def place_of(spring: Spring) -> str:
 
 
 def place_named(axis: Axis, name: str) -> Joint:
-    """Body or spring of an axis that an effect sits at."""
+    """Joint of the body or spring with a name."""
     springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
     found = next((body for body in axis.free_bodies if body.name == name), None)
     return found if found is not None else next(s.at for s in springs if place_of(s) == name)

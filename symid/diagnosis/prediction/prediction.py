@@ -1,6 +1,6 @@
-"""The axis under a record at given parameters: motion of every joint, and what the model predicts.
+"""The axis under a record at given parameters: motion of every joint, and predicted outputs.
 
-A prediction is what effects look at when they are asked for their missing force.
+Effects compute their forces from a prediction.
 """
 
 from __future__ import annotations
@@ -35,24 +35,24 @@ class Prediction:
     parameters : mapping of str to float
         Physical parameters, SI.
     response : Response
-        The axis at them.
+        Frequency responses of the axis at these parameters.
     displacements : array of shape (n_bodies, n_bins)
-        Motion of the bodies as it follows from the driven positions.
+        Motion of the bodies that follows from the driven positions.
     observed : array of shape (n_bodies, n_bins)
-        The same, corrected to what further position sensors read; laws are evaluated at it.
+        Motion of the bodies corrected to the readings of further position sensors; laws are evaluated at it.
     forces : array of shape (n_bins, n_bodies)
         Forces of effects on the bodies.
     density : array of shape (n_outputs, n_bins)
         Weights of the outputs over frequency.
     of_integrated : array of shape (n_bins, n_bodies), optional
-        Forces of effects that were integrated with the hidden motion; `displacements` are then those of the
-        integration, and the response is that of the axis with equivalent springs and dampers in their place.
+        Forces of effects that were integrated with the hidden motion; `displacements` are then the integrated ones,
+        and the response has equivalent springs and dampers in place of these effects.
     impedances : tuple of Impedance
-        What hangs on the axis besides.
+        Further impedances on the axis.
     levels : tuple of float
         Errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty.
     integrated_terms : tuple of (int, int)
-        Those of `Record.dry_terms` that are integrated with the hidden motion: laws, and their terms.
+        Entries of `Record.dry_terms` that are integrated with the hidden motion.
     """
 
     record: Record
@@ -68,13 +68,13 @@ class Prediction:
     integrated_terms: tuple[tuple[int, int], ...] = ()
 
     def leveled(self, levels: Sequence[float]) -> Prediction:
-        """The same with weights that allow for other errors of the model."""
+        """The prediction with weights that allow for other errors of the model."""
         density = noise_weights(self.record, self.response, levels)
         return replace(self, density=density, levels=tuple(levels))
 
     @cached_property
     def noise_density(self) -> FloatArray:
-        """Weights of the outputs over frequency where noise alone is allowed for."""
+        """Weights of the outputs over frequency that allow for noise only."""
         return noise_weights(self.record, self.response) if self.levels else self.density
 
     def noise_through(self, density: FloatArray) -> FloatArray:
@@ -106,7 +106,7 @@ class Prediction:
 
     @cached_property
     def law_courses(self) -> FloatArray:
-        """The same at the points of an integration, of shape (n_bodies, n_points)."""
+        """`law_forces` at the points of an integration, of shape (n_bodies, n_points)."""
         return self.record.course(self.law_forces.T)
 
     def along(self, direction: FloatArray) -> Joint:
@@ -122,7 +122,7 @@ class Prediction:
         return of_motion + self.response.of_forces(self.law_forces + self.forces)
 
     def _from_motion(self, forces: ComplexArray) -> ComplexArray:
-        """Outputs that belong to the displacements: the balance of a driven body, and the readings."""
+        """Outputs computed from the displacements: the force from the equation of a driven body, and the readings."""
         plant, s = self.response.plant, 1j * self.record.omega
         body = min(np.flatnonzero(plant.drive), key=lambda i: abs(plant.stiffness[i, i]))
         rows = zip((plant.mass[body], plant.damping[body], plant.stiffness[body]), (2, 1, 0), strict=True)
@@ -135,7 +135,7 @@ class Prediction:
 
     @cached_property
     def hidden(self) -> tuple[ComplexArray, ...]:
-        """Outputs for forces on what moves without the driven positions, of shape (n_outputs, n_bins) each."""
+        """Outputs for forces along each of `free_directions`, of shape (n_outputs, n_bins) each."""
         return tuple(self.response.of_force(direction) for direction in self.free_directions)
 
     @cached_property
@@ -145,7 +145,7 @@ class Prediction:
 
     @property
     def free_directions(self) -> FloatArray:
-        """Directions over the bodies in which they move without the driven positions, of shape (n, n_bodies)."""
+        """Directions over the bodies that leave the driven positions at rest, of shape (n, n_bodies)."""
         return np.asarray(np.linalg.svd(self.driven_rows)[2][self.record.n_drives :])
 
     @cached_property
@@ -169,7 +169,7 @@ class Prediction:
 
     @cached_property
     def springs(self) -> Mapping[str, Joint]:
-        """Joints with a spring: a spring between bodies by its own name, one in a body's joint by the body's."""
+        """Joints with a spring, by the name of a spring between bodies, or of the body in whose joint the spring is."""
         bodies = self.response.plant.bodies
         return {
             place_of(element): self._joint(place_of(element), direction_of(element.at, bodies))
@@ -190,9 +190,9 @@ class Prediction:
         return self.record.dynamics.axis
 
     def column(self, joint: Joint, force: ComplexArray) -> ComplexArray:
-        """Change of the predicted outputs by a force that opposes the motion of a joint; spectra of any number.
+        """Change of the predicted outputs by forces that oppose the motion of a joint, of shape (..., n_bins).
 
-        What acts in a spring goes through the force sensor that is in it.
+        A force sensor in a spring reads a force that acts in this spring.
         """
         change = -self.response.of_force(joint.direction) * force[..., None, :]
         for i, place in enumerate(self.record.springs_read, self.record.n_drives):
@@ -201,16 +201,16 @@ class Prediction:
         return change
 
     def driven_shares(self, direction: FloatArray) -> FloatArray | None:
-        """Displacement along a direction for a unit of each driven position; None if other motion takes part in it."""
+        """Displacement along a direction for a unit of each driven position; None if it depends on other motion too."""
         rows, key = self.driven_rows, ("driven shares", direction.tobytes())
         return self.record.memory.of(key, rows.tobytes(), lambda: _shares(rows, direction))
 
     def _joint(self, name: str, direction: FloatArray) -> Joint:
         sensors = self.response.plant.sensors
         n_positions = sum(sensors[name][1] == 0 for name in self.record.signals)
-        # positions that contradict each other share their error out
+        # With redundant position sensors, the displacement is their least-squares estimate.
         shares = None if n_positions > direction.size else self.driven_shares(direction)
-        if shares is not None:  # moves as measured, whatever the model: one joint for all predictions
+        if shares is not None:  # measured motion, whatever the model: one joint for all predictions
             spectrum = np.asarray(shares @ self.record.motions)
             made = Joint(name, direction, spectrum, spectrum, self.record)
             known: Joint = self.record.driven_joints.setdefault((name, direction.tobytes()), made)
@@ -252,24 +252,23 @@ def prediction_of(
     parameters : mapping of str to float
         Physical parameters, SI.
     before : Prediction, optional
-        An earlier prediction, whose law forces move joints that no sensor sees; without it, the linear part alone
-        moves them.
+        An earlier prediction, whose law forces move hidden joints; without it, only the linear part moves them.
     like : Prediction, optional
-        A prediction whose frequency response, impedances and weights are taken over.
+        A prediction whose frequency response, impedances and weights are reused.
     forces : array of shape (n_bins, n_bodies), optional
         Forces of effects on the bodies.
     impedances : sequence of Impedance
-        What hangs on the axis besides.
+        Further impedances on the axis.
     integrated : sequence of (array, callable)
         Direction and force of laws in hidden joints that are integrated with their motion.
     integrated_terms : tuple of (int, int)
-        Those of them that are declared, see `Prediction`.
+        Declared terms among them, see `Prediction`.
     """
     if before is not None and before.integrated_terms != integrated_terms:
         before = replace(before, integrated_terms=integrated_terms)
     levels = () if before is None else before.levels
     if before is not None and before.parameters == parameters and not (impedances or before.impedances):
-        like = before  # an implicit force looks for its balance
+        like = before  # an implicit force iterates at the same parameters
     if like is not None:
         response, weights, impedances = like.response, like.density, like.impedances
     else:
@@ -305,7 +304,7 @@ def prediction_of(
 
 
 def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:
-    """Displacements of the bodies, corrected to those that position sensors read."""
+    """Displacements of the bodies, corrected to the readings of further position sensors."""
     sensors = response.plant.sensors
     positions = [i for i, name in enumerate(record.signals) if sensors[name][1] == 0]
     further = [i for i in positions if i >= record.n_drives]

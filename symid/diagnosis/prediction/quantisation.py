@@ -1,8 +1,7 @@
-"""Noise of coarse readings: rounding repeats itself along a motion, and is not white.
+"""Noise of coarse readings: the rounding error is not white.
 
-While an axis moves at a constant speed, a reading in steps errs like a saw whose teeth pass at speed over step, and
-near a reversal it errs slowly. How this is spread over frequency follows from rounding the motion itself, somewhere
-between two steps.
+At constant speed, the error of a reading in steps is a sawtooth of frequency speed / step; near a reversal it changes
+slowly. Its spectrum follows from rounding the motion itself, with zero at several points between two steps.
 """
 
 from __future__ import annotations
@@ -14,19 +13,19 @@ from symid.data.density import power_density
 from symid.data.lost_samples import step_of
 
 _PLACES = (0.125, 0.375, 0.625, 0.875)
-"""Where zero lies between two steps, in steps: it is not known, and the mean is taken."""
+"""Assumed positions of zero between two steps, in steps; the densities are averaged over them."""
 _STANDS_OUT = 2.0
-"""Times the density of white noise from which on rounding makes a line of it; estimates scatter below."""
+"""Multiple of the white density above which the rounding error has a line; estimates scatter below it."""
 _SEGMENT, _SEGMENTS = 4096, 4
 _RETURNS = 0.1
-"""Share of the steps that may go back at once: noise of a sensor makes half of them do so."""
+"""Largest share of steps followed by a step back; with noise of the sensor it is a half."""
 _FEWEST_STEPS = 200
 
 
 def quantisation_lines(
     step: float, motion: FloatArray, sampling_frequency: float, noise: float, frequency: FloatArray
 ) -> FloatArray:
-    """Density of the noise of a reading relative to white noise, of shape (n_frequencies,): 1 where it is as flat.
+    """Density of the noise of a reading relative to white noise, of shape (n_frequencies,); 1 without lines.
 
     `motion` is the part of the reading in the band of the motion; `noise` the standard deviation of white noise with
     the density of the reading beyond it.
@@ -37,7 +36,7 @@ def quantisation_lines(
     >>> bool(lines[0] > 100.0 * lines[1])
     True
     """
-    # What rounding alone would not leave is noise of the sensor, which blurs the lines.
+    # Noise beyond that of rounding comes from the sensor and blurs the lines.
     blur = np.sqrt(max(noise**2 - step**2 / 12, 0.0)) * np.random.default_rng(0).standard_normal(motion.size)
     segment = min(_SEGMENT, motion.size // _SEGMENTS)
     densities = []
@@ -52,10 +51,10 @@ def quantisation_lines(
 
 
 def rounding_error(x: FloatArray) -> FloatArray | None:
-    """Error that rounding may have made in a reading whose steps no noise blurs; None of any other reading.
+    """Estimated rounding error of a reading whose steps are not blurred by noise; None for any other reading.
 
-    Between two changes of the reading the motion passes from half a step before to half a step after, evenly. Where the
-    reading changes at every sample, all errors are as likely.
+    Between two changes of the reading the motion is interpolated linearly, from half a step to half a step. Where the
+    reading changes at every sample, the error is drawn uniformly.
 
     >>> path = 0.2 * np.sin(np.arange(4000) / 300)
     >>> error = rounding_error(np.round(path / 0.001) * 0.001)

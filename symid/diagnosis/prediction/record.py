@@ -1,7 +1,7 @@
-"""A log in the frequency domain: what the sensors and the drives say, up to the frequency at which motion ends.
+"""A log in the frequency domain, up to the highest frequency of its motion.
 
-Each drive has a position next to it, its *driven position*: from these motions all else is predicted. The outputs are
-what is predicted: the force of each drive, which its balance gives, and the readings of all further sensors.
+Each drive has a position next to it, its *driven position*; everything else is predicted from these motions. The
+predicted signals are the outputs: the force of each drive, and the readings of all further sensors.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from symid.errors import LogError
 from symid.simulation import ForwardDynamics
 
 _LEAST_SAMPLES = 100
-"""Fewer have no spectrum in which motion and noise part; whether they move enough is counted in rows."""
+"""Least number of samples: with fewer, motion and noise do not separate in the spectrum."""
 NOISE_MARGIN, SLOW_SHARE = 6.0, 0.004
-"""Times the noise of a velocity, and share of the highest speed, above which an axis moves."""
+"""Multiple of the velocity noise, and share of the highest speed, above which an axis moves."""
 _FASTEST, _SLOWER = 0.25, 2**-0.25
-"""Of the top speed, which that must not exceed; and the ratio of the bands that are tried in turn."""
+"""Largest threshold of motion relative to the top speed, and the ratio of the bands tried in turn."""
 _FINEST_FORCE = 1e-4
-"""Noise of a record of a force, relative to the largest: one of 12 bits has more, and what has less is a command."""
+"""Least noise of a recorded force, relative to the largest: 12 bits have more; with less, it is a command."""
 _COMMANDED = 1e-3
-"""Error with which a drive follows its command, relative to the largest force: the record of a command shows none."""
+"""Assumed error of a drive against its command, relative to the largest force: a recorded command shows none."""
 _FINEST_READING = 1e-8
 """Noise of the finest reading, relative to its range: an encoder of 24 bits has more."""
 
@@ -49,9 +49,9 @@ class Record(PeriodicLog):
     signals: tuple[str, ...]
     # time by which signals were recorded late, s; negative for a force that acts later than recorded
     late: Mapping[str, float] = field(default_factory=dict)
-    # joints whose motion is measured, which no model changes
+    # joints with measured motion, which are the same in all models
     driven_joints: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
-    # what follows from the log alone
+    # cache of values that follow from the log alone
     memory: LastValues = field(default_factory=LastValues, init=False, repr=False)
 
     @cached_property
@@ -61,7 +61,7 @@ class Record(PeriodicLog):
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:
-        """Signals that are predicted: forces, and readings of further sensors."""
+        """Predicted signals: forces, and readings of further sensors."""
         return (*self.forces, *self.readings)
 
     @cached_property
@@ -72,28 +72,28 @@ class Record(PeriodicLog):
 
     @property
     def n_drives(self) -> int:
-        """Drives, and balances: as many outputs are forces, and as many signals driven positions."""
+        """Number of drives: the first outputs are their forces, the first signals their driven positions."""
         return len(self.forces)
 
     @property
     def driven(self) -> tuple[str, ...]:
-        """Driven positions."""
+        """Signals of the driven positions."""
         return self.signals[: self.n_drives]
 
     @property
     def readings(self) -> tuple[str, ...]:
-        """Sensors that are predicted."""
+        """Signals of the sensors that are predicted."""
         return self.signals[self.n_drives :]
 
     @cached_property
     def springs_read(self) -> tuple[str, ...]:
-        """For each of them the place of the spring whose force it reads; "" for any other."""
+        """For each predicted sensor the place of the spring whose force it reads, or ""."""
         sensors = {sensor.signal: sensor for sensor in self.dynamics.axis.sensors}
         springs = (getattr(sensors[name], "of", None) for name in self.readings)
         return tuple(place_of(spring) if isinstance(spring, Spring) else "" for spring in springs)
 
     def is_hidden(self, direction: FloatArray) -> bool:
-        """Whether motion along a direction follows from the model: that of two bodies, which no sensor shows."""
+        """Whether motion of two bodies along a direction is hidden: no sensor reads it, the model determines it."""
         sensors, n_bodies = self.dynamics.sensors, len(self.dynamics.bodies)
         if not n_bodies == direction.size == 2 or any(sensors[name][1] == 0 for name in self.readings):
             return False
@@ -102,9 +102,9 @@ class Record(PeriodicLog):
 
     @cached_property
     def dry_terms(self) -> tuple[tuple[int, int], ...]:
-        """Laws, and their terms, of declared Coulomb friction in hidden joints.
+        """Indices of law and term of declared Coulomb friction in hidden joints.
 
-        What holds a hidden body at times follows from no frequency response.
+        A body that sticks at times has no frequency response.
         """
         return tuple(
             (i, k)
@@ -120,12 +120,12 @@ class Record(PeriodicLog):
 
     @cached_property
     def motion(self) -> ComplexArray:
-        """Spectrum of the first of them, of shape (n_bins,)."""
+        """Spectrum of the first driven position, of shape (n_bins,)."""
         return np.asarray(self.motions[0])
 
     @cached_property
     def driven_courses(self) -> FloatArray:
-        """Course of the first driven position, its velocity and its acceleration, of shape (3, n_points)."""
+        """First driven position, its velocity and its acceleration at points of an integration; shape (3, n_points)."""
         s = 1j * self.omega
         return self.course(np.stack([self.motion, s * self.motion, s**2 * self.motion]))
 
@@ -140,7 +140,7 @@ class Record(PeriodicLog):
         return self._in_time(name, self.continued(self.log[name], smoothly=True))
 
     def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
-        """Spectrum of a signal as if it had not been recorded late."""
+        """Spectrum of a signal, corrected for the time by which it was recorded late."""
         return np.asarray(self.from_grid(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
 
     @cached_property
@@ -152,8 +152,8 @@ class Record(PeriodicLog):
     def noise(self) -> FloatArray:
         """Standard deviations of the noise of driven positions, forces and other sensors, from above the motion.
 
-        Of a force, what is coherent with the readings of the positions is not noise: a controller makes forces out of
-        the noise of the encoder, and these act on the axis.
+        The part of a force that is coherent with the position readings is not noise: a controller turns noise of the
+        encoder into forces that act on the axis.
         """
         frequency = self.log.sampling_frequency
         found = [
@@ -187,18 +187,18 @@ class Record(PeriodicLog):
 
     @property
     def noise_of_motions(self) -> FloatArray:
-        """Those of the driven positions, of shape (n_drives,)."""
+        """Noise of the driven positions, of shape (n_drives,)."""
         return self.noise[: self.n_drives]
 
     @cached_property
     def velocity_noise(self) -> float:
-        """Standard deviation of what the noise of the driven positions makes of a velocity in the band."""
+        """Standard deviation of the velocity in the band from the noise of the driven positions."""
         share = np.sqrt(2 * self.n_bins / self.n_extended)
         return float(self.noise_of_motions.max() * self.omega[-1] * share / np.sqrt(3))
 
     @cached_property
     def speeds(self) -> FloatArray:
-        """Those of the driven positions on the fine grid, of shape (n_drives, n_fine); 0 outside the log."""
+        """Speeds of the driven positions on the fine grid, of shape (n_drives, n_fine); 0 outside the log."""
         return np.abs(self.fine(1j * self.omega * self.motions)) * self.in_log
 
     def moves(self, speed: FloatArray) -> BoolArray:
@@ -214,7 +214,7 @@ class Record(PeriodicLog):
 
     @property
     def noise_of_outputs(self) -> FloatArray:
-        """Those of the forces and of the other sensors, of shape (n_outputs,)."""
+        """Noise of the forces and of the other sensors, of shape (n_outputs,)."""
         return self.noise[self.n_drives :]
 
 
@@ -226,8 +226,9 @@ def record_of(
 ) -> Record:
     """A log in the frequency domain.
 
-    `motion_hz` is the highest frequency of its motion, by default where the spectrum of the position sinks into its
-    noise, or less where that noise would hide the velocity; `late` the time by which signals were recorded late, s.
+    `motion_hz` is the highest frequency of its motion; by default the frequency at which the spectrum of the position
+    falls to its noise, or less if that noise would hide the velocity. `late` are the times by which signals were
+    recorded late, s.
     """
     signals = signals_of(dynamics, log)
     if log.n_samples < _LEAST_SAMPLES:

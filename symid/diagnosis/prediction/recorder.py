@@ -1,7 +1,7 @@
-"""Faults of a recorder that are repaired before anything is predicted: lost samples, channels slower than the log.
+"""Repair of recorder faults before a prediction: lost samples, and channels slower than the log.
 
-A channel that is updated, or was interpolated, every n-th sample holds no more than its own samples. All of the log is
-then thinned to them: the other channels by a low-pass filter of zero phase, and so that each keeps its clock.
+A channel that is updated only at every n-th sample, or interpolated in between, has no further information. The whole
+log is then decimated to that rate, forces by a zero-phase low-pass filter, and each channel keeps its clock.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from symid.data.lost_samples import restored, without_repeated_rows
 from symid.identification.smoothing import interpolated_from, updated_every
 
 _SHORTEST = 200
-"""Samples that a thinned log must have."""
+"""Least number of samples of a decimated log."""
 
 
 @dataclass(frozen=True)
 class Recovered:
-    """Logs as their machine moved."""
+    """Logs without the faults of their recorder."""
 
-    logs: tuple[Log, ...]  # without what the recorder did
-    notes: tuple[str, ...]  # what it did
-    thinned: int  # samples recorded for one that is left
+    logs: tuple[Log, ...]  # repaired
+    notes: tuple[str, ...]  # the faults
+    thinned: int  # recorded samples for each one that is left
 
 
 def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
@@ -62,7 +62,7 @@ def _ordinal(n: int) -> str:
 
 
 def _restored(axis: Axis, log: Log) -> tuple[Log, list[str]]:
-    """A log without samples of the axis that were lost."""
+    """A log with lost samples restored, and the faults found."""
     positions = [sensor.signal for sensor in axis.sensors if sensor.derivative == 0]
     names = {drive.signal for drive in axis.drives} | {sensor.signal for sensor in axis.sensors}
     values, zeros = restored({k: x for k, x in log.signals.items() if k in names}, positions)
@@ -74,7 +74,7 @@ def _restored(axis: Axis, log: Log) -> tuple[Log, list[str]]:
 
 
 def _slowest(logs: Sequence[Log], name: str) -> tuple[int, str]:
-    """Most samples from one update of a channel to the next in logs, and what is done every so many."""
+    """Largest spacing of the updates of a channel in logs, in samples, and the word for it."""
     found = [(1, "updated")]
     for x in (log[name] for log in logs if name in log.signals):
         found += [(updated_every(x)[0], "updated"), (interpolated_from(x), "measured, and interpolated,")]
@@ -82,7 +82,7 @@ def _slowest(logs: Sequence[Log], name: str) -> tuple[int, str]:
 
 
 def _thinned(log: Log, n: int, forces: Collection[str]) -> Log:
-    """Every n-th sample of a log: of slow channels by their own, of other forces by what is slow in them."""
+    """Every n-th sample of a log; slow channels are interpolated between their own samples, forces are low-passed."""
     kept = np.arange(log.n_samples // n) * n
     signals = {}
     for name, x in log.signals.items():
@@ -98,7 +98,7 @@ def _thinned(log: Log, n: int, forces: Collection[str]) -> Log:
 
 
 def _own_samples(x: FloatArray) -> tuple[int, int]:
-    """Samples from one of a channel's own to the next, and the place of the first."""
+    """Spacing of a channel's own samples, and the index of the first."""
     spacing, first = updated_every(x)
     if spacing > 1 or not (between := interpolated_from(x)):
         return spacing, first

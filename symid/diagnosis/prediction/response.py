@@ -1,13 +1,13 @@
-"""The axis driven by its measured motion: hidden motion, drive forces and further readings as frequency responses.
+"""Frequency responses of the axis driven by its measured motion: hidden motion, drive forces and further readings.
 
-With Z = -w^2 M + j w C + K, the drives' effects B and the rows R of the driven positions q, one for each drive,
+With Z = -w^2 M + j w C + K, the factors B of the drive forces and the rows R of the driven positions q,
 
     [ Z  -B ] [ x ]   [ f ]
     [ R   0 ] [ u ] = [ q ]
 
-gives at each frequency the displacements x and the drive forces u that belong to motions q and to forces f on the
-bodies: a balance for each drive. Eliminating x by hand leads to the rational functions of the paper: [14] for
-direct_2m1s. Bodies without mass stay in x, as Z has their springs.
+gives at each frequency the displacements x and the drive forces u for motions q and forces f on the bodies.
+Eliminating x by hand leads to the rational functions of the paper: [14] for direct_2m1s. Bodies without mass stay in x,
+as Z has their springs.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class Response:
     # shape (n_bins, n_bodies, n_bodies + n_drives): displacements for forces on the bodies and for the driven
     # positions
     motion: ComplexArray
-    # shape (n_outputs, n_bins, n_bodies + n_drives): drive forces and further readings for the same
+    # shape (n_outputs, n_bins, n_bodies + n_drives): drive forces and further readings for these inputs
     outputs: ComplexArray
-    # what follows from motion and outputs alone
+    # cache of values that follow from motion and outputs alone
     memory: LastValues = field(default_factory=LastValues, repr=False)
 
     @property
@@ -87,7 +87,7 @@ def response_of(
     parameters: Mapping[str, float],
     impedances: Sequence[tuple[FloatArray, ComplexArray]] = (),
 ) -> Response:
-    """Frequency responses at parameter values, with impedances that hang on the axis besides."""
+    """Frequency responses at parameter values, with further impedances on the axis."""
     plant = record.dynamics.with_nodes(parameters)
     n, s = len(plant.bodies), 1j * record.omega
     matrix = np.zeros((n + record.n_drives, n + record.n_drives, record.n_bins), dtype=complex)
@@ -109,7 +109,7 @@ def response_of(
 
 
 def _inverse(matrix: ComplexArray) -> ComplexArray:
-    """Inverses of matrices of shape (n, n, n_bins); of two and three rows by cofactors, faster than LAPACK."""
+    """Inverses of matrices of shape (n, n, n_bins); for n of 2 and 3 by cofactors, which is faster than LAPACK."""
     if len(matrix) == 2:
         (a, b), (c, d) = matrix
         return np.asarray(np.array([[d, -b], [-c, a]]) / (a * d - b * c), dtype=np.complex128)
@@ -126,10 +126,10 @@ def _inverse(matrix: ComplexArray) -> ComplexArray:
 
 
 def noise_weights(record: Record, response: Response, levels: Sequence[float] = ()) -> FloatArray:
-    """Weights that make pure noise white with unit variance at the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
+    """Weights that whiten noise to unit variance in the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
 
-    S = level^2 sigma^2 + |G|^2 sigma_q^2: each output has its own noise, and that of each driven position comes through
-    its G. A level above 1 allows for errors of the model besides the noise. Rounding makes lines of sigma.
+    S = level^2 sigma^2 + |G|^2 sigma_q^2: the noise of the output, and the noise of each driven position through its G.
+    A level above 1 allows for errors of the model besides the noise. With coarse readings sigma has spectral lines.
     """
     n = record.n_drives
     own = record.noise_of_outputs * (np.array(levels) if len(levels) else 1.0)

@@ -1,4 +1,4 @@
-"""Which samples lie near a reversal or a standstill, where friction and play show."""
+"""Samples near a reversal or a standstill, where friction and backlash show."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import scipy
 from symid.arrays import BoolArray
 
 SLOW = 0.002
-"""Speed, relative to the highest, below which an axis stands."""
+"""Speed, relative to the highest, below which an axis counts as standing."""
 _AROUND = 0.05
-"""Seconds before and after that count."""
+"""Seconds before and after a reversal that count as near."""
 
 
 def near(turns: BoolArray, rate: float) -> BoolArray:
-    """Samples within some time of those at which the axis turns or stands; `rate` in Hz.
+    """Samples within 50 ms of those at which the axis turns or stands; `rate` in Hz.
 
     >>> near(np.array([True, False, False, False]), 20.0).tolist()
     [True, True, False, False]

@@ -1,4 +1,4 @@
-"""Logs of sensors with a gain or an offset that is a parameter, in the quantities that they read."""
+"""Logs of sensors whose gain or offset is a parameter, converted to the quantities that they read."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from symid.identification import identify
 
 
 class Unscaled(NamedTuple):
-    """An axis and its logs with quantities in place of the signals of scaled sensors."""
+    """An axis and its logs after `with_quantities`."""
 
     axis: Axis
     logs: list[Log]
     declared: Axis  # with the gains and offsets that were taken as known
-    said: tuple[str, ...]  # what was done
+    said: tuple[str, ...]  # sentences on the conversions
 
 
 def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None = None) -> Unscaled:
     """The axis and its logs with quantities in place of the signals of scaled sensors.
 
-    Gains and offsets are those of `nominal`, else those identified from the first log.
+    Gains and offsets come from `nominal`, or else are identified from the first log.
 
     Raises
     ------

@@ -1,9 +1,9 @@
-"""Weights that make errors of force and readings comparable, from the noise of signals, in rows where the axis moves.
+"""Weights that make errors of force and readings comparable, from the noise of the signals.
 
-The predicted outputs err by the noise of the measured ones and by that of the driven position, which the frequency
-response G of the axis carries into each: S = sigma^2 + |G|^2 sigma_q^2. Errors are divided by sqrt(S), so that
-noise alone leaves rows of unit variance. Rests and the ends of the log are taken out by a smooth window before that,
-because no model predicts friction at rest; reversals stay.
+The error of an output contains its own noise and the noise of the driven position, passed through the frequency
+response G of the axis: S = sigma^2 + |G|^2 sigma_q^2. Division by sqrt(S) whitens the errors: noise alone leaves rows
+of unit variance. A smooth window first removes rests and the ends of the log, because no model predicts friction at
+rest; reversals stay.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from symid.diagnosis.prediction.record import Record
 
 _RESOLUTIONS = 0.5
-"""Margin around a rest, and shortest rest, in periods of the highest frequency used: what is shorter is a reversal."""
+"""Margin around a rest, and shortest rest, in periods of the highest frequency used; a shorter one is a reversal."""
 _LONGEST_MARGIN = 0.010
 _SHORTEST_REST = 0.004
 _TAPER = 0.004
@@ -39,7 +39,7 @@ class Weighting:
     kept: BoolArray  # shape (n_rows,): rows where the window is 1
     density: FloatArray  # shape (n_outputs, n_bins): 1 / sqrt(S), scaled for the band
     allowed: BoolArray | None = None  # shape (n_fine,): parts of the log that may be used
-    # outputs, of shape (n_outputs, n_bins), for forces on motion of which the state is unknown whenever the axis
+    # outputs, of shape (n_outputs, n_bins), for forces on hidden motion, whose state is unknown whenever the axis
     # begins to move
     unknown: Sequence[ComplexArray] = ()
     _begun: dict[str, FloatArray] = field(default_factory=dict, init=False, repr=False)
@@ -47,9 +47,8 @@ class Weighting:
     def rows(self, errors: ComplexArray) -> FloatArray:
         """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
         n, n_bins = self.record.n_rows, self.record.n_bins
-        spectra = np.zeros(
-            (*errors.shape[:-1], n // 2 + 1), dtype=complex
-        )  # the length of a transform: no copies
+        # Arrays have the length of the transforms, so that none is copied.
+        spectra = np.zeros((*errors.shape[:-1], n // 2 + 1), dtype=complex)
         np.multiply(errors, self.record.taper, out=spectra[..., :n_bins])
         rows = scipy.fft.irfft(spectra, n, norm="forward")
         rows *= self.window
@@ -59,43 +58,45 @@ class Weighting:
 
     @cached_property
     def _scaled_density(self) -> FloatArray:
-        """The density up to half the rate of the rows, with the factors of the transforms between."""
+        """The density up to half the rate of the rows, times the factors of the transforms."""
         scaled = np.zeros((len(self.density), self.record.n_rows // 2 + 1))
         scaled[:, : self.record.n_bins] = self.density / (self.record.n_rows * self.record.n_extended)
         return scaled
 
     def back(self, rows: FloatArray) -> ComplexArray:
-        """The adjoint of `rows`, up to a factor: what weighted rows of shape (n_outputs, n_rows) ask of spectra."""
+        """The adjoint of `rows`, up to a factor, applied to weighted rows of shape (n_outputs, n_rows)."""
         weighted = self.record.rows(self.record.from_grid(rows) * self.density)
         return self.record.from_grid(weighted * self.window) * self.record.taper
 
     def known(self, rows: FloatArray, beginning: FloatArray) -> FloatArray:
-        """Kept rows without what unknown starts could make, of shape (..., n), from rows (..., n_outputs, n_rows).
+        """Kept rows after projection on the contributions of unknown initial states; shape (..., n).
 
         Parameters
         ----------
         rows : array of shape (..., n_outputs, n_rows)
             Weighted rows.
         beginning : array of shape (n_starts, n_outputs, n_rows)
-            What an unknown state at the beginning of the log makes of them.
+            Contributions of an unknown state at the beginning of the log.
         """
-        if self._begun.get("rows") is not beginning:  # a step of a fit asks several times
+        if self._begun.get("rows") is not beginning:  # one step of a fit asks several times
             basis = _orthonormal(_without(self.flat(beginning), self._basis))
             self._begun.update(rows=beginning, basis=basis)
         return _without(_without(self.flat(rows), self._basis), self._begun["basis"])
 
     def flat(self, rows: FloatArray) -> FloatArray:
-        """Kept rows one after the other, of shape (..., n_outputs * n_kept)."""
+        """Kept rows, concatenated over the outputs, of shape (..., n_outputs * n_kept)."""
         kept = rows.take(self._places, axis=-1)
         return kept.reshape(*rows.shape[:-2], kept.shape[-2] * kept.shape[-1])
 
     def released(self) -> Weighting:
-        """The same without what follows from it, which is computed again where it is needed."""
+        """The weighting without cached arrays, which are recomputed on demand."""
         return replace(self)
 
     @cached_property
     def restarts(self) -> FloatArray:
-        """What unknown states make of the rows, of shape (n_restarts, n_outputs, n_rows)."""
+        """Contributions of unknown states after rests to the rows, of shape (n_restarts, n_outputs, n_rows)."""
+        # After each rest the hidden motion starts from an unknown state, as friction held it in an unknown place.
+        # Pulses at the start of each run of kept rows span these states; errors are projected orthogonal to them.
         begins = np.flatnonzero(np.diff(self.kept.astype(np.int8)) == 1)[:_MOST_STARTS] + 1
         return self.rows(starting_pulses(self.record, self.unknown, self.record.row_time[begins]))
 
@@ -112,9 +113,10 @@ class Weighting:
 def weighting_of(
     record: Record, density: FloatArray, speeds: Iterable[FloatArray], allowed: BoolArray | None = None
 ) -> Weighting:
-    """Weighting of a record, whose joints that must move have `speeds`, each of shape (n_fine,).
+    """Weighting of a record where the joints with the given `speeds`, each of shape (n_fine,), move.
 
-    `density` is 1 / sqrt(S) of shape (n_outputs, n_bins), as `noise_weights`; `allowed` the parts that may be used.
+    `density` is 1 / sqrt(S) of shape (n_outputs, n_bins), as in `noise_weights`; `allowed` are the parts that may be
+    used.
     """
     moving = record.in_log & (True if allowed is None else allowed)
     step = record.fine_time[1]
@@ -131,9 +133,9 @@ def weighting_of(
 
 
 def with_restarts(weighting: Weighting, hidden: Sequence[ComplexArray]) -> Weighting:
-    """The same with unknown states at the beginning of each stretch of motion, because of friction at rest.
+    """The weighting with unknown states of hidden motion after each rest, where friction may have held it anywhere.
 
-    `hidden` are outputs, of shape (n_outputs, n_bins), for forces on unmeasured motion.
+    `hidden` are outputs, of shape (n_outputs, n_bins), for forces on hidden motion.
     """
     return replace(weighting, unknown=tuple(hidden))
 
@@ -141,7 +143,7 @@ def with_restarts(weighting: Weighting, hidden: Sequence[ComplexArray]) -> Weigh
 def starting_pulses(
     record: Record, hidden: Sequence[ComplexArray], times: FloatArray | tuple[float, ...] = (0.0,)
 ) -> ComplexArray:
-    """Outputs for short forces and their rates, which leave any state behind; shape (n, n_outputs, n_bins)."""
+    """Outputs for short pulses of force and their rates, which produce any state; shape (n, n_outputs, n_bins)."""
     moments = np.asarray(times, dtype=np.float64)
     pulses = record.memory.of(("pulses", moments.size), moments.tobytes(), lambda: _pulses(record, moments))
     found = np.zeros((len(hidden), len(pulses), *record.measured.shape), dtype=complex)
@@ -151,7 +153,7 @@ def starting_pulses(
 
 
 def _pulses(record: Record, times: FloatArray) -> ComplexArray:
-    """Spectra of short forces and of their rates, one after the other, of shape (2 n_times, n_bins)."""
+    """Spectra of short pulses of force and of their rates, alternating, of shape (2 n_times, n_bins)."""
     s = 1j * record.omega
     short = np.exp(-2 * (record.omega / record.omega[-1]) ** 2)
     forces = short * np.exp(np.multiply.outer(-times, s))
@@ -163,14 +165,14 @@ def _without(rows: FloatArray, basis: FloatArray) -> FloatArray:
 
 
 def _orthonormal(columns: FloatArray) -> FloatArray:
-    """Orthonormal basis of rows of columns, those that are not seen left out."""
+    """Orthonormal basis of columns, given as rows; negligible columns are left out."""
     norms = np.linalg.norm(columns, axis=1)
     seen = norms > _UNSEEN * norms.max(initial=0.0)
     return np.asarray(np.linalg.qr((columns[seen] / norms[seen, None]).T)[0])
 
 
 def _long(still: BoolArray, least: int) -> BoolArray:
-    """Points that belong to a run of at least a given length."""
+    """Points of rests that have at least a given length."""
     labels, n = scipy.ndimage.label(still)
     lengths = np.bincount(labels, minlength=n + 1)
     return np.asarray(still & (lengths >= least)[labels])
@@ -186,10 +188,10 @@ def _window(moving: BoolArray, margin: int, taper: int) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Autoregression:
-    """Autoregressive model of weighted errors, which makes them white."""
+    """Autoregressive model that whitens weighted errors."""
 
-    coefficients: FloatArray  # shape (n_outputs, order, n_outputs): share of past rows in the next
-    whitening: FloatArray  # shape (n_outputs, n_outputs): makes what is left white with unit variance
+    coefficients: FloatArray  # shape (n_outputs, order, n_outputs): factors of past rows in the next one
+    whitening: FloatArray  # shape (n_outputs, n_outputs): scales the innovations to unit covariance
     usable: BoolArray  # shape (n_rows,): rows whose past is kept too
 
     def apply(self, rows: FloatArray) -> FloatArray:
@@ -215,9 +217,9 @@ class Autoregression:
 
 
 def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
-    """Least-squares autoregressive model of rows of shape (n_outputs, n_rows), gaps left out.
+    """Least-squares autoregressive model of the kept rows, of shape (n_outputs, n_rows).
 
-    Its order is less where stretches of motion are so short that few rows have as long a past.
+    The order is reduced where rests leave too few rows with a past of that length.
     """
     p = len(rows)
     usable = _with_past(kept, order)
@@ -227,6 +229,7 @@ def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregress
     past = np.concatenate([np.roll(rows, k, axis=1)[:, usable] for k in range(1, order + 1)]).T
     present = rows[:, usable].T
     solution = np.linalg.lstsq(past, present, rcond=None)[0]
+    # The innovations still correlate between outputs: the inverse Cholesky factor of their covariance whitens them.
     left = present - past @ solution
     covariance = left.T @ left / max(len(left), 1)
     root = np.linalg.cholesky(covariance + 1e-12 * np.trace(covariance) * np.eye(p))
@@ -234,7 +237,7 @@ def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregress
 
 
 def _with_past(kept: BoolArray, order: int) -> BoolArray:
-    """Rows whose last `order` ones are kept too."""
+    """Kept rows whose `order` predecessors are kept too."""
     usable = kept.copy()
     for k in range(1, order + 1):
         usable &= np.roll(kept, k)
@@ -243,6 +246,6 @@ def _with_past(kept: BoolArray, order: int) -> BoolArray:
 
 
 def unweighted(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
-    """The model of errors that are noise alone, on the same rows as an autoregressive one."""
+    """The model of white errors, on the rows that an autoregressive model would use."""
     found = autoregression(rows, kept, order)
     return Autoregression(np.zeros_like(found.coefficients), np.eye(len(rows)), found.usable)

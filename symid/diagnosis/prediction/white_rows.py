@@ -1,4 +1,4 @@
-"""Rows under an autoregressive model, compiled: of hundreds of columns, and a few outputs and past rows in each."""
+"""Whitening of rows by an autoregressive model, compiled for hundreds of columns with few outputs and past rows."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from symid.jit import compiled
 
 @compiled
 def white_rows(rows, coefficients, whitening, usable):  # type: ignore[no-untyped-def]  # compiled
-    """What is left of rows, (n, n_outputs, n_rows), at usable ones, (n, n_outputs, n_usable); see `Autoregression`."""
+    """Whitened rows, (n, n_outputs, n_usable), from rows (n, n_outputs, n_rows); see `Autoregression`."""
     n, n_outputs, n_rows = rows.shape
     found, left = np.empty((n, n_outputs, usable.size)), np.empty((n_outputs, n_rows))
     for c in range(n):

@@ -87,7 +87,7 @@ def _penalised_gains(step: SelectionStep) -> dict[Key, float]:
 
 
 def _doubts(step: SelectionStep) -> dict[Key, float]:
-    """Standard deviation of each fitted candidate's gain relative to the best, from the scatter of the blocks."""
+    """Standard deviation of each fitted candidate's gain relative to the best, from the scatter of blocks."""
     if not step.confirmed:
         return {}
     best = max(step.confirmed, key=lambda c: c.penalised_gain)
