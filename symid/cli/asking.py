@@ -51,7 +51,7 @@ class Known:
 def asked(
     axis: Axis, columns: Sequence[ForeignColumn], guess: Callable[[Known], LogMapping], known: Known
 ) -> Known:
-    """Ask for the column and unit of each signal, the factor of the drive and the rate that options left open.
+    """Ask for the column and unit of each signal, the factor of the drive and the rate, unless options give them.
 
     `guess` supplies the defaults.
     """
@@ -73,7 +73,7 @@ def asked(
 
 
 def asked_file(log: Path) -> str:
-    """A name for the mapping that is not taken."""
+    """Ask for an unused file name for the mapping."""
 
     def free(text: str) -> str:
         if Path(text).exists():
@@ -91,7 +91,7 @@ def _with_signal(
     mapping: LogMapping,
     known: Known,
 ) -> Known:
-    """All that is known after the questions about a signal."""
+    """All known facts after the questions about a signal."""
     if signal not in known.named:
         column = click.prompt(
             f"Column of {signal}, the {quantity} (name, number, or - for none)",
@@ -113,7 +113,7 @@ def _with_signal(
 
 
 def _column_of(text: str, columns: Sequence[ForeignColumn]) -> ForeignColumn | None:
-    """The column of a name or a number in the table; None for none."""
+    """The column with a name or a number in the table; None for -."""
     name = text.strip()
     if name in ("", "-"):
         return None
@@ -128,7 +128,7 @@ def _column_of(text: str, columns: Sequence[ForeignColumn]) -> ForeignColumn | N
 
 
 def _unit_of(text: str, quantity: str, unit: Unit, column: ForeignColumn) -> str:
-    """A unit that measures what is expected; of the drive's column a current or a percentage too."""
+    """A unit of the expected quantity; for the drive also of a current or a percentage."""
     try:
         if quantity != "force" or with_unit(column, text).quantity not in _OF_A_DRIVE:
             to_si(text, unit)

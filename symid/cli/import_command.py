@@ -106,7 +106,7 @@ def command(log: str, **options: Any) -> None:
 
 
 def _factor(text: str | None, axis: Axis | None) -> float | None:
-    """The factor of the drive, which other commands take as ``F=85``, those of readings too."""
+    """The factor of the drive in a text such as ``F=85``; other commands also accept factors of readings."""
     if text is None:
         return None
     signal, _, factor = text.rpartition("=")
@@ -119,7 +119,7 @@ def _factor(text: str | None, axis: Axis | None) -> float | None:
 
 
 def _asks(options: dict[str, Any]) -> bool:
-    """Whether a person is there to answer, or questions are wanted anyway."""
+    """Whether a person can answer, or questions were requested."""
     if options["ask"] is None:
         streams = (sys.stdin, sys.stdout)
         return options["json_file"] != "-" and all(one is not None and one.isatty() for one in streams)
@@ -127,7 +127,7 @@ def _asks(options: dict[str, Any]) -> bool:
 
 
 def _look(path: Path) -> ForeignFile:
-    """Layout, columns and the sampling period that is stated."""
+    """Layout, columns and the stated sampling period."""
     text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
     layout = guessed_layout(path) if text and writer_of(path) is None else None
     table = open_table(path, layout)

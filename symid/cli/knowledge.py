@@ -53,7 +53,7 @@ def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
 
 
 def known_by_log(values: tuple[str, ...], axis: Axis, logs: int) -> list[dict[str, float]]:
-    """Values of ``--known`` for each of some logs, SI."""
+    """Values of ``--known`` in each log, SI."""
     units = axis.parameter_units
     known: list[dict[str, float]] = [{} for _ in range(logs)]
     for name, text in assignments(values, "--known", units).items():
@@ -83,7 +83,7 @@ def quantity(text: str, unit: Unit, what: str) -> float:
 
 
 def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | None, float | None]]:
-    """Ranges of ``--bounds``, SI; 'physical' is 0 for what cannot be negative."""
+    """Ranges of ``--bounds``, SI; 'physical' is a lower bound of 0 for parameters that cannot be negative."""
     ranges = tuple(value for value in values if value != "physical")
     bounds: dict[str, tuple[float | None, float | None]] = {}
     if len(ranges) < len(values):
@@ -101,7 +101,7 @@ def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | No
 
 
 def priors_of(file: str | None, axis: Axis) -> dict[str, Any]:
-    """Pairs of mean and deviation of ``--prior``; of a result of symid identify those of the axis' parameters."""
+    """Mean and deviation by parameter from ``--prior``: a file of such pairs, or a result of symid identify."""
     if file is None:
         return {}
     values = read_json(file)

@@ -1,4 +1,4 @@
-"""Options that several commands share, what they mean, and numbers that are checked when they are read."""
+"""Options shared by several commands, and the parsing and checks of their values."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from symid.units import Unit, to_si
 
 
 class Number(click.types.FloatParamType):
-    """A finite number above a bound, which may be included; infinity is possible for limits that do not bind."""
+    """A finite number above a bound, or equal to it if `included`; some limits may be infinite."""
 
     def __init__(self, above: float = 0.0, *, included: bool = False, infinite: bool = False) -> None:
         self.above, self.included, self.infinite = above, included, infinite
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The number; click's error, which names the option, for any other text."""
+        """The number; click's error, which names the option, for invalid text."""
         number = float(super().convert(value, param, ctx))
         big_enough = number >= self.above if self.included else number > self.above
         if not big_enough or not (math.isfinite(number) or (self.infinite and number > 0)):
@@ -42,7 +42,7 @@ class Rate(Number):
     """A rate in Hz, or ``own``."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The rate; ``own`` as it is."""
+        """The rate, or ``own`` unchanged."""
         return value if value == "own" else super().convert(value, param, ctx)
 
 
@@ -93,9 +93,9 @@ bandwidth_option = option(
 )
 
 _LARGEST = 1e50
-"""Of a parameter in SI units, and the inverse of the smallest: products of others leave the range of numbers."""
+"""Largest parameter in SI units, and inverse of the smallest: products of others would overflow."""
 _LONGEST_LAG = 1000.0
-"""Seconds by which a signal may be late."""
+"""Longest time by which a signal may be late, s."""
 _CASCADE = {
     "Kpp": "position_gain",
     "Kpv": "velocity_gain",
@@ -116,7 +116,7 @@ def parameter_option(what: str) -> Callable[[Any], Any]:
 
 
 def page_of(file: str | None) -> Path | None:
-    """Path of a page, refused before any work is done if it cannot be written."""
+    """Path of a page; SettingError, before any work is done, if it cannot be written."""
     if not file:
         return None
     from symid.report.pages.page import html_path  # jinja2 and sympy are loaded only where a page is written
@@ -134,7 +134,7 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
 
 
 def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
-    """Whether ``--held`` names a force of an axis, and so all; None without it, so that the declaration decides."""
+    """True if ``--held`` names a force of the axis, which holds for all forces; None without it: the declaration decides."""
     forces = [drive.signal for drive in axis.drives]
     if unknown := [name for name in signals if name not in forces]:
         raise SettingError(
@@ -168,7 +168,7 @@ def require_signals(axis: Axis, names: Iterable[str]) -> None:
 
 
 def reference_file(file: str) -> Path:
-    """Where a reference goes; refused before long work if it is of no known kind."""
+    """Path of a reference; SettingError, before long work, if its kind is not known."""
     path = Path(file)
     if path.suffix not in (".csv", ".parquet"):
         raise SettingError(f"reference {file!r} is of no known kind: end its name with .csv or .parquet")
@@ -263,7 +263,7 @@ def write_json(record: object, file: str) -> None:
 
 
 def give_result(record: Any, json_file: str | None, show: Callable[[Any], object]) -> None:
-    """Write a record as JSON where that is asked for, and show it unless standard output takes the JSON.
+    """Write a record as JSON if requested, and show it unless the JSON goes to standard output.
 
     Settings that it names become options.
     """
@@ -278,7 +278,7 @@ _UNSEEN = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
 def as_json(record: object, *, ascii_only: bool = False) -> str:
-    r"""Text of a record; numbers that are not finite become null, what terminals obey is escaped.
+    r"""JSON text of a record; numbers that are not finite become null, and control characters are escaped.
 
     >>> print(as_json({"a\udce9": float("nan")}), end="")
     {
@@ -300,7 +300,7 @@ def _finite(value: Any) -> Any:
 
 
 def shared(*options: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Apply several option decorators, the first one shown first in the help."""
+    """Apply several option decorators; the help shows them in this order."""
 
     def decorate(function: Any) -> Any:
         for decorated in reversed(options):

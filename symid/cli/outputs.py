@@ -1,4 +1,4 @@
-"""Files that commands write: checked before any work is done, so that no recording and no input is ever overwritten."""
+"""Output files of commands, checked before any work is done: recordings and inputs are never overwritten."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _BEGINNINGS: Final[Mapping[str, tuple[bytes, ...]]] = {
     "axis": (),
     "results": (b"",),  # a batch looks into them itself
 }
-"""First bytes of files that a command may replace: its own kind. A log or axis file may be a user's work."""
+"""First bytes of the kinds of file that a command may replace; a log or an axis file may be a user's work."""
 _RECORDS: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {
     "identify": (("axis", "method"),),
     "diagnose": (("axis", "verdict"),),
@@ -47,9 +47,9 @@ _RECORDS: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {
     "demo": (("identification", "diagnosis"),),
     "mapping": (("columns", "guesses"),),
 }
-"""Names in the JSON that a command writes, by which it knows its own: other JSON may be a log, or written by hand."""
+"""Names by which a command recognises its own JSON; other JSON may be a log, or written by hand."""
 _BESIDE: Final[Mapping[str, tuple[str, str]]] = {"axis": (".json", "values"), "c": (".h", "c")}
-"""Suffix and kind of a second file that is written beside one of some kind."""
+"""Suffix and kind of a second file that is written beside one of a kind."""
 _LOOK: Final = 4096
 _AXES: Final = ("axis", "axes", "also", "declared")
 """Parameters of commands that name axes."""
@@ -79,7 +79,7 @@ class _Wanted:
 
     @property
     def said(self) -> str:
-        """The option as its user wrote it."""
+        """The option as the user wrote it."""
         return f"{self.option} {str(self.path)!r}"
 
 
@@ -105,7 +105,7 @@ class SafeCommand(click.Command):
                 parameter.type = AxisName()
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Refuse outputs that are inputs, exist as something else, or cannot be written; then do the work."""
+        """Run the command after a check that outputs are not inputs, replace only their own kind, and can be written."""
         wanted = tuple(_wanted(self, ctx.params))
         if wanted:
             seen: dict[str, _Wanted] = {}

@@ -157,7 +157,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
 
 
 def with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
-    """The axis with the noise, resolution and delay of the options of these names."""
+    """The axis with the noise, resolution and delay given as options."""
     noise, resolution = (numbers(options.get(name, ()), f"--{name}") for name in ("noise", "resolution"))
     delay = assignments(options.get("delay", ()), "--delay")
     signals = dict.fromkeys([*noise, *resolution, *delay])
@@ -175,14 +175,13 @@ def with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
 def runs_of(
     axis: Axis, plant: Plant, options: dict[str, Any]
 ) -> tuple[tuple[Controller, ...], tuple[Trajectory, ...]]:
-    """Controller and trajectory of each drive; open loop they come from the log of the forces.
+    """Controller and trajectory of each drive; in open loop, both come from the log of the forces.
 
-    A log that is followed may hold a reference for each drive.
+    A log given as trajectory may have a reference for each drive.
     """
     if options["open_loop"]:
-        from symid.identification import (
-            read_axis_log,
-        )  # its package takes an eighth of the time of a simulation
+        # Loading its package takes an eighth of the time of a simulation.
+        from symid.identification import read_axis_log
 
         log = read_axis_log(axis, options["open_loop"])
         path = from_log(log, next(iter(plant.sensors)))
@@ -230,20 +229,20 @@ def _trajectory(options: dict[str, Any]) -> Trajectory:
 
 
 def _within(options: dict[str, Any], make: Callable[[float], Trajectory]) -> Trajectory:
-    """The trajectory with the amplitude that reaches the tightest limit; all of it scales with that."""
+    """The trajectory scaled to reach the tightest limit."""
     reached = _reached(make(_UNIT))
     return make(_UNIT * min(options[name] / value for name, value in reached.items()))
 
 
 def _reached(trajectory: Trajectory) -> dict[str, float]:
-    """Greatest distance from zero, speed and acceleration of a trajectory, by the options that limit them."""
+    """Largest distance from zero, speed and acceleration of a trajectory, by the name of their limit."""
     found = trajectory.extremes
     travel = max(abs(found.lowest), abs(found.highest))
     return {"travel": travel, "speed": found.speed, "acceleration": found.acceleration}
 
 
 def _said_reach(axis: Axis, trajectory: Trajectory, options: dict[str, Any]) -> str:
-    """Text on the reached part of the requested limits, and the limit that binds."""
+    """Text on the reached share of each limit, and the limit that binds."""
     unit = axis.signal_units[axis.controlled]
     reached = _reached(trajectory)
     units = (str(unit), f"{unit}/s", f"{unit}/s^2")

@@ -1,4 +1,4 @@
-"""The terminal: messages, also where a stream is closed or knows only ASCII, and progress of work that takes long."""
+"""Messages on the terminal, also if a stream is closed or limited to ASCII, and progress of long work."""
 
 from __future__ import annotations
 
@@ -66,28 +66,28 @@ def tracked(items: Iterable[Item], what: str, total: int | None = None) -> Itera
 
 
 def say(text: str, *, err: bool = False, end: str = "\n") -> None:
-    """Print text on standard output or standard error, its settings as options; nothing where that is closed."""
+    """Print text with settings written as options; nothing if the stream is closed."""
     stream = sys.stderr if err else sys.stdout
     if stream is not None:
         print(visible(with_options(text)), end=end, file=stream)
 
 
 def fail(message: str, code: int = 2) -> int:
-    """Print an error in one line; returns the exit code."""
+    """Print an error in one line and return the exit code."""
     with contextlib.suppress(OSError):
         say(f"symid: {one_line(message)}", err=True)
     return code
 
 
 def prepare_streams() -> None:
-    """Let both streams escape characters that their encoding lacks."""
+    """Let both streams escape characters that are not in their encoding."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 
 def finish_output() -> None:
-    """Write out what standard output still holds; OSError if that is not possible."""
+    """Flush standard output; OSError if that is not possible."""
     if sys.stdout is None or sys.stdout.closed:
         return
     try:

@@ -49,7 +49,7 @@ from symid.tuning import (
 )
 
 _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth": 10.0}
-"""Where this command differs from `symid simulate`; the band "modes" is that of `excited_band`."""
+"""Defaults that differ from `symid simulate`; the band "modes" is the result of `excited_band`."""
 
 
 @click.command(
@@ -155,7 +155,7 @@ def _bounded(declared: Axis, parameters: dict[str, float], options: dict[str, An
 
 
 def _total(name: str, declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> TotalTuning:
-    """By the total error, with the motion of a log or along a trajectory."""
+    """Tune by the total error, with the motion of a log or along a trajectory."""
     given = numbers(options["noise"], "--noise")
     if not options["noise_from"]:
         model = model_of(name, signal_list(options["measured"]))
@@ -179,7 +179,7 @@ _tracked = partial(tracked, what="errors by frequency")
 def _run_of(
     axis: Axis, plant: Plant, options: dict[str, Any]
 ) -> tuple[Sequence[Controller], Trajectory | Sequence[Trajectory]]:
-    """Controllers and trajectories; a chirp of constant velocity is the one that the paper's velocity loop gets."""
+    """Controllers and trajectories; a chirp of constant velocity runs under the velocity loop of the paper."""
     low, high = excited_band(plant) if options["band"] == "modes" else band_of(options["band"])
     is_velocity = options["trajectory"] == "chirp" and options["amplitude_of"] == "velocity"
     if not is_velocity or options["open_loop"]:

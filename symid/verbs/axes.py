@@ -1,4 +1,4 @@
-"""An axis, however it is given."""
+"""Axes, given by declaration, name, path or model."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ R = TypeVar("R")
 
 
 def axis_of(given: AnyAxis) -> Axis:
-    """The declaration of an axis that is given as such, by name or path, or by a model; else SettingError."""
+    """The declaration of an axis given as such, by name or path, or by a model; SettingError for anything else."""
     if isinstance(given, Axis):
         return given
     if isinstance(given, str):
@@ -36,7 +36,7 @@ def axis_of(given: AnyAxis) -> Axis:
 
 
 def of_any_axis(function: Callable[Concatenate[Axis, P], R]) -> Callable[Concatenate[AnyAxis, P], R]:
-    """A function of a declared axis as one that takes it by name, path or model too.
+    """Let a function of a declared axis also take a name, a path or a model.
 
     >>> of_any_axis(lambda axis: axis.drives[0].signal)("rigid_1m")
     'F'

@@ -34,12 +34,11 @@ def diagnose(
     log : Log, path-like, data frame or mapping, or a list of them
         Logs of the machine, from which everything is identified.
     validation : the same, optional
-        Other logs, on which the gap is measured. By default the last of several logs, or every third part of a single
-        one.
+        Other logs, on which the gap is measured; by default the last of several logs, or every third part of one.
     nominal : mapping of str to float, optional
         Parameter values of the simulation, SI.
     measured : sequence of str, optional
-        Sensors to read from files and frames; all that they hold by default.
+        Sensors to read from files and frames; all of them by default.
     late, held, library, controller
         As in `symid.diagnosis.diagnose`.
     **columns

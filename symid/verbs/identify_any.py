@@ -81,34 +81,34 @@ def identify(
     Parameters
     ----------
     axis : Axis, str, GeneratedModel or DerivedModel
-        A declaration, the name or path of its file, or a model of it. What has no generated module is derived on the
-        spot, once in a process.
+        A declaration, the name or path of its file, or a model of it. Without a generated module the model is derived
+        once in each process.
     logs : Log, path-like, data frame, mapping, or list of these
         Runs of the axis; a frame of pandas, polars or pyarrow, or columns by name, is read as a file is.
     measured : sequence of str, optional
-        Sensors to use; those that all logs hold by default, those of a model if one is given.
+        Sensors to use; by default those of a given model, or else those that all logs hold.
     method : {"wls", "ols", "iv", "oe"}
         Weighted or ordinary least squares, instrumental variables, or output error (maximum likelihood).
     preparation : Preparation, optional
-        Filter, differences, decimation, rows; what is left open is chosen from each log. Of "oe" only `late`, `held`
-        and `standstill` count.
+        Filter, differences, decimation, rows; settings not given are chosen from each log. "oe" uses only `late`,
+        `held` and `standstill`.
     ddof : int, optional
-        Subtracted from the number of rows in the residual's deviation; the number of parameters by default. Of "wls"
-        and "ols" only.
+        Subtracted from the number of rows in the residual's deviation; the number of parameters by default. Only with
+        "wls" and "ols".
     nominal : mapping of str to float, optional
         Nominal physical parameters, a start where the inverse map has no closed form.
     fixed : mapping of str to float, optional
         Values of parameters that are known; the others are identified with them.
     bounds : mapping of str to (low, high), or "physical", optional
-        Between which parameters lie, None for no bound; "physical" keeps masses, inertias, springs and frictions from
-        being negative. Not with "oe".
+        Bounds of parameters, None for no bound; "physical" keeps masses, inertias, springs and frictions from being
+        negative. Not with "oe".
     prior : mapping of str to (mean, deviation), optional
         Prior value of parameters, with its standard deviation. Not with "oe".
     known : mapping of str to sequence of float, optional
         Values of parameters in each log, in the order of the logs, such as the payload, SI; not with another method,
         with bounds or priors.
     loop : ClosedLoop, optional
-        The axis under its known controller, of "iv" and "oe"; without it "iv" reads a cascade from the log or tunes
+        The axis under its known controller, for "iv" and "oe"; without it "iv" reads a cascade from the log or tunes
         one, and "oe" predicts each reading from earlier ones.
     examine : bool
         Whether timing and bias are estimated; "oe" always examines.
@@ -119,9 +119,9 @@ def identify(
     Returns
     -------
     Identification, OutputErrorIdentification by "oe", or SharedIdentification with `known`
-        Those of all methods have `parameters`, `covariance`, `standard_deviations`, `bias`, `notes` and `predict`. The
-        status states what cannot be determined; this raises no error. It is "contradicted" where `fixed`,
-        `bounds` or `prior` lead out of the intervals of the estimate without them.
+        All results have `parameters`, `covariance`, `standard_deviations`, `bias`, `notes` and `predict`. The status
+        states what cannot be determined, without an error. It is "contradicted" if the result lies outside the
+        intervals of the estimate without `fixed`, `bounds` or `prior`.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def identify(
 
 
 def _require_possible(method: str, given: Mapping[str, object]) -> None:
-    """Refuse an unknown method, and settings that it does not have."""
+    """SettingError for an unknown method, or a setting that a method does not have."""
     if method not in get_args(Method):
         raise SettingError(f"there is no method {method!r}: choose from {', '.join(get_args(Method))}")
     methods = {
@@ -204,7 +204,7 @@ def _whole(runs: Sequence[AnyLog]) -> list[Log]:
 
 
 def _known_by_log(known: Mapping[str, Sequence[float]], logs: int) -> list[dict[str, float]]:
-    """Values that are known in each of some logs."""
+    """Known values in each log."""
     for name, values in known.items():
         if isinstance(values, (int, float)) or len(values) != logs:
             raise SettingError(
@@ -221,7 +221,7 @@ def _with_fixed(
     settings: dict[str, Any],
     columns: dict[str, Any],
 ) -> Identification | OutputErrorIdentification:
-    """Identify the parameters that are not known, and compare with the estimate of all parameters."""
+    """Identify the parameters that are not fixed, and compare with the estimate of all parameters."""
     declared = axis_of(axis)
     runs = [log_of(declared, log, measured, **columns) for log in logs]
     signals = measured

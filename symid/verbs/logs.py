@@ -1,4 +1,4 @@
-"""Logs, however they are given: as such, as files, or as data frames."""
+"""Logs, given as such, as files or as data frames."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ Recorded: TypeAlias = "AnyLog | str | os.PathLike[str] | Frame"
 
 
 def log_of(axis: Axis, given: Recorded, measured: Sequence[str] | None = None, **columns: Any) -> AnyLog:
-    """A log of an axis, read and checked if it is a file or a frame; columns as in `symid.read_axis_log`."""
+    """A log of an axis; a file or a frame is read and checked, with columns as in `symid.read_axis_log`."""
     if isinstance(given, (Log, LongLog)):
         return given
     return files.read_axis_log(axis, given, measured=measured, **columns)
 
 
 def each_of(given: Recorded | Sequence[Recorded]) -> Sequence[Recorded]:
-    """Logs that are given alone, or in a list or tuple."""
+    """Logs as a sequence; a single one may be given alone."""
     return cast("Sequence[Recorded]", given if isinstance(given, (list, tuple)) else (given,))
 
 
