@@ -134,7 +134,7 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
 
 
 def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
-    """True if ``--held`` names a force of the axis, which holds for all forces; None without it: the declaration decides."""
+    """True if ``--held`` names a force of the axis (all are then held); None without it: the declaration decides."""
     forces = [drive.signal for drive in axis.drives]
     if unknown := [name for name in signals if name not in forces]:
         raise SettingError(

@@ -105,7 +105,7 @@ class SafeCommand(click.Command):
                 parameter.type = AxisName()
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command after a check that outputs are not inputs, replace only their own kind, and can be written."""
+        """Run the command, after a check that outputs are not inputs, replace only their kind, and are writable."""
         wanted = tuple(_wanted(self, ctx.params))
         if wanted:
             seen: dict[str, _Wanted] = {}

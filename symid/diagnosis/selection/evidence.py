@@ -74,7 +74,7 @@ def _of_candidates(step: SelectionStep) -> dict[Key, float]:
 def _penalised_gains(step: SelectionStep) -> dict[Key, float]:
     """Penalised gain of each candidate that was fitted.
 
-    A linear candidate that contains a simpler one, as an asymmetry of friction contains a constant force, gains at least
+    A linear candidate that contains a simpler one, as asymmetric friction contains a constant force, gains at least
     as much less the penalty of its further values: with these at 0 it is the simpler one.
     """
     gains = {c.key: c.penalised_gain for c in step.confirmed}
@@ -87,7 +87,7 @@ def _penalised_gains(step: SelectionStep) -> dict[Key, float]:
 
 
 def _doubts(step: SelectionStep) -> dict[Key, float]:
-    """Standard deviation of each fitted candidate's gain relative to the best, from the scatter of blocks."""
+    """Standard deviation of the gain of each fitted candidate relative to the best, by the scatter of blocks."""
     if not step.confirmed:
         return {}
     best = max(step.confirmed, key=lambda c: c.penalised_gain)
