@@ -112,7 +112,11 @@ def motions_of(
     ]
     found = [None if state is None else _errors(state, logs, drivers) for state in states]
     if simulated is not None and len(logs) == 1 and runs[1] is None and _is_like(simulated, logs[0]):
-        found[0] = [_compared([part], [_at_samples(simulated, part)], "") for part in logs[0]]
+        times = since_begin(simulated)
+        found[0] = [
+            _compared([part], [np.interp(since_begin(part.log), times, simulated[part.signal])], "")
+            for part in logs[0]
+        ]
     return tuple(
         motion_next_to(
             drivers[d], [log[d] for log in logs], [None if errors is None else errors[d] for errors in found]
@@ -188,11 +192,6 @@ def _is_like(simulated: Log, parts: Sequence[Part]) -> bool:
         if np.abs(other - part.reference).max() > _SAME * np.ptp(part.reference):
             return False
     return True
-
-
-def _at_samples(simulated: Log, part: Part) -> FloatArray:
-    """Position of a simulator's log at the samples of another."""
-    return np.asarray(np.interp(since_begin(part.log), since_begin(simulated), simulated[part.signal]))
 
 
 def _compared(parts: Sequence[Part], simulated: Sequence[FloatArray], message: str) -> MotionError:
