@@ -16,7 +16,7 @@ BoundStatus = Literal["ok", "bound_not_reached", "bound_met_everywhere"]
 Errors = Mapping[str, float]
 """Relative error of each parameter in percent, with its sign; nan where it is not determined."""
 Track = Callable[[Sequence[float]], Iterable[float]]
-"""Is given the frequencies of a scan and passes them on, to show progress."""
+"""Wrapper of the frequencies of a scan that shows progress, such as a progress bar."""
 
 _TOLERANCE = 1e-3
 """Relative tolerance of the frequency and of the error."""
@@ -125,7 +125,7 @@ def lowest_within(
 
 
 def _refined(error: Callable[[float], float], above: float, within: float, bound: float) -> float:
-    """Nelder-Mead on the logarithms of both, from an interval whose ends lie on either side of the bound."""
+    """Nelder-Mead on the logarithms of frequency and error, in an interval that brackets the bound."""
 
     def distance(logarithm: FloatArray) -> float:
         frequency = float(np.exp(np.clip(logarithm[0], math.log(above), math.log(within))))

@@ -1,4 +1,4 @@
-"""A run of an axis without any imperfection, which can be sampled at any rate, and the chirp it follows by default."""
+"""Noise-free run of an axis without imperfections, sampled at any rate, and the chirp that it follows by default."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from symid.signal_names import derivative_name
 from symid.simulation import Controller, Plant, SensorRow, Simulation, Trajectory, chirp, plant_of, simulate
 
 _PLACE, _PROBE = "place_of_{}", "probe_of_{}"
-"""Signals of the sensors that are added to know every motion."""
+"""Names of the virtual sensors that record the motion of every body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,11 +165,11 @@ def exact_run(
 
 
 LOWEST_HZ = 0.1
-"""Where the chirp of the paper begins."""
+"""Frequency at which the chirp of the paper starts, Hz."""
 _RIGID_HZ = 20.0
-"""Where it ends for an axis without a flexible mode."""
+"""Frequency at which it ends for an axis without a flexible mode, Hz."""
 _BEYOND_MODES = 1.25
-"""The paper's chirp ends at 100 Hz, the mode of its axis lies at about 80 Hz."""
+"""End of the chirp over the highest mode: 100 Hz over about 80 Hz in the paper."""
 _UNIT = 1e-3
 
 

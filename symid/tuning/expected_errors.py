@@ -1,4 +1,4 @@
-"""Errors of identified parameters that a setting leads to, to first order: bias of clean rows, and variance by noise.
+"""Expected errors of identified parameters for a setting, to first order: bias of clean rows, variance by noise.
 
 With rows W, y of a noise-free log, weights S and the true minimal parameters X, the estimate is off by
 
@@ -26,7 +26,7 @@ from symid.identification.noise import noise_of_rows, response_of_rows
 from symid.identification.observation import Observation
 
 _HIGHEST_CONDITION = 1e10
-"""Of the scaled normal matrix, beyond which parameters are lost."""
+"""Condition of the scaled normal matrix beyond which parameters are not determined."""
 
 
 def expected_errors(
@@ -91,6 +91,7 @@ def expected_errors(
 
 def _directions(normal: FloatArray, by_noise: FloatArray) -> tuple[FloatArray | None, FloatArray]:
     """Directions D with D'(W'S^2 W) D = 1 for noisy rows, and the share of noise in each; None for dependent rows."""
+    # W'S^2 W of noisy rows is the clean one plus that of the noise. Two eigenvalue problems diagonalise both at once.
     values, vectors = np.linalg.eigh(normal + by_noise)
     if not values[0] > values[-1] / _HIGHEST_CONDITION:
         return None, values

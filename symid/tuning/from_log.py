@@ -22,7 +22,7 @@ from symid.tuning.exact_run import ExactRun, exact_run
 from symid.tuning.total import TotalTuning, tune_total
 
 _LEAST_RATE = 8000.0
-"""Rate of the simulated controller at least, Hz."""
+"""Lowest rate of the simulated controller, Hz."""
 _BEYOND_COHERENCE = 1.5
 _HIGHEST_SHARE = 0.4
 _LEAST_FRICTION = 1e-9
@@ -62,7 +62,7 @@ def run_of_log(
     Raises
     ------
     SettingError, LogError
-        If the axis runs away, or the log lacks a signal.
+        If the simulated axis is unstable, or the log does not have a signal.
     """
     rate = log.sampling_frequency
     low_pass = LowPass(min(_BEYOND_COHERENCE * coherent_band(log, model), _HIGHEST_SHARE * rate))
@@ -95,7 +95,7 @@ def runs_of_log(
     log: Log,
     late: Mapping[str, float] | None = None,
 ) -> tuple[ExactRun, ...]:
-    """The run of a log three times over, with cascades of 10, 20 and 40 Hz."""
+    """Three simulations of the motion in a log, with cascades of 10, 20 and 40 Hz."""
     return tuple(run_of_log(axis, model, parameters, log, late, bandwidth) for bandwidth in _BANDWIDTHS)
 
 
@@ -125,7 +125,7 @@ def identified_and_tuned(
     log : Log
         A run of the axis.
     nominal : mapping of str to float, optional
-        A priori values, SI: they choose among several solutions, and stand in where the log identifies none.
+        A priori values, SI: they choose among several solutions, and replace values that the log does not identify.
     noise : mapping of str to float, optional
         Standard deviation of the noise of signals where it is known, SI; of the others it is read from the log.
     preparation : Preparation, optional

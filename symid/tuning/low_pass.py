@@ -1,4 +1,4 @@
-"""Errors that the low-pass filter alone makes: exact derivatives in the standard model, as in [35]."""
+"""Errors caused by the low-pass filter alone: exact derivatives in the standard model, as in [35]."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class LowPassErrors:
         }
 
     def _kept(self, filtered: Mapping[str, FloatArray], cutoff_hz: float) -> BoolArray:
-        """Rows away from the ends, and from the zeros of velocities at which a law jumps."""
+        """Rows that are used: not near the ends, and not near zeros of velocities at which a law jumps."""
         n_samples = self._n_samples
         kept = np.ones(n_samples, dtype=bool)
         edge = math.ceil(_EDGE_PERIODS * self.rate / cutoff_hz)

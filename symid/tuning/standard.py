@@ -1,4 +1,4 @@
-"""The standard model [5]: every balance of an axis, linear in its physical parameters, with all motions known."""
+"""The standard model [5]: the equations of motion, linear in the physical parameters, with all motions known."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`tune_total`: cutoff and decimation with the smallest total error of the parameters, of bias and noise together.
+"""`tune_total`: cutoff and decimation with the smallest total error of the parameters, from bias and noise.
 
 A bound on the systematic error alone asks for a high cutoff, and lets the noise in. Here the axis is simulated once
 without noise, the noise of the log is added to it several times over, and each setting is judged by the mean square
@@ -31,9 +31,9 @@ TotalStatus = Literal["ok", "not_determined"]
 _CUTOFFS = 32
 _MOST_EVALUATIONS = 8
 _CANDIDATES = 5
-"""Settings of the scan whose expected errors are compared with drawn ones."""
+"""Settings of the scan whose expected errors are confirmed by drawn noise."""
 _MUCH_MORE = 1.5
-"""Times the expected error that a drawn one must not be: 12 draws of one parameter's error scatter by 20 %."""
+"""Ratio of the drawn to the expected error that is rejected: 12 draws of one parameter scatter by 20 %."""
 _HOPELESS = 0.8
 """A parameter whose error exceeds this at every cutoff does not decide."""
 
@@ -199,9 +199,9 @@ def _scan(errors: TotalErrors, plain: Preparation, track: Track) -> list[tuple[P
 def _confirmed(
     errors: TotalErrors, candidates: Sequence[Preparation], counted: FloatArray
 ) -> tuple[Preparation, FloatArray]:
-    """The first candidate, refined, whose drawn errors are as expected, and these; else that of the smallest.
+    """The first refined candidate whose drawn errors agree with the expected ones, and these; else the best one.
 
-    What is expected is of first order in the noise. Where noise decides which rows are near a reversal, errors are
+    The expected errors are of first order in the noise. Where noise decides which rows are near a reversal, errors are
     larger.
     """
     tried: list[tuple[Preparation, FloatArray]] = []
@@ -214,7 +214,7 @@ def _confirmed(
 
 
 def _ranked(scan: Sequence[tuple[Preparation, FloatArray]], counted: FloatArray) -> list[Preparation]:
-    """Settings of the smallest total errors, one of each cutoff, those of the cutoffs beside it included.
+    """Settings by total error, the best decimation of each cutoff; errors are averaged over adjacent cutoffs.
 
     A narrow dip between two high neighbours is the luck of rows that fall well before a reversal of friction, not an
     optimum: a cutoff is judged with the best of the next lower and of the next higher one, a quarter of weight each.
@@ -254,7 +254,7 @@ def _checked(model: GeneratedModel, noise: Mapping[str, float]) -> dict[str, flo
 
 
 def _cutoffs(clean: Log) -> FloatArray:
-    """Cutoffs scanned: from what trims a quarter of the data to 0.4 of the sampling frequency."""
+    """Cutoffs of the scan: from the one that trims a quarter of the data to 0.4 of the sampling frequency."""
     duration = clean.n_samples * clean.sampling_period
     highest = 0.4 * clean.sampling_frequency
     return np.geomspace(min(max(24.0 / duration, highest / 200), highest / 2), highest, _CUTOFFS)
@@ -285,7 +285,7 @@ def _refined(errors: TotalErrors, start: Preparation, counted: FloatArray) -> Pr
 def _recommended(
     errors: TotalErrors, run: ExactRun, settings: Preparation, allowed: float, counted: FloatArray
 ) -> float:
-    """Lowest sampling frequency at which noise-free errors are below half of the total ones."""
+    """Lowest sampling frequency at which the systematic errors stay below half of the total errors."""
     assert settings.cutoff_hz is not None
     rates = np.geomspace(2.5 * settings.cutoff_hz, 8 * errors.clean.sampling_frequency, 12)
     plain = replace(settings, decimation=None)

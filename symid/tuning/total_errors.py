@@ -1,4 +1,4 @@
-"""Errors of identified parameters, of bias and noise together: noise-free data to which noise is added many times."""
+"""Total errors of identified parameters, from bias and noise: noise is drawn many times and added to clean data."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from symid.identification.settings import widening_of
 from symid.tuning.expected_errors import expected_errors
 
 _LOST = 1.0
-"""A relative error from which on a parameter is lost: larger ones count as this."""
+"""Relative error at which a parameter counts as lost; larger errors are clipped to it."""
 
 _LARGE = 1e3
-"""Relative deviation beyond which all errors are lost."""
+"""Relative deviation above which every error counts as lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ class TotalErrors:
         return np.asarray(np.sqrt(squares), dtype=np.float64)
 
     def expected(self, settings: Preparation) -> FloatArray:
-        """The same without a draw, to first order in the noise: root mean square over the runs."""
+        """Root mean square error of each parameter over the runs, to first order in the noise, without draws."""
         squares = [self._expected_of(log, settings) for log in self.runs]
         return np.asarray(np.sqrt(np.mean(squares, axis=0)), dtype=np.float64)
 
@@ -118,7 +118,7 @@ class TotalErrors:
 
 
 def _limited_squares(mean: FloatArray, deviation: FloatArray) -> FloatArray:
-    """Mean of the square of normal errors of which none counts as more than `_LOST`.
+    """Mean square of normally distributed errors that are clipped at `_LOST`.
 
     >>> _limited_squares(np.array([0.0, 0.1, 0.0]), np.array([1e-3, 1e-9, 1e9])).round(3).tolist()
     [0.0, 0.01, 0.999]
@@ -132,7 +132,7 @@ def _limited_squares(mean: FloatArray, deviation: FloatArray) -> FloatArray:
 
 
 def with_noise(log: Log, levels: Mapping[str, float], seed: int) -> Log:
-    """The log with white noise added; the same seed gives the same noise to logs of one length."""
+    """The log with white noise added; the same seed gives the same noise for logs of equal length."""
     random = np.random.default_rng(seed)
     signals: dict[str, FloatArray] = dict(log.signals)
     for name in sorted(levels):

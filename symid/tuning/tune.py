@@ -162,7 +162,7 @@ def tune(
         Whether laws that jump at standstill stay in the axis. The paper leaves Coulomb friction out of model and
         simulation: errors at the zeros of the velocity would hide those of filter and differences.
     kind : {"physical", "minimal"}
-        Parameters whose errors are bounded in [37]; minimal ones where there is no inverse map.
+        Parameters whose errors are bounded in [37]; minimal ones without an inverse map.
     track : callable, optional
         Is given the frequencies to be scanned and passes them on, to show progress.
 
@@ -263,7 +263,7 @@ def sampling_errors(
     kind: Kind,
     sampling_hz: float,
 ) -> dict[str, float]:
-    """Errors in percent of what `identify` finds in the run sampled at a frequency."""
+    """Errors of `identify`, percent, on the run sampled at a frequency."""
     log = run.log(sampling_hz, model.measured)
     found = identify(model, log, preparation=settings, nominal=parameters, examine=False)
     errors = relative_errors(found, parameters, kind)
@@ -273,7 +273,7 @@ def sampling_errors(
 
 
 def relative_errors(found: Identification, parameters: Mapping[str, float], kind: Kind) -> dict[str, float]:
-    """Errors of identified parameters in percent; nan where the true value is 0 or nothing was found."""
+    """Errors of identified parameters in percent; nan if the true value is 0 or the parameter is not identified."""
     model = found.model
     estimated, true = found.physical_parameters, dict(parameters)
     if kind == "minimal" or not estimated:
