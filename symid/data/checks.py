@@ -75,7 +75,7 @@ def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: 
 
 
 def said_range(name: str, lowest: float, highest: float) -> str | None:
-    """Fault of a channel that is constant, or constant up to rounding; None if there is none."""
+    """Fault of a channel that is constant, or constant up to rounding; None if it varies."""
     if lowest == highest:
         return (
             f"{name!r} is constant ({lowest:g}) over the whole log: "
@@ -90,7 +90,7 @@ def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: i
     """Faults of positions that jump: rows are missing, the unit changes, a value is wrong, or a counter overflows.
 
     A jump is a step that differs from both the step before it and the one after it by far more than the steps
-    nearby do. A change of speed, such as an impact, does not count. The positions or angles lack no values.
+    nearby do. A change of speed, such as an impact, does not count. The positions or angles have no missing values.
 
     >>> t = np.arange(100) / 10.0
     >>> inspect_steps(t, {"q": np.sin(t) + (t > 5.0)})[0]

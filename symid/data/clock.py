@@ -17,7 +17,7 @@ MINIMUM_SAMPLES: Final = 25
 """Fewest samples of a log: one more than the decimation filter continues a signal at its ends."""
 
 PLAUSIBLE_PERIODS: Final = (2e-5, 0.05)
-"""Between which sampling periods of machines lie, s: 20 Hz to 50 kHz."""
+"""Lowest and highest plausible sampling period of a machine, s: 50 kHz to 20 Hz."""
 
 _CLOCK_DIFFERENCE: Final = 0.002  # relative; real clocks differ by 0.0001, changed settings by more
 _LARGEST_TIME: Final = 1e12  # s, 30 000 years: a larger number is damaged
@@ -34,7 +34,7 @@ class Clock:
     start : float
         Time of the first sample, s.
     period : float
-        Time between two samples, s; NaN where there is none.
+        Time between two samples, s; NaN if it could not be determined.
     faults : tuple of str
         Reasons why the times are not one uniform clock.
     notes : tuple of str
@@ -173,7 +173,7 @@ class ClockOfBlocks:
 
     @property
     def found(self) -> Clock:
-        """Clock of all blocks together, none of which had a fault."""
+        """Clock of all blocks together; none of them may have a fault."""
         mean = 0.5 * (self._seen - 1)
         moment = self._seen * (self._seen**2 - 1.0) / 12.0
         period = float((self._sums[0] - mean * self._sums[1]) / moment)
@@ -190,7 +190,7 @@ class ClockOfBlocks:
 
 
 def written_step(time: FloatArray) -> float:
-    """Distance of neighbouring values that the written times can take, from decimals or 32 bit numbers, s."""
+    """Resolution of the written times, s, from their decimals or from numbers of 32 bits."""
     sample = time[:: max(1, time.size // 4096)]
     sample = sample[np.isfinite(sample)]
     largest = float(np.max(np.abs(sample), initial=0.0))
@@ -227,7 +227,7 @@ def _not_forward(time: FloatArray, intervals: FloatArray, before: int) -> list[s
 
 
 def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> _Rate:
-    """Periods of consecutive stretches, each without its outliers, and the one place where they change."""
+    """Sampling period before and after the one time at which it changes, robust against outliers."""
     length = min(max(12, forward.size // 64), forward.size)
     count = forward.size // length
     stretches = intervals[forward[: count * length]].reshape(count, length)
@@ -246,12 +246,14 @@ def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> 
         return _Rate(usual, usual, None)
     first = (cut - 1) * length
     near = forward[first : first + 2 * length]
+    # The cut lies at a boundary of two stretches. Within both, each interval votes for the period before or after the
+    # change: the sum of the votes is lowest where the change is.
     towards = np.cumsum(np.sign(after - before) * (intervals[near] - 0.5 * (before + after)))
     return _Rate(before, after, int(near[np.argmin(towards)]) + 1)
 
 
 def _best_cut(periods: FloatArray) -> int:
-    """Where to cut so that the means of the two parts differ most, weighted by their lengths."""
+    """Index of the cut that separates two levels best: the largest difference of means, weighted by length."""
     total = np.cumsum(periods)
     left = np.arange(1, periods.size)
     right = periods.size - left

@@ -24,7 +24,7 @@ from symid.errors import LogError
 _CHUNK: Final = 4_194_304
 """Bytes of the chunks of lines in which a long file is read."""
 _TIMES_TEXT: Final = 4
-"""Memory of columns and text of a compressed file together, in multiples of its text."""
+"""Memory for the columns and the text of a compressed file, in multiples of the text."""
 
 
 def open_csv(path: Path) -> Table:
@@ -125,7 +125,7 @@ class _Csv:
         return [values_of(x) if numeric else _values_of_text(x, self.separator) for x in texts]
 
     def slices(self, positions: Sequence[int]) -> Slices:
-        """Rows by the place of their lines, which are counted once: numbers have no line ends in quotes."""
+        """Slices of rows. Lines are counted once: numbers contain no quoted line ends, so that a line is a row."""
         lines = _Lines.of(self.path)
 
         def chunks(first: int, last: int) -> tuple[pl.DataFrame, bool]:
@@ -154,7 +154,7 @@ class _Csv:
     def _frame(
         self, source: Path | bytes, positions: Sequence[int], header_rows: int
     ) -> tuple[pl.DataFrame, bool]:
-        """Columns, and whether they are numbers: they are texts where one holds anything else."""
+        """Columns, and whether all of them are numbers; otherwise all are texts."""
         try:
             try:
                 return self.scan(source, positions, pl.Float64(), header_rows), True
@@ -212,7 +212,6 @@ class _Lines:
 
 
 def _without_blank_end(frame: pl.DataFrame) -> pl.DataFrame:
-    """The frame without the blank lines at its end."""
     filled = np.flatnonzero(~frame.select(pl.all_horizontal(pl.all().is_null())).to_series().to_numpy())
     return frame.head(int(filled[-1]) + 1 if filled.size else 0)
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray, fast_length
 from symid.data.sections import butterworth, chebyshev
-from symid.data.zero_phase import ZeroPhaseFilter
+from symid.data.zero_phase import ZeroPhaseFilter, odd_extension
 from symid.errors import SettingError
 
 _PERIODS: Final = 5.0  # of the cutoff, by which a signal is continued where its spectrum is filtered
@@ -100,7 +100,7 @@ class LowPass:
         return self.zero_phase(sampling_frequency)
 
     def by_spectrum(self, x: FloatArray, sampling_frequency: float) -> FloatArray:
-        """Low-passed vector by `gain`, whose ends are continued oddly.
+        """Vector low-passed by `gain` in the frequency domain, after an odd extension of its ends.
 
         Examples
         --------
@@ -111,7 +111,7 @@ class LowPass:
         True
         """
         n = min(x.size - 1, math.ceil(_PERIODS * sampling_frequency / self.cutoff_hz))
-        extended = np.concatenate([2 * x[0] - x[n:0:-1], x, 2 * x[-1] - x[-2 : -n - 2 : -1]])
+        extended = odd_extension(x, n)
         size = fast_length(extended.size)
         gain = self.gain(np.fft.rfftfreq(size, 1 / sampling_frequency))
         return np.fft.irfft(np.fft.rfft(extended, size) * gain, size)[n : n + x.size]

@@ -55,7 +55,7 @@ _TRAILING: Final = re.compile(
 )
 _SIGN_BITS: Final = (10, 11, 15)
 _MOST_OF_BIT, _CHANGES = 0.75, 3
-"""Of what a sign bit stands for, that the magnitude must not exceed, and changes of sign that must be seen."""
+"""Largest magnitude as a share of the sign bit's value, and fewest changes of sign, to take the bit as a sign."""
 _CLOCKS: Final = ("s", "ms", "us", "ns")
 _LONGEST_STROKE: Final = 10.0
 
@@ -77,11 +77,11 @@ class ForeignColumn:
     reason : str
         Reason for the guess.
     stated : bool
-        Whether the unit stands in the file; otherwise it is guessed, or unknown.
+        Whether the file states the unit; otherwise it is guessed, or unknown.
     doubt : str
-        What the values seem to be other than numbers of a quantity; empty without such evidence.
+        Evidence that the values are not numbers of a quantity; empty without such evidence.
     scaled : bool
-        Whether the values cannot be in SI while nothing tells their unit, as counts of an encoder.
+        Whether the values cannot be in SI and their unit is unknown, such as counts of an encoder.
     """
 
     header: str
@@ -151,7 +151,7 @@ def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
 
 
 def _sign_and_magnitude(values: FloatArray) -> str:
-    """Whether a register holds the sign in a bit of its own, as those of bus servos do, in words.
+    """Remark on a register whose values seem to be sign and magnitude, as those of bus servos are.
 
     >>> load = np.tile([0, 12, 250, 387, 25, 0, 1061, 1299, 1361, 1111], 3)
     >>> _sign_and_magnitude(load)
@@ -229,7 +229,7 @@ def _without_unit(
     if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
         reason = f"{said}; a stroke of {np.ptp(values):.3g} is too long for metres"
         if written or np.all(values % 1 == 0):
-            what = f"{written!r} is no unit" if written else "whole numbers may be counts"
+            what = f"{written!r} is not a unit" if written else "whole numbers may be counts"
             return ForeignColumn(header, "position", None, setpoint, f"{reason}; {what}", False, scaled=True)
         return ForeignColumn(header, "position", "mm", setpoint, reason, False)
     lacking = f"{written!r} is not a unit" if written else "no unit"

@@ -30,7 +30,7 @@ class Layout:
     encoding : str
         Encoding of its text.
     separator : str
-        Separator of fields; a space stands for any number of spaces and tabs.
+        Separator of fields; a space means any number of spaces and tabs.
     decimal : str
         Decimal mark, a point or a comma.
     above : int
@@ -94,7 +94,7 @@ def uncommented(line: str) -> str:
 
 
 def fields(line: str, separator: str) -> list[str]:
-    """Fields of a line; one of a quote that is never closed, or that is longer than any, is one field."""
+    """Fields of a line; a line with an unclosed quote or an overlong field is one field."""
     if separator == " ":
         return line.split()
     try:
@@ -177,7 +177,7 @@ def encoding_of(begin: bytes) -> str:
 
 
 def _table(lines: Sequence[str], separator: str) -> tuple[int, int] | None:
-    """Number of columns of the values and the line at which they begin."""
+    """Number of columns of the values, and their first line."""
     widths = [_numbers(line, separator) for line in lines]
     for begin in range(len(widths) - _LEAST_ROWS + 1):
         run = widths[begin : begin + _LEAST_ROWS]
@@ -205,7 +205,7 @@ def is_number(text: str, *, comma: bool) -> bool:
 
 
 def _header(above: Sequence[str], separator: str, width: int) -> int | None:
-    """Line of the names: the one farthest up of those that stand together above the values, two at most."""
+    """Line of the names: the upper one if there are two adjacent lines of texts above the values."""
     nearest: int | None = None
     for place in range(len(above) - 1, max(len(above) - 3, -1), -1):
         texts = [text.strip() for text in fields(uncommented(above[place]), separator)]

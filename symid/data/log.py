@@ -23,7 +23,7 @@ SHORT = 65_536
 """Samples of a log up to which intermediate results of its length are kept."""
 _MOST_KEPT = 12
 _LARGEST = 1e30
-"""Magnitude above which a value is a marker or the end of an unstable simulation; its powers would overflow."""
+"""Magnitude above which a value marks a missing one or an unstable simulation; its powers would overflow."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,7 +46,7 @@ class Log(Shown):
     Raises
     ------
     LogError
-        If there is no signal, a signal is not a vector, lengths differ, or the sampling period is not positive.
+        If the log has no signals, one is not a vector, lengths differ, or the sampling period is not positive.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class Log(Shown):
             )
         signals = {name: read_only(values) for name, values in self.signals.items()}
         if not signals:
-            raise LogError(f"{self.source}: there are no signals: a log needs at least one")
+            raise LogError(f"{self.source}: the log has no signals: give at least one")
         for name, values in signals.items():
             if values.ndim != 1 or values.size == 0:
                 shape = f"signal {name!r} has shape {values.shape}"
@@ -207,7 +207,7 @@ class Log(Shown):
             raise LogError(f"{self.source}: there is no signal {name!r}: the log has {there}") from None
 
     def kept(self, key: Hashable, computed: Callable[[], Kept]) -> Kept:
-        """Value computed at the first call under a key; of a long log, at each call. The last dozen is kept.
+        """Value that is computed once per key and cached. The cache holds a dozen; a long log computes at each call.
 
         Examples
         --------

@@ -16,7 +16,7 @@ BLOCK: Final = 524_288
 
 @dataclass(frozen=True, eq=False)
 class LongLog:
-    """Signals of one run in SI units, uniformly sampled, of which windows are read when they are needed.
+    """Signals of one run in SI units, uniformly sampled; windows are read when they are needed.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class LongLog:
     read : callable
         From the first sample and the one behind the last to the values of each signal, SI.
     notes : tuple of str
-        What looked odd in the data.
+        Remarks on oddities of the data.
     block : int
         Samples that are worked on at a time.
 
@@ -96,7 +96,7 @@ AnyLog: TypeAlias = Log | LongLog
 
 
 def spans(n_samples: int, size: int) -> Iterator[tuple[int, int]]:
-    """First sample and the one behind the last of blocks of like lengths, none longer than `size`.
+    """First sample and end (exclusive) of blocks of almost equal length, at most `size` each.
 
     Examples
     --------

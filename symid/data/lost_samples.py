@@ -11,25 +11,25 @@ from symid.arrays import BoolArray, FloatArray
 from symid.text import counted
 
 FEWEST = 3
-"""Samples of one channel that are lost before it is said of that channel alone."""
+"""Fewest lost samples of one channel that are reported for that channel alone."""
 _LONGEST = 3
-"""Samples that are lost in a row: the motion between others that are further apart is not known."""
+"""Most consecutive lost samples that are restored; the motion across a longer gap is unknown."""
 _FAR = 0.25
-"""Of the rms signal, by which a lost sample must differ from those beside it."""
+"""Least difference of a lost sample from its neighbours, as a share of the rms signal."""
 _NOISE = 5.0
-"""Times the usual second difference of a signal, by which it must differ too: noise makes zeros of coarse values."""
+"""Least difference in multiples of the usual second difference: noise turns coarse values into zeros."""
 _LEAST_REPEATED, _MOST_REPEATED = 0.002, 0.3
-"""Share of repeated rows from which on some were lost, and beyond which a channel is slow rather than lossy."""
+"""Share of repeated rows: from the first on rows were lost, beyond the second a channel is slow, not lossy."""
 _COARSE = 0.4
-"""Share of different values below which a channel is one of steps."""
+"""Share of distinct values below which a channel is coarse."""
 _COUNTS, _ROUNDING = 5000, 1e-3
-"""Steps of its range up to which a channel of whole counts is coarse, and their rounding in a file."""
+"""Most counts in the range of a coarse channel of whole counts, and the rounding of counts in a file."""
 _EVERY, _MANY = 16, 10_000
-"""Every which sample shows first whether values repeat, and of how many samples."""
+"""Stride of a first check for repeated values, and the number of samples above which it is made."""
 _STEPS = 12.0
-"""Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
+"""Steps that the neighbours of a repeated value of a coarse channel must move for it to be suspicious."""
 _SPAN = 8
-"""Samples on either side in which it must move: a channel that is updated every eighth sample does."""
+"""Samples on either side within which they must move: even a channel updated every eighth sample does."""
 _MOST = 0.05
 """Share of the samples beyond which a channel is not restored: its faults are then reported."""
 

@@ -28,7 +28,7 @@ MEMORY: Final = 1_000_000_000
 _BYTES_OF_A_SAMPLE: Final = 160
 """Bytes per sample of identification in memory: columns as read and filtered, about ten columns of W."""
 _BYTES_OF_A_ROW: Final = 4
-"""Least bytes of a row in a file."""
+"""Fewest bytes of a row in a file."""
 
 
 class ForeignColumns(TypedDict, total=False):
@@ -45,7 +45,7 @@ class ForeignColumns(TypedDict, total=False):
         Time between two samples, s, of a file without a column of the time.
     resample : float or "own"
         Rate in Hz to which signals are resampled, "own" for the rate that they have in the middle: for clocks that
-        jitter, lack some samples, or differ between channels, see `resampled`. The notes report it.
+        jitter, have missing samples, or differ between channels, see `resampled`. The notes report it.
     """
 
     columns: Mapping[str, str] | None

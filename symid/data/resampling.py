@@ -1,4 +1,4 @@
-"""Signals whose clocks jitter, lack samples or differ, on one uniform clock, with notes on the changes."""
+"""Resampling: signals with jitter, missing samples or different clocks on one uniform clock, with notes."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from symid.data.columns import TIME
 from symid.errors import LogError
 
 Rate: TypeAlias = 'float | Literal["own"]'
-"""Hz, or the mean rate of a log where no sample lacks."""
+"""Sampling frequency, Hz, or "own": the mean rate of the log where no sample is missing."""
 
 _LONGEST_GAP: Final = 10
 """Samples in a row that may be missing: beyond them the motion between is unknown."""
 _NONE_LACKS: Final = 1.75
-"""Times the median interval up to which no sample lacks."""
+"""Longest interval without a missing sample, in multiples of the median interval."""
 _SLOWER: Final = 1.02
-"""From this ratio of periods on, frequencies beyond the new rate are filtered out first."""
+"""Ratio of the new to the old period above which an anti-aliasing filter is needed."""
 _FASTER: Final = 1.25
-"""Times the highest rate of the signals that a new rate may be."""
+"""Highest new rate, in multiples of the highest rate of the signals."""
 _PASSED: Final = 0.8
-"""Of the new Nyquist frequency: cutoff of that filter, of order 8 and passed forward and backward."""
+"""Cutoff of the anti-aliasing filter (order 8, forward and backward) over the new Nyquist frequency."""
 _MOST_SAMPLES: Final = 10**9
 
 
@@ -69,11 +69,6 @@ def resampled(
     return {TIME: time, **{name: one.at(time, period) for name, one in written.items()}}, tuple(notes)
 
 
-def _usual(steps: FloatArray) -> float:
-    """Mean of the intervals that lack no sample: written in whole milliseconds, 7/3 ms are often 2 and at times 3."""
-    return float(np.mean(steps[steps <= _NONE_LACKS * np.median(steps)]))
-
-
 @dataclass(frozen=True)
 class _Written:
     """A signal at the times at which it was written, its usual sampling period, and notes on its clock."""
@@ -97,16 +92,17 @@ class _Written:
         if not (steps > 0).all():
             first = int(np.flatnonzero(steps <= 0)[0])
             raise LogError(
-                f"t goes back or stands at t = {t[first]:.7g} s (sample {first + 2} of {name!r}): "
+                f"t goes back or stops at t = {t[first]:.7g} s (sample {first + 2} of {name!r}): "
                 "sort the rows, or split the log there"
             )
-        period = _usual(steps)
+        # The mean, not the median: written in whole milliseconds, intervals of 7/3 ms are mostly 2 ms.
+        period = float(np.mean(steps[steps <= _NONE_LACKS * np.median(steps)]))
         lost = np.rint(steps / period).astype(np.int64) - 1
         gaps, notes = np.flatnonzero(lost > 0), []
         if lost.max() > _LONGEST_GAP:
             place = int(np.argmax(lost))
             raise LogError(
-                f"{name!r} lacks {lost[place]} samples after t = {t[place]:.7g} s: "
+                f"{name!r} has {lost[place]} missing samples after t = {t[place]:.7g} s: "
                 f"at most {_LONGEST_GAP} in a row are filled, split the log there"
             )
         if gaps.size:

@@ -1,6 +1,6 @@
 """Recursive filters as sections of the second order: their designs, and their run over a signal.
 
-What scipy.signal does as well, whose import takes half the time that a command needs to start. Its compiled loop is
+scipy.signal does the same, but its import takes half of the start-up time of a command. Its compiled loop is
 used.
 """
 

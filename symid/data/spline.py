@@ -1,4 +1,4 @@
-"""A sampled signal between its samples."""
+"""Interpolation of a sampled signal by a quintic spline."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from symid.data.zero_phase import ZeroPhaseFilter
 _BEYOND = 32
 """Samples by which a signal is continued at its ends: there a spline has forgotten them to 1e-11."""
 _REACH = 2
-"""Coefficients before the one at or before a point that enter the value there; one more enters behind it."""
+"""The value between samples i and i + 1 depends on the coefficients i - 2 to i + 3: this is the 2."""
 
 
 _SLOWER, _FASTER = -0.4305753470999737915, -0.0430962882032646536

@@ -91,13 +91,12 @@ def inspect_spans(
         else:
             clipped = clipped.only(x[clipped.start] != 0.0)  # 0 is the value of a drive at rest and no limit
             if places := [y for other, y in signals.items() if other in positions]:
-                clipped = clipped.only(
-                    _moves(clipped, places)
-                )  # nor is what a controller gives between two counts
+                # the output of a controller between two counts is not a limit either
+                clipped = clipped.only(_travels(clipped, places, 0.0))
             if is_switched(x) or np.sum(clipped.length) < max(2 * _CLIPPED_SAMPLES, _CLIPPED_SHARE * x.size):
                 clipped = clipped.none
             mostly = 2 * np.sum(long.length) > x.size  # then the channel repeats values by nature
-            stuck = long.none if mostly else long.only(_others_travel(long, list(moving.values())))
+            stuck = long.none if mostly else long.only(_travels(long, list(moving.values()), _TRAVEL))
         if clipped.start.size:
             notes.append(f"{name!r} is clipped at the end of its range{_spans(time, clipped)}")
         if stuck.start.size:
@@ -119,9 +118,9 @@ def cut_in_motion(x: FloatArray) -> int:
 
 
 def is_switched(force: FloatArray) -> bool:
-    """Whether a force is that of a relay or a binary sequence, with two levels and 0 at rest, or of a few steps.
+    """Whether a force is switched: a relay or binary sequence with two levels and 0 at rest, or a few steps.
 
-    What rounding leaves of a small force passes 0 between both levels, and changes often.
+    A small force that is coarsely rounded also has two levels and 0, but changes often.
 
     >>> is_switched(np.array([0.0, 4.0, 4.0, -4.0, 4.0])), is_switched(np.tile([0.0, 1.0, 0.0, -1.0], 9))
     (True, False)
@@ -136,12 +135,11 @@ def is_switched(force: FloatArray) -> bool:
 
 
 def _extreme(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:
-    """Whether runs have the largest or the smallest value."""
     return np.asarray((x[runs.start] == x.max()) | (x[runs.start] == x.min()))
 
 
 def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:
-    """Runs that a position enters and leaves at speed: it did not come to rest, its range ended."""
+    """Runs that a position enters and leaves at speed: its range ended before the motion did."""
     if not runs.start.size:
         return runs
     # Over several changes of value: a single encoder count is not a speed, and the step into a run is truncated.
@@ -167,16 +165,17 @@ def _left_behind(x: FloatArray, runs: _Runs, others: list[FloatArray]) -> _Runs:
     usual = step.copy()
     usual[inner] = 0.0
     jumps[stop < x.size] = step[inner] > 2.0 * float(usual.max())
-    return runs.only(jumps | _others_travel(runs, others))
+    return runs.only(jumps | _travels(runs, others, _TRAVEL))
 
 
-def _others_travel(runs: _Runs, others: list[FloatArray]) -> npt.NDArray[np.bool_]:
-    ranges = [float(np.ptp(y)) for y in others]
+def _travels(runs: _Runs, positions: list[FloatArray], share: float) -> npt.NDArray[np.bool_]:
+    """Whether a position travels more than a share of its range in each run."""
+    ranges = [float(np.ptp(y)) for y in positions]
     return np.array(
         [
             any(
-                np.ptp(y[start : start + length]) > _TRAVEL * whole
-                for y, whole in zip(others, ranges, strict=True)
+                np.ptp(y[start : start + length]) > share * whole
+                for y, whole in zip(positions, ranges, strict=True)
                 if whole > 0.0
             )
             for start, length in zip(runs.start, runs.length, strict=True)
@@ -185,14 +184,7 @@ def _others_travel(runs: _Runs, others: list[FloatArray]) -> npt.NDArray[np.bool
     )
 
 
-def _moves(runs: _Runs, positions: list[FloatArray]) -> npt.NDArray[np.bool_]:
-    """Whether a position changes in each run."""
-    spans = [slice(start, start + length) for start, length in zip(runs.start, runs.length, strict=True)]
-    return np.array([any(np.ptp(y[span]) > 0.0 for y in positions) for span in spans], dtype=np.bool_)
-
-
 def _spans(time: FloatArray, runs: _Runs) -> str:
-    """When and for how many samples runs last."""
     longest = int(np.argmax(runs.length))
     first = int(runs.start[longest])
     span = f"from t = {time[first]:.7g} s to {time[first + runs.length[longest] - 1]:.7g} s"

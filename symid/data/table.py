@@ -21,7 +21,7 @@ POLARS_FAILURES: Final = (pl.exceptions.PolarsError, pl.exceptions.PanicExceptio
 
 @dataclass(frozen=True)
 class Slices:
-    """Rows of some columns of a file, of which slices are read."""
+    """Rows of some columns of a file, read in slices."""
 
     n_rows: int  # rows of the file
     # takes the first row and the one behind the last; gives what `read` of a table gives, of these rows

@@ -26,9 +26,9 @@ def write_frame(frame: pl.DataFrame, file: Path, metadata: Mapping[str, str] | N
     frame : polars.DataFrame
         The table.
     file : Path
-        Of the kind of its suffix.
+        Its suffix chooses the format.
     metadata : mapping of str to str, optional
-        Of a Parquet file.
+        Key-value metadata of a Parquet file.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def write_log(log: Log, file: str | os.PathLike[str]) -> None:
     Raises
     ------
     SettingError
-        If the suffix is another one.
+        If the suffix is neither of these.
     OSError
         If it cannot be written.
     """

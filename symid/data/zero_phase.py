@@ -58,7 +58,7 @@ def pieces(n_samples: int, reach: int) -> Iterator[Piece]:
 
 
 def in_pieces(work: Callable[[Piece], None], n_samples: int, reach: int, workers: int) -> None:
-    """Do some work on all pieces of a signal, `workers` of them at a time."""
+    """Call `work` on every piece of a signal, in `workers` threads."""
     if workers <= 1 or n_samples <= _PIECE:
         for piece in pieces(n_samples, reach):
             work(piece)
@@ -75,6 +75,15 @@ def _threads(workers: int) -> ThreadPoolExecutor:
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_threads.cache_clear)  # the threads are not in the child
+
+
+def odd_extension(x: FloatArray, n: int) -> FloatArray:
+    """Vector extended at both ends by `n` samples that are reflected about its first and last value.
+
+    >>> odd_extension(np.array([1.0, 2.0, 4.0]), 2).tolist()
+    [-2.0, 0.0, 1.0, 2.0, 4.0, 6.0, 7.0]
+    """
+    return np.concatenate((2.0 * x[0] - x[n:0:-1], x, 2.0 * x[-1] - x[-2 : -n - 2 : -1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,20 +118,14 @@ class ZeroPhaseFilter:
         if _is_constant(x):
             gain = np.prod(self.sections[:, :3].sum(axis=1) / self.sections[:, 3:].sum(axis=1))
             return np.full(x.size, x[0] * float(gain) ** 2)
-        extended = self._continued(x[None])
+        extended = odd_extension(x, self.padding)[None]
         for _ in ("forward", "backward"):
             passed, _ = run(self.sections, extended, self._states(extended[:, 0]))
             extended = passed[:, ::-1]
         return extended[0, self.padding : -self.padding]
 
-    def _continued(self, rows: FloatArray) -> FloatArray:
-        """Rows with their ends continued oddly."""
-        before = 2.0 * rows[:, :1] - rows[:, self.padding : 0 : -1]
-        after = 2.0 * rows[:, -1:] - rows[:, -2 : -self.padding - 2 : -1]
-        return np.concatenate((before, rows, after), axis=1)
-
     def apply_thinned(self, rows: FloatArray, kept: slice) -> FloatArray:
-        """Samples `kept` of each filtered row, shape (n_rows, n_kept): of few samples without filtering all."""
+        """Samples `kept` of each filtered row, shape (n_rows, n_kept); if they are sparse, without filtering all."""
         first, stop, step = kept.indices(rows.shape[1])
         thinned = np.empty((len(rows), len(range(first, stop, step))))
         moving = []
@@ -229,7 +232,7 @@ def _block_maps(of: ZeroPhaseFilter, step: int) -> _BlockMaps:
 
 
 def kept_of(piece: Piece, offset: int, step: int) -> tuple[slice, slice]:
-    """Where the samples offset, offset + step ... that lie in a piece go, and where they are counted from `first`.
+    """Indices of the samples offset, offset + step ... within a piece: in the thinned signal, and from `first` on.
 
     Examples
     --------

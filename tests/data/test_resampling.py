@@ -58,7 +58,7 @@ def test_short_gaps_are_filled_and_said_and_long_ones_refused(tmp_path: Path) ->
     assert log.n_samples == 4000
     assert max(errors(log).values()) < 1e-4
     assert any("4 samples that lacked were filled, after t = 0.699 s, 1.999 s" in note for note in log.notes)
-    with pytest.raises(LogError, match=r"lacks 11 samples after t = 0\.699 s"):
+    with pytest.raises(LogError, match=r"has 11 missing samples after t = 0\.699 s"):
         read(np.delete(t, range(700, 711)), tmp_path)
 
 
@@ -111,7 +111,7 @@ def test_rates_that_are_none(rate: float, says: str, tmp_path: Path) -> None:
 def test_times_must_advance() -> None:
     t = np.arange(100) / RATE
     t[50] = t[49]
-    with pytest.raises(LogError, match="goes back or stands at t"):
+    with pytest.raises(LogError, match="goes back or stops at t"):
         resampled({"q": np.sin(t)}, {"q": t}, "own")
 
 
