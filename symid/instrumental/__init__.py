@@ -1,4 +1,4 @@
-"""Instrumental variables: identification that noise of the sensors does not bias, by a simulation of the axis."""
+"""Instrumental variables: a simulation of the axis removes the bias that sensor noise causes in least squares."""
 
 from symid.instrumental.instrumental_variables import identify_by_instruments
 

@@ -1,7 +1,7 @@
 """The estimate by instrumental variables, X = (Z'S^2 W)^-1 Z'S^2 y.
 
-Z has the columns of W without their noise. Where it is independent of the noise, so is the estimate's mean: what noise
-in W does to least squares does not occur (A. Janot, P.-O. Vandanjon, M. Gautier, IEEE Trans. Control Systems
+Z has the columns of W without their noise. If Z is independent of the noise, the estimate is consistent: it avoids the
+errors-in-variables bias of least squares (A. Janot, P.-O. Vandanjon, M. Gautier, IEEE Trans. Control Systems
 Technology 22(1), 2014).
 """
 
@@ -51,15 +51,22 @@ def estimate_by_instruments(
         for j, weight in enumerate(weights):
             used = seen.valid[j]
             z, w = (weight * columns[j][used] @ root for columns in (Z, seen.W))
+            # the estimate is a correction of the start: products with residuals lose fewer digits than with y
             rest = weight * (seen.y[j][used] - seen.W[j][used] @ start.solution)
             cross, own, slope = cross + z.T @ w, own + z.T @ z, slope + z.T @ rest
     gain = np.linalg.pinv(cross)  # instruments without information show in their correlation
     solution = start.solution + root @ (gain @ slope)
     values, vectors = np.linalg.eigh(own)
-    # W T is orthonormal; Z T is made so
+    # W T is orthonormal. With Z T made orthonormal too, the singular values are the canonical correlations.
     orthonormal = vectors / np.sqrt(np.maximum(values, np.finfo(float).tiny))
     correlation = float(np.linalg.svd(orthonormal.T @ cross, compute_uv=False)[-1])
-    norms = _residual_norms(observations, solution)
+    norms = np.array(
+        [
+            float(np.linalg.norm(y[used] - W[used] @ solution))
+            for seen in observations
+            for W, y, used in zip(seen.W, seen.y, seen.valid, strict=True)
+        ]
+    )
     sigma = float(np.linalg.norm(start.weights * norms)) / np.sqrt(max(sum(start.rows) - p, 1))
     spread = root @ gain
     fit = replace(
@@ -73,14 +80,3 @@ def estimate_by_instruments(
         residual_norm=norms,
     )
     return InstrumentalFit(fit, correlation)
-
-
-def _residual_norms(observations: Sequence[Observation], X: FloatArray) -> FloatArray:
-    """Norms of the residual of each equation of each log."""
-    return np.array(
-        [
-            float(np.linalg.norm(y[used] - W[used] @ X))
-            for seen in observations
-            for W, y, used in zip(seen.W, seen.y, seen.valid, strict=True)
-        ]
-    )

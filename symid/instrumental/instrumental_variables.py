@@ -1,7 +1,8 @@
-"""`identify_by_instruments`: least squares, then a simulation without noise as instruments, then again.
+"""`identify_by_instruments`: least squares, refined with instruments from a noise-free simulation.
 
-Each round simulates the axis with the parameters of the round before along the reference of every log, prepares the
-simulated logs as the real ones were, and solves with their rows as instruments (`estimate_by_instruments`).
+Each round simulates the axis along the reference of every log with the parameters of the round before. The simulated
+logs are prepared like the real ones, and their rows are the instruments of the next estimate
+(`estimate_by_instruments`).
 """
 
 from __future__ import annotations
@@ -32,11 +33,11 @@ from symid.simulation import ClosedLoop
 
 _MOST_ROUNDS = 4
 _SETTLED = 0.05
-"""Standard deviations by which parameters may still move after the last round."""
+"""Change of every parameter, in standard deviations, below which the rounds end."""
 _WEAK = 10.0
-"""F below which instruments are weak."""
+"""F statistic below which instruments are weak."""
 _NONE = 1e-3
-"""Canonical correlation below which there are none."""
+"""Canonical correlation below which instruments hold no information."""
 _CURE = (
     "give the reference of this log, and of the machine's controller the gains (`controller`) and the rate "
     "(`rate_hz`), or take `method=wls`"
@@ -64,18 +65,19 @@ def identify_by_instruments(
     loop : ClosedLoop
         The axis and its controller.
     preparation, nominal, constraints, examine
-        As in `identify`; nominal physical parameters also start the simulation where least squares gives none.
+        As in `identify`; nominal physical parameters also start the simulation where least squares
+        determines no value.
 
     Returns
     -------
     Identification
-        Of method "iv". Where the axis cannot be simulated, or the simulation does not resemble the log, the status is
-        "weak_instruments".
+        Its method is "iv". The status is "weak_instruments" if the axis cannot be simulated or the simulation does not
+        resemble the log.
 
     Raises
     ------
     LogError, SettingError
-        If a log lacks the reference or a signal, or a setting is not possible.
+        If a log does not have the reference or a signal, or a setting is not possible.
 
     Examples
     --------
@@ -134,7 +136,7 @@ def identify_by_instruments(
 
 
 def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dict[str, float]:
-    """Parameters to simulate with: those found, friction and damping not below 0; nominal ones where there are none."""
+    """Parameters to simulate with: the estimates, with friction and damping at least 0; nominal ones otherwise."""
     given = dict(nominal or {})
     values = {name: value for name, value in found.physical_parameters.items() if np.isfinite(value)}
     signed = set(found.model.signed)
@@ -144,7 +146,11 @@ def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dic
 def _with_controller(
     loop: ClosedLoop, logs: Sequence[Log], first: Identification, start: Mapping[str, float]
 ) -> tuple[ClosedLoop, str]:
-    """The loop with the controllers given, or with those of the two at hand whose forces are nearer to the log's."""
+    """The loop with its controller, and a note on it.
+
+    Without a given controller there are two candidates: a cascade tuned to the axis, and one whose gains are read from
+    the log. The one whose simulated forces are nearer to the recorded forces is taken.
+    """
     if loop.controller is not None:
         return loop, "instruments: the axis simulated under the given controller"
     log, positions = logs[0], loop.axis.controlled_signals
@@ -183,9 +189,10 @@ def _instruments(
     first: Identification,
     parameters: Mapping[str, float],
 ) -> tuple[FloatArray, ...]:
-    """Rows of the simulated logs, prepared as those of the real ones."""
+    """Rows of the simulated logs, prepared like those of the real logs."""
     rows = []
     for log, seen in zip(logs, first.observations, strict=True):
+        # The simulation records forces as commanded at each sample. They act half a hold later on average.
         late = dict.fromkeys(model.delays, 0.0) | delays_of(loop.axis)
         late |= {force: late.get(force, 0.0) - loop.held_for(log) / 2 for force in model.forces}
         rows.append(observe(model, loop.run(parameters, log), replace(seen.preparation, late=late)).W)
@@ -193,7 +200,6 @@ def _instruments(
 
 
 def _weakness(found: Identification, result: InstrumentalFit) -> str:
-    """Fault of the instruments; empty if there is none."""
     strength = result.strength(found.correlated.effective_samples)
     if strength >= _WEAK:
         return ""

@@ -1,16 +1,15 @@
-"""Gains of the cascade that a log was made with, read from the log."""
+"""Controller gains read from a log that was recorded under a cascade."""
 
 from __future__ import annotations
 
 import numpy as np
 import scipy
 
-from symid.arrays import FloatArray
 from symid.data import REFERENCE, Log, LowPass, derivatives
 from symid.simulation import Cascade
 
 _SEEN = 1e-3
-"""Gain of the low-pass filter from which on a frequency takes part."""
+"""Gain of the low-pass filter above which a frequency is used."""
 
 
 def cascade_of_log(
@@ -22,8 +21,8 @@ def cascade_of_log(
 
         F = Kpv (Kpp + Kiv) e + Kpv de + Kpv Kpp Kiv (integral of e) + Kfv dr + Kfa ddr + constant
 
-    and its first three factors give the gains. They need not be exact: instruments have to resemble the motion, and
-    must not hold its noise.
+    and its first three factors give the gains. They need not be exact: instruments must resemble the motion and be free
+    of its noise.
 
     >>> from symid.axis import load_axis
     >>> from symid.simulation import chirp, plant_of, simulate
@@ -38,7 +37,7 @@ def cascade_of_log(
     period = log.sampling_period
     speed, acceleration = derivatives(wanted, period, 2)
     error = wanted - q
-    # a drive takes the difference of the last two readings; the derivatives of the reference it knows
+    # a drive differentiates readings by backward differences; it knows the derivatives of the reference
     error_of_speed = speed - np.diff(q, prepend=q[0]) / period
     columns = [error, error_of_speed, period * np.cumsum(error), speed, acceleration, np.ones_like(error)]
     # a linear equation of samples holds for their spectra too, whatever the signals do at the ends of the log
@@ -46,14 +45,11 @@ def cascade_of_log(
     used = gain > _SEEN
     spectra = np.stack([scipy.fft.rfft(x)[used] * gain[used] for x in (*columns, F)], axis=1)
     rows = np.concatenate([spectra.real, spectra.imag])
-    factors = _least_squares(rows[:, :-1], rows[:, -1])
-    return _cascade(position, *map(float, factors[:5]))
-
-
-def _least_squares(columns: FloatArray, output: FloatArray) -> FloatArray:
-    norms = np.linalg.norm(columns, axis=0)
+    # columns of norm 1: their sizes differ by many decades
+    norms = np.linalg.norm(rows[:, :-1], axis=0)
     scale = np.where(norms > 0, norms, 1.0)
-    return np.asarray(np.linalg.lstsq(columns / scale, output, rcond=1e-9)[0] / scale)
+    factors = np.linalg.lstsq(rows[:, :-1] / scale, rows[:, -1], rcond=1e-9)[0] / scale
+    return _cascade(position, *map(float, factors[:5]))
 
 
 def _cascade(
