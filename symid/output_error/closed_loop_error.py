@@ -26,7 +26,7 @@ _OFFSET_STEP = 1e-2
 _MEDIAN_OF_FOURTH_DIFFERENCES = 0.6745 * math.sqrt(70.0)
 """Median of the absolute fourth difference of white noise of unit deviation."""
 _SMALLEST_NOISE = 1e-9
-"""Relative to the spread of a signal."""
+"""Lowest noise of a signal, relative to its spread."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def _earlier(errors: FloatArray, order: int) -> FloatArray:
 class ClosedLoopError:
     """Readings and force of a log, which begins at rest, less those of the simulated closed loop, whitened.
 
-    Each signal is only scaled by itself as long as there is no whitening.
+    Until a whitening is fitted, each signal is scaled by its own noise.
     """
 
     loop: ClosedLoop
@@ -84,7 +84,7 @@ class ClosedLoopError:
 
     @property
     def first_nuisance(self) -> FloatArray:
-        """Zero of each position sensor, in its typical noise."""
+        """Offset of each position sensor, in units of its typical noise."""
         return np.zeros(len(self._positions))
 
     @property
@@ -121,7 +121,7 @@ class ClosedLoopError:
         return errors
 
     def scaled(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
-        """White errors, one after the other."""
+        """Whitened errors of all signals as one vector."""
         errors = self.errors(parameters, nuisance)
         if self.whitening is None:
             return (errors / self._scale).ravel()
@@ -156,13 +156,12 @@ class ClosedLoopError:
 
     @property
     def _positions(self) -> list[int]:
-        """Places of the position sensors among the signals."""
         orders = {sensor.signal: sensor.derivative for sensor in self._axis.sensors}
         return [place for place, signal in enumerate(self.signals) if orders[signal] == 0]
 
     @cached_property
     def _scale(self) -> FloatArray:
-        """Noise of each signal, by the median of its fourth differences: smooth motion has no part in them."""
+        """Noise of each signal, from the median of its fourth differences, which smooth motion does not affect."""
         values = np.stack([self.log[name] for name in self._compared], axis=1)
         noise = np.median(np.abs(np.diff(values, n=4, axis=0)), axis=0) / _MEDIAN_OF_FOURTH_DIFFERENCES
         floor = _SMALLEST_NOISE * np.maximum(np.std(values, axis=0), np.finfo(float).tiny)

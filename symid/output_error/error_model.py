@@ -1,4 +1,4 @@
-"""How a log is compared with its axis: what is taken for known of the force, and of the controller."""
+"""How a log is compared with its axis: assumptions about the course of the force and the controller."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from symid.output_error.search import RunError
 from symid.simulation import ClosedLoop, ForwardDynamics
 
 _VELOCITY_BAND = 0.2
-"""Of the sampling frequency: cutoff for the velocities whose signs friction follows."""
+"""Cutoff over sampling frequency for the velocities whose signs determine friction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class ErrorModel:
 
     model: GeneratedModel  # for the sensors used
     dynamics: ForwardDynamics  # the axis
-    preparation: Preparation  # of which `late` and `standstill` count
+    preparation: Preparation  # only `late` and `standstill` are used
     # course of the forces between samples: held, smooth, or that of the simulated closed loop
     force: Literal["held", "smooth", "simulated"]
     free_timing: bool = False  # whether the time by which the forces are recorded late is estimated
@@ -39,7 +39,8 @@ class ErrorModel:
     def error(self, log: Log, late: float | None = None) -> RunError:
         """Error of a log, late readings where they belong; `late` (s) is that of the forces, else the preparation's.
 
-        LogError or SettingError if the log lacks a signal, or the forces of several drives are late by different times.
+        LogError or SettingError if the log does not have a signal, or if forces of several drives are late by
+        different times.
         """
         simulated = delays_of(self.loop.axis) if self.loop else {}
         late_readings = {
@@ -80,7 +81,7 @@ class ErrorModel:
 
 
 def _earlier(log: Log, late: Mapping[str, float]) -> Log:
-    """The log with late readings (s) where they belong, as long as all of them are known."""
+    """The log with late readings (s) moved to the times at which they were taken, cut to where all are known."""
     shifts = {name: seconds / log.sampling_period for name, seconds in late.items()}
     moved = {name: QuinticSpline(log[name]).earlier(samples) for name, samples in shifts.items()}
     before, after = (max(0, math.ceil(end)) for end in (-min(shifts.values()), max(shifts.values())))

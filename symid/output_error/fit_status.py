@@ -15,20 +15,20 @@ from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification, Status
 
 _VAGUE = 50.0
-"""Standard deviation in percent from which on a parameter is hardly determined."""
+"""Standard deviation in percent above which a parameter is hardly determined."""
 _FORCES = ("N", "N*m")
 _NO_FRICTION = 1e-3
-"""Part of the force (rms) below which three deviations of a friction level determine that there is none."""
+"""Three deviations of a friction level, as a share of the rms force, below which the friction counts as absent."""
 _CORRELATED = 1.5
 """Least ratio of the deviations of correlated innovations to those of white ones for a note."""
 _TOGETHER = 1.5
-"""Times the innovations of a log alone that those of it among others may be."""
+"""Highest ratio of a log's innovations in the joint fit to those in a fit of this log alone."""
 _DISAGREE = 3.0
-"""Deviations by which two methods may differ: both see the same noise, and neither knows all of its errors."""
+"""Difference of two methods, in deviations, that is accepted: deviations do not cover all errors of a method."""
 _NOTICEABLE = 0.05
-"""Relative difference of the two that matters."""
+"""Relative difference of two methods below which it is not reported."""
 _MUCH_CORRELATED = 8.0
-"""Such a ratio that is a fault by itself: EMPS, whose friction is not as declared, has 3 to 5."""
+"""Such a ratio that is a fault by itself. EMPS, whose friction deviates from the declared one, has 3 to 5."""
 
 
 def verdict_of(
@@ -80,7 +80,7 @@ def verdict_of(
         if _inflation(found) > _MUCH_CORRELATED:
             return (
                 "poor_fit",
-                f"{_correlated_remark(found)}: the log is damaged, or the model lacks something",
+                f"{_correlated_remark(found)}: the log is damaged, or the model lacks an effect",
             )
     return "ok", ""
 
@@ -98,7 +98,7 @@ def _vague(found: OutputErrorIdentification, most: float) -> list[str]:
 
 
 def _absent(found: OutputErrorIdentification) -> frozenset[str]:
-    """Friction levels that are found to be 0: within three deviations, which are small beside the force itself."""
+    """Friction levels that are 0 within three deviations, where these are small compared with the force."""
     model = found.model
     force = max(float(np.sqrt(np.mean(log[name] ** 2))) for log in found.logs for name in model.forces)
     units = {unit for unit in model.output_units if unit in _FORCES}
@@ -116,7 +116,7 @@ def _absent(found: OutputErrorIdentification) -> frozenset[str]:
 
 
 def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
-    """Forces and accelerations that are noise for the most part, beyond what their own spectra show, in words."""
+    """Remark on forces and accelerations that are mostly noise, beyond the noise that their spectra show."""
     log, said = found.logs[0], []
     levels = noise_deviations(found.model, log)
     orders = {signal: sensor.order for signal, sensor in found.comparison.dynamics.sensors.items()}
@@ -130,7 +130,6 @@ def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
 
 
 def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
-    """Whether a part of the logs has other parameters, in words."""
     fit = found.fit
     if fit is None or fit.change is None:
         return ""
@@ -150,7 +149,7 @@ def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
 
 
 def _apart_remark(found: OutputErrorIdentification, alone: Sequence[LikelihoodFit]) -> str:
-    """Logs that separate parameters explain much better than common ones, in words."""
+    """Remark on logs that their own parameters explain much better than the common ones."""
     if found.fit is None or len(alone) != len(found.logs):
         return ""
     levels = zip(found.logs, found.fit.search.levels, alone, strict=True)
@@ -160,7 +159,7 @@ def _apart_remark(found: OutputErrorIdentification, alone: Sequence[LikelihoodFi
 
 
 def _regression_remark(found: OutputErrorIdentification, regression: Identification | None) -> str:
-    """Parameters of which least squares, with nothing against it, finds others, in words."""
+    """Remark on parameters that differ from those of a least-squares fit with status "ok"."""
     if regression is None or regression.status != "ok":
         return ""
     own, other = found.physical_parameters, regression.physical_parameters

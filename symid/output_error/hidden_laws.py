@@ -22,7 +22,7 @@ from symid.simulation import forward_dynamics
 class Models(NamedTuple):
     """Models of an axis: with all parameters (its regressor is that of `visible`), and without laws at hidden bodies.
 
-    Both are the same where there are none.
+    Without hidden laws both are the same model.
     """
 
     whole: GeneratedModel

@@ -19,7 +19,7 @@ _LARGEST_DAMPING = 1e12
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where the iterations ended, and whether the last step lowered the sum of squares by less than the tolerance."""
+    """Last point of the iterations, and whether its step lowered the sum of squares by less than the tolerance."""
 
     x: FloatArray
     residual: FloatArray
@@ -59,9 +59,10 @@ def minimise(
         size[size == 0] = 1.0
         cost, decrease = current @ current, 0.0
         while damping < _LARGEST_DAMPING:
+            # Columns of norm 1 make the damping independent of the units of x (Marquardt's scaling).
             scaled = normal / np.outer(size, size) + damping * np.eye(x.size)
             move = -np.linalg.solve(scaled, gradient / size) / size
-            if longest is not None:
+            if longest is not None:  # shorten the whole step, so that it keeps its direction
                 move = move / max(float(np.max(np.abs(move) / longest)), 1.0)
             candidate = x + move
             trial = _tried(residual, candidate)

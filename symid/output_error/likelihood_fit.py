@@ -30,13 +30,13 @@ from symid.output_error.search import RunError, Search
 from symid.simulation import ForwardDynamics
 
 _PASSES = 3
-"""Times that unmeasured motion and timing are brought up to date."""
+"""Number of updates of the unmeasured motion and the timing."""
 _ITERATIONS = 20
-"""On the whole logs: from where the trials end, fits of undamaged logs come to rest within half of it."""
+"""Iterations on the whole logs; from the end of the trials, fits of undamaged logs converge within half of them."""
 _HOPELESS = 100.0
-"""Ratio of a trial's mean square to that of the best one beyond which it is given up after its first iterations."""
+"""Ratio of a trial's mean square to the best one above which the trial is dropped after its first iterations."""
 _SAME = 1e-3
-"""Relative difference of mean squares below which trials with the same parameters, to ten times that, are one."""
+"""Relative difference of mean squares, and a tenth of that of parameters, below which two trials are one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class LikelihoodFit:
 
     @cached_property
     def inflation(self) -> float:
-        """By how much correlation of the innovations raises deviations."""
+        """Factor by which the correlation of the innovations raises each standard deviation."""
         return float(np.sqrt(self.linear.rows[0] / max(self.correlated.effective_samples, 1.0)))
 
     @cached_property
@@ -102,12 +102,14 @@ def fit_errors(
     for iterations, survivors in errors[0].trials[1:]:
         trials = _ranked([trial.improved(iterations) for trial in trials])[:survivors]
     best = trials[0].continued(errors).weighted().improved(_ITERATIONS)
+    # Unmeasured motion and timing depend on the parameters, but are constant within a search: alternate until settled.
     if not all(error.is_settled for error in errors):
         for _ in range(_PASSES):
             if best.has_converged:
                 best = best.updated().improved(_ITERATIONS)
     if len(errors) > 1 and best.has_converged:
         best = best.weighted().improved(_ITERATIONS)
+    # At the optimum the linearised model is a linear regression: its corrected covariance is that of the estimate.
     W, y = best.linearised()
     linear = estimate(triangular_factors(W[None], y[None]))
     correlated = corrected_covariance(W[None], y[None], linear)
@@ -122,7 +124,7 @@ def _promising(
     starts: Sequence[Mapping[str, float]],
     nyquist: float,
 ) -> list[Search]:
-    """Trials from all starts after a few iterations, best first, without those that are hopeless."""
+    """Trials from all starts after a few iterations, in order of cost, without hopeless ones."""
     limit = nyquist if any(dynamics.at(start).highest_mode < nyquist for start in starts) else math.inf
     beginnings = [Search.at(dynamics, excerpts, _seen(model, start), start, limit) for start in starts]
     trials = [search for search in beginnings if np.isfinite(search.cost)]
@@ -134,7 +136,7 @@ def _promising(
 
 
 def _ranked(trials: Sequence[Search]) -> list[Search]:
-    """Trials, best first, each minimum once."""
+    """Trials in order of cost, without repetitions of the same minimum."""
     found: list[Search] = []
     for trial in sorted(trials, key=lambda trial: trial.cost):
         if not any(_is_same(trial, better) for better in found):

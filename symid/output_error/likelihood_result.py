@@ -106,12 +106,12 @@ class OutputErrorIdentification(Shown):
 
     @property
     def standard_deviations(self) -> FloatArray:
-        """Of the minimal parameters, as they are printed."""
+        """Standard deviations of the minimal parameters, as they are printed."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def bias(self) -> None:
-        """None: maximum likelihood takes the noise for what it is, and no other bias is estimated."""
+        """None: maximum likelihood models the noise, and no other bias is estimated."""
         return
 
     def predict(self, log: Log) -> OutputErrorPrediction:

@@ -65,7 +65,7 @@ def identify_output_error(
     Raises
     ------
     LogError, SettingError
-        If a log lacks a signal, or a setting is not possible.
+        If a log does not have a signal, or a setting is not possible.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def identify_output_error(
 def _best_fit(
     comparisons: Sequence[ErrorModel], runs: Sequence[Log], starts: Sequence[Mapping[str, float]]
 ) -> tuple[LikelihoodFit | None, ErrorModel, list[LikelihoodFit]]:
-    """Likeliest fit of all runs with its error model, and fits of each run alone, from which it began."""
+    """Likeliest joint fit with its error model, and the fits of single runs that it started from."""
     fits: list[tuple[LikelihoodFit, ErrorModel, list[LikelihoodFit]]] = []
     for comparison in comparisons:
         alone = [comparison.fit([log], starts) for log in runs] if len(runs) > 1 else []
@@ -141,7 +141,7 @@ def _comparisons(
     held: bool | None,
     loop: ClosedLoop | None,
 ) -> list[ErrorModel]:
-    """How the log may have come about: one way if it is declared, else both courses of the force."""
+    """Error models to compare: one if the course of the force is declared, else one for each course."""
     if loop is not None:
         return [ErrorModel(model, dynamics, preparation, "simulated", loop=loop)]
     if held is None:
@@ -157,7 +157,7 @@ def _starts(
     regression: Identification | None,
     nominal: Mapping[str, float] | None,
 ) -> list[dict[str, float]]:
-    """Parameters to begin with: nominal ones, or rough ones and what of least squares can be true."""
+    """Start parameters: nominal ones, else rough ones and the plausible ones of least squares."""
     if nominal is not None:
         dynamics.at(nominal)  # an error names what is missing or impossible
         positive = dynamics.parameters_of("mass") | dynamics.parameters_of("stiffness")
@@ -184,7 +184,7 @@ def _least_squares(
     preparation: Preparation,
     nominal: Mapping[str, float] | None,
 ) -> Identification | None:
-    """Examined least-squares result of the logs; None where they cannot be prepared for it."""
+    """Least-squares identification of the logs with all checks; None if the logs cannot be prepared for it."""
     try:
         return identify(model, logs, preparation=preparation, nominal=nominal)
     except SettingError:
@@ -204,6 +204,6 @@ def predict_output_error(found: OutputErrorIdentification, log: Log) -> OutputEr
     Raises
     ------
     LogError, SettingError
-        If the log lacks a signal, or there is no estimate.
+        If the log does not have a signal, or the identification has no estimate.
     """
     return found.predict(log)

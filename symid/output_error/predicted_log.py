@@ -12,7 +12,7 @@ from symid.identification import EquationResidual
 
 @dataclass(frozen=True, eq=False)
 class OutputErrorPrediction:
-    """Readings of a log, and what of them was not predicted: from earlier ones, or by the simulated closed loop.
+    """Readings of a log and their prediction errors, from earlier readings or from the simulated closed loop.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class OutputErrorPrediction:
 
     @property
     def residuals(self) -> tuple[EquationResidual, ...]:
-        """How well each reading is predicted, relative to its own deviation."""
+        """Residual of each reading, relative to its standard deviation."""
         found = []
         for signal, readings, innovations in zip(
             self.signals, self.readings.T, self.innovations.T, strict=True

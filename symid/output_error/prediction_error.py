@@ -24,7 +24,7 @@ from symid.output_error.sampled_plant import SampledPlant, sampled_plant
 from symid.simulation import ForwardDynamics, Plant
 
 _LARGEST_RATIO = 14.0
-"""Of noise levels, as a logarithm; beyond it the smaller noise plays no part."""
+"""Largest logarithm of a ratio of noise levels; beyond it the smaller noise has no influence."""
 _FORGOTTEN = 1e-10
 _FIRST_RATIO = 2.0
 _NUISANCE_STEP = 1e-2
@@ -53,7 +53,7 @@ class PredictionError:
         other readings, relative to that of the first reading; then the further lateness of the forces in samples, if it
         is free.
         """
-        # Noise of drives that are counted in one reading cannot be told apart: they share a level.
+        # Drives whose noise enters the same reading share a noise level: the levels cannot be distinguished.
         levels = [_FIRST_RATIO] * len(set(self._driven)) + [_FIRST_DISTURBANCE] * len(self._disturbed)
         return np.array([*levels, *[0.0] * (len(self.run.signals) - 1 + self.free_timing)])
 
@@ -155,7 +155,7 @@ class PredictionError:
 
     @cached_property
     def _units(self) -> FloatArray:
-        """Sizes in which the noise of the readings is counted: that of their second differences within stretches."""
+        """Units of the noise of the readings: rms of their second differences within stretches."""
         joints = [start - k for start in self.run.starts[1:] for k in (1, 2)]
         steps = np.delete(np.diff(self.run.readings, n=2, axis=0), joints, axis=0)
         typical = np.sqrt(np.mean(steps**2, axis=0))
@@ -172,7 +172,7 @@ class PredictionError:
 
     @cached_property
     def _driven(self) -> tuple[int, ...]:
-        """Place among the readings of the one in which each drive's noise is counted: the first, with one drive."""
+        """Index of the reading whose units measure the noise of each drive; with one drive, the first."""
         axis, signals = self.dynamics.axis, self.run.signals
         if len(axis.drives) == 1:
             return (0,)
@@ -180,7 +180,7 @@ class PredictionError:
 
     @cached_property
     def _disturbed(self) -> tuple[int, ...]:
-        """Places of the other readings, each of which has a disturbing force."""
+        """Indices of the other readings; each has a disturbing force."""
         return tuple(i for i in range(len(self.run.signals)) if i not in self._driven)
 
     def _sampled(self, plant: Plant) -> SampledPlant:
@@ -238,6 +238,8 @@ class PredictionError:
         free = whitening @ found.innovations.free_response(longest, _FORGOTTEN)
         if not np.all(np.isfinite(free)):
             raise np.linalg.LinAlgError("the predictor is not stable")
+        # The initial state of a stretch is unknown, and its effect decays within `memory` samples. Projecting these
+        # innovations on the complement of the free responses minimises their squares over all initial states.
         memory = len(free)
         bases: dict[int, FloatArray] = {}
         for first, last in self._stretches:

@@ -1,10 +1,9 @@
 """One-step prediction of the readings: the innovations form of a sampled axis.
 
 Each force of the log is the true one plus white noise, and every reading has independent white noise. For each reading
-beyond those of the drives there is an unknown white force along its direction, so that what the model lacks is not put
-on the sensors.
-The stationary Kalman gain turns the recursion of the axis into that of its innovations e[k] = y[k] - y^[k | k-1],
-which are white if the model is right.
+beyond those of the drives there is an unknown white force along its direction, so that unmodelled forces are not put
+on the sensors. The stationary Kalman gain turns the recursion of the axis into that of its innovations
+e[k] = y[k] - y^[k | k-1], which are white if the model is right.
 """
 
 from __future__ import annotations
@@ -68,7 +67,7 @@ def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: Float
 
 
 def _state_scale(plant: SampledPlant) -> FloatArray:
-    """Sizes of the states that make the equation well conditioned: the effect of a force over a few samples."""
+    """Scale of each state for a well-conditioned equation: the effect of a force over a few samples."""
     effect = plant.noise_effects[:, : plant.n_drives]
     reach = np.abs(effect).max(axis=1)
     for _ in range(8):

@@ -1,4 +1,4 @@
-"""Parameters to begin an iterative estimation with, where no good ones are known."""
+"""Start parameters of an iterative estimation without good nominal ones."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from symid.data import Log, LowPass, derivatives
 from symid.simulation import ForwardDynamics
 
 _MODES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33, 0.43)
-"""Frequencies of the highest mode to begin with, as shares of the sampling frequency."""
+"""Start values of the frequency of the highest mode, as shares of the sampling frequency."""
 _LOSS = 0.02
 _FARTHEST = 300.0
 
@@ -20,7 +20,7 @@ _FARTHEST = 300.0
 def spread(
     dynamics: ForwardDynamics, known: Mapping[str, float], sampling_frequency: float
 ) -> list[dict[str, float]]:
-    """Known parameters as they are, and with springs that bring the highest mode to several frequencies."""
+    """Variants of known parameters: unchanged, and with springs scaled to several frequencies of the highest mode."""
     springs = dynamics.parameters_of("stiffness")
     highest = dynamics.at(known).highest_mode
     if not springs or highest == 0.0:
@@ -30,7 +30,7 @@ def spread(
 
 
 def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence[Log]) -> dict[str, float]:
-    """Parameters of an axis of which the first log shows only the rigid motion: a mass for each body, and friction."""
+    """Start from the rigid motion in the first log: a mass for each body, and friction."""
     log, axis = logs[0], dynamics.axis
     lowpass = LowPass(0.02 * log.sampling_frequency)
     sensors = {name: sensor for name, sensor in dynamics.sensors.items() if name in log.signals}
@@ -69,7 +69,7 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
 
 
 def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> dict[str, float]:
-    """Parameters with bodies ten times as heavy, except for those that the drive moves as a rigid axis."""
+    """Parameters with all bodies ten times as heavy, except those that move rigidly with the drive."""
     driven = {
         name
         for forces, row in zip(dynamics.drives, dynamics.motion[2], strict=True)
@@ -84,7 +84,7 @@ def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> 
 def plausible(
     model: GeneratedModel, dynamics: ForwardDynamics, found: Mapping[str, float], rough: Mapping[str, float]
 ) -> dict[str, float]:
-    """Found parameters as far as they can be true; rough ones where they cannot, are nan or are missing.
+    """Estimated parameters where they are physically possible; rough ones where they are not, nan or missing.
 
     Masses and stiffnesses are taken together or not at all; no parameter may be negative that must not be, and no mass
     further from the rough ones than a factor of 300.

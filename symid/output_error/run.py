@@ -22,13 +22,13 @@ Course = Literal["held", "smooth"]
 
 _FINEST = 8
 _FINE_ENOUGH = 8000.0
-"""Parts a second beyond which forces need not be cut finer, Hz."""
+"""Rate of the parts of the sampling intervals that is fine enough, Hz."""
 _INTERPOLATION_REACH = 24
 """Samples on either side that the band-limited interpolation of a force uses."""
 _STANDSTILL_SHARE = 0.01
 _SHORTEST_STANDSTILL = 3
 _REVERSALS_APART = 12
-"""Margins between two reversals from which on they are cut out."""
+"""Distance of two reversals, in margins, above which reversals are cut out."""
 _EXCERPTS = 4
 
 
@@ -95,7 +95,7 @@ class LogRun:
         return tuple(motion or motion_between(still, still, self.parts) for motion in self.motions)
 
     def excerpt(self, n_samples: int) -> LogRun:
-        """A limited number of samples from a few places spread over the run."""
+        """Part of the run: a limited number of samples from a few evenly spread places."""
         total = len(self.readings)
         if total <= n_samples:
             return self
@@ -251,7 +251,7 @@ def motion_between(q: FloatArray, v: FloatArray, parts: int) -> JointMotion:
 
 
 def _resting(motion: JointMotion, standstill: float | None, margin: int) -> BoolArray:
-    """Samples in standstills that last, and around reversals that are far from each other.
+    """Flags of samples in long standstills, and around reversals that are far from each other.
 
     At a reversal friction jumps, at a moment that filtered velocities determine only to a few samples. Where the axis
     reverses all the time little would be left; the jumps are then taken at the sign changes of the filtered velocity.
@@ -270,12 +270,12 @@ def _resting(motion: JointMotion, standstill: float | None, margin: int) -> Bool
 
 
 def _intervals(flags: BoolArray) -> NDArray[np.intp]:
-    """Begin and end of each run of flags, one a row."""
+    """Start and end (exclusive) of each run of flags, shape (n_runs, 2)."""
     return np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]]))).reshape(-1, 2)
 
 
 def _stretches(moving: BoolArray, shortest: int) -> tuple[BoolArray, tuple[int, ...]]:
-    """Samples of the stretches that are long enough, and where each begins among them."""
+    """Samples of the stretches that are long enough, and the index of the first one of each stretch among them."""
     kept, starts, count = np.zeros(moving.size, dtype=bool), [], 0
     for begin, end in _intervals(moving):
         if end - begin >= shortest:

@@ -23,7 +23,7 @@ from symid.simulation import Plant
 
 @dataclass(frozen=True, eq=False)
 class SampledPlant:
-    """Matrices of the recursion; see the module."""
+    """Matrices of the exact recursion from sample to sample, as in the module's docstring."""
 
     transition: FloatArray  # shape (n_states, n_states): A
     # shape (n_parts, n_states, n_forces): A_i G; forces are those of the drives, those of the joints' laws, the
@@ -39,7 +39,7 @@ class SampledPlant:
         FloatArray  # shape (n_outputs, n_drives): the part of D by which sensors read the forces themselves
     )
     n_drives: int  # number of drives
-    # shape (2 n_bodies, n_states): displacements and velocities by the states, which lack what no sensor can see
+    # shape (2 n_bodies, n_states): displacements and velocities by the states; unobservable ones are removed
     basis: FloatArray
 
     @property
@@ -52,7 +52,7 @@ class SampledPlant:
 
     @property
     def noise_feedthrough(self) -> FloatArray:
-        """The same on the readings at once, of shape (n_outputs, n_sources)."""
+        """Direct feedthrough of these noises to the readings, of shape (n_outputs, n_sources)."""
         return np.column_stack([-self.feedthrough[:, : self.n_drives], self.disturbance_feedthrough])
 
 

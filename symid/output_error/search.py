@@ -1,4 +1,4 @@
-"""A search for the parameters of an axis: where it stands, and how it goes on."""
+"""State and steps of the iterative search for the parameters of an axis."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from symid.simulation import ForwardDynamics
 
 _LOGARITHMIC_STEP = 1e-5
 _VISIBLE = 1e-4
-"""Change of the innovations, relative to their size, that the difference step of a parameter aims at."""
+"""Relative change of the innovations that determines the difference step of a parameter."""
 
 
 class RunError(Protocol):
-    """How far a run is from what parameters predict."""
+    """Deviation of a run from the prediction of parameters."""
 
     @property
     def first_nuisance(self) -> FloatArray:
@@ -88,7 +88,7 @@ class Search:
         start: Mapping[str, float],
         highest: float,
     ) -> Search:
-        """Search at its beginning."""
+        """Search at its start point."""
         logarithmic = _logarithmic(dynamics)
         physical = [0.0 if name in logarithmic else float(start[name]) for name in seen]
         x = np.concatenate([physical, *(error.first_nuisance for error in errors)])
@@ -96,17 +96,17 @@ class Search:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Physical parameters where the search stands."""
+        """Physical parameters at the current point."""
         return self._physical(self.x)
 
     @property
     def nuisance(self) -> list[FloatArray]:
-        """Nuisance parameters of each run where the search stands."""
+        """Nuisance parameters of each run at the current point."""
         return self._nuisance(self.x)
 
     @property
     def has_converged(self) -> bool:
-        """Whether its last iterations came to rest."""
+        """Whether the last iterations converged."""
         return self.minimum is not None and self.minimum.converged
 
     @cached_property
@@ -160,7 +160,7 @@ class Search:
         return replace(self, errors=tuple(error for error, _ in followed), x=x)
 
     def linearised(self) -> tuple[FloatArray, FloatArray]:
-        """Observation matrix and output of the model linearised where the search stands, in the parameters' units."""
+        """Observation matrix and output of the model linearised at the current point, in units of the parameters."""
         logarithmic, values = self._logarithmic, self.parameters
         at = self.x.copy()
         at[: len(self.seen)] = [values[name] for name in self.seen]
@@ -213,5 +213,5 @@ class Search:
 
 
 def _logarithmic(dynamics: ForwardDynamics) -> frozenset[str]:
-    """Parameters of masses and springs: positive, and known to orders of magnitude at first."""
+    """Names of masses and springs: they are positive, and at first only their orders of magnitude are known."""
     return frozenset(dynamics.parameters_of("mass") | dynamics.parameters_of("stiffness"))
