@@ -90,7 +90,7 @@ def open_axis_log(
     whole: bool = False,
     **foreign: Unpack[ForeignColumns],
 ) -> AnyLog:
-    """Do what `read_axis_log` does for a log that fits in memory; of a longer one, read only windows.
+    """Log of an axis: `read_axis_log` if it fits in memory, otherwise a long log that is read in windows.
 
     Parameters
     ----------
@@ -114,12 +114,12 @@ def open_axis_log(
 def measured_signals(
     axis: Axis, logs: Sequence[AnyLog], measured: Sequence[str] | None = None
 ) -> tuple[str, ...]:
-    """Sensors to use: those asked for, else those that all logs hold.
+    """Sensors to use: the requested ones, otherwise those that all logs have.
 
     Raises
     ------
     LogError
-        If a log lacks a force or a sensor that is needed, or one of them never changes.
+        If a log does not have a force or sensor that is needed, or one of them never changes.
     """
     held = [sensor.signal for sensor in axis.sensors if all(sensor.signal in log.signals for log in logs)]
     wanted = list(measured) if measured else held

@@ -1,13 +1,13 @@
-"""Systematic errors of an estimate, which deviations do not contain: by noise in W, and by differences.
+"""Systematic errors of an estimate that standard deviations do not contain: from noise in W and from differences.
 
-Noise dW of the columns and dy of the output leave, on the average, W'S^2 (y - W X) = c - C X at the true parameters X,
+Noise dW of the columns and dy of the output give W'S^2 (y - W X) the expectation c - C X at the true parameters X,
 with C and c the sums over the rows of S^2 E[dW' dW] and S^2 E[dW' dy] (errors in variables; S. Van Huffel and
 J. Vandewalle, The Total Least Squares Problem, SIAM 1991, chapter 8). The estimate is off by
 
     (W'S^2 W - C)^-1 (c - C X^)
 
-which `identify` takes off; its deviations grow by (W'S^2 W - C)^-1 W'S^2 W. No signal counts as noisier than
-the residual shows: near Nyquist, where noise is read, jumps of friction in a force look like it.
+which `identify` subtracts; deviations grow by (W'S^2 W - C)^-1 W'S^2 W. The noise of a signal is limited by the
+residual: near Nyquist, where noise is estimated, jumps of friction in a force look like noise.
 
 Rows made with sharper differences, laws of motion that is filtered less, and a force filtered as the motion is, have a
 residual r at the estimate. Where they are right, the estimate is off by -(W'S^2 W)^-1 W'S^2 r.
@@ -33,12 +33,12 @@ _COUNTS = 0.1
 """Share of the standard deviation beyond which a bias changes the coverage of an interval."""
 _NOWHERE = -1
 _MOST_NOISE = 0.9
-"""Share of a column's power up to which its noise is taken off again."""
+"""Share of a column's power up to which noise is corrected."""
 MOST_TAKEN = 0.5
-"""Such a share up to which the bias by it is taken off the estimate: with more a log says nothing of it."""
+"""Share of noise up to which the bias by it is removed from the estimate; with more a log cannot determine it."""
 _LEFT = 0.1
-"""Part of the bias by noise that may remain once it is taken off; 5 to 8 % on seed 501 of benchmarks.intervals, where
-noise is white, as it is taken to be."""
+"""Share of the bias by noise that may remain after the correction; 5 to 8 % on seed 501 of benchmarks.intervals, where
+noise is white, as is assumed here."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +48,11 @@ class Bias:
     Parameters
     ----------
     noise : array of shape (n_parameters,)
-        By noise of the sensors in the columns of W.
+        Caused by sensor noise in the columns of W.
     preparation : array of shape (n_parameters,)
-        By central differences, by reversals that the filter moves, by a force that is not filtered as the motion is.
+        Caused by central differences, reversals that the filter moves, or a force that is filtered unlike the motion.
     removed : array of shape (n_parameters,), optional
-        Part that has been taken off the estimate already.
+        Part that was already subtracted from the estimate.
     """
 
     noise: FloatArray
@@ -70,7 +70,7 @@ class Bias:
         return Bias(sensitivity @ self.noise, sensitivity @ self.preparation, removed)
 
     def dominates(self, deviations: FloatArray) -> tuple[int, ...]:
-        """Parameters of which the bias exceeds a tenth of the standard deviation.
+        """Parameters whose bias exceeds a tenth of the standard deviation.
 
         Examples
         --------
@@ -97,7 +97,7 @@ def bias_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) 
 
 @dataclass(frozen=True, eq=False)
 class NoiseBias:
-    """Bias by noise of the sensors in W, the part that can be taken off, and by what matrix errors grow by that."""
+    """Bias by sensor noise in W, the part that can be removed, and the matrix by which that amplifies errors."""
 
     whole: FloatArray
     removed: FloatArray
@@ -121,7 +121,7 @@ class NoiseBias:
 
 
 def _noise_shown(model: GeneratedModel, part: Excerpt, X: FloatArray) -> FloatArray:
-    """Covariance of the noise of a row, that of each signal no larger than the residual of the rows shows it."""
+    """Covariance of the noise of a row; the noise of each signal is limited to what the residual of the rows allows."""
     seen, error, found = part.observation, np.append(X, -1.0), []
     shown = seen.squares(X) / np.maximum(seen.valid.sum(axis=1), 1)
     for name, level in part.levels.items():
@@ -136,7 +136,7 @@ def _noise_shown(model: GeneratedModel, part: Excerpt, X: FloatArray) -> FloatAr
 def _weighted(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
 ) -> Iterator[tuple[Excerpt, FloatArray]]:
-    """Parts, each with the squared weights of its equations and how many rows of the log one of it stands for."""
+    """Parts, each with the squared weights of its equations times the rows that one of its rows represents."""
     equations = len(model.output_names)
     for part, share in zip(parts, share_of_rows(parts, fit.rows), strict=True):
         yield part, fit.weights[part.of * equations : (part.of + 1) * equations] ** 2 * share
@@ -147,7 +147,7 @@ def _bias_of_preparation(model: GeneratedModel, parts: Sequence[Excerpt], fit: L
     for part, weights in _weighted(model, parts, fit):
         seen = part.observation
         rest = _rest_of_sharper_rows(model, part.log, seen, fit.solution, part.levels)
-        own = np.where(seen.valid, seen.y - seen.W @ fit.solution, 0.0)  # of all rows it is orthogonal to W
+        own = np.where(seen.valid, seen.y - seen.W @ fit.solution, 0.0)  # over all rows it is orthogonal to W
         slope += np.einsum("j,jt,jta->a", weights, rest - own, seen.W)
     return np.asarray(-root @ (root.T @ slope))
 
@@ -167,13 +167,13 @@ class Correction:
         return cls(Bias(left, _bias_of_preparation(model, parts, fit), noise.removed), noise.growth)
 
     def grown(self, covariance: FloatArray) -> FloatArray:
-        """Covariance of the parameters once it is taken off."""
+        """Covariance of the parameters after the correction."""
         return self.growth @ covariance @ self.growth.T
 
     def applied(
         self, fit: LeastSquares, correlated: CorrelatedCovariance
     ) -> tuple[LeastSquares, CorrelatedCovariance]:
-        """The estimate and its covariances with the bias taken off."""
+        """The estimate and its covariances after the correction."""
         assert self.bias.removed is not None
         fit = replace(
             fit,

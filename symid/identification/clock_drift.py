@@ -1,9 +1,10 @@
-"""Do two clocks run at the same rate? A delay that grows along the logs.
+"""Drift of two clocks against each other: a delay that grows along the logs.
 
-By rows it shows in the best lags of the thirds of the logs. Below a row it shows at the constant delay found before,
-where the residual no longer depends on a delay to second order: the derivative of the residual by the delay, times the
-time within the log, is one more column. Its deviation is that of the scatter between blocks of the logs, so that
-whatever else the model lacks counts as noise from block to block (K.-Y. Liang and S. Zeger, Biometrika 73, 1986).
+A drift by several rows changes the best lag between the thirds of the logs. A smaller one is tested at the constant
+delay found before, where the residual no longer depends on a delay to second order: the derivative of the residual by
+the delay, times the time within the log, is one more column. Its deviation is that of the scatter between blocks of
+the logs, so that every unmodelled effect counts as noise from block to block (K.-Y. Liang and S. Zeger, Biometrika
+73, 1986).
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ from symid.identification.lag_scan import scan
 from symid.identification.timing import WORTH_MOVING, Shifting, Timing
 
 _WORST_CLOCK = 0.02
-"""Relative difference of two clocks; a delay that grows faster along a log has another cause."""
+"""Largest relative difference of two clocks; a delay that grows faster has another cause."""
 _BLOCKS = 12
-"""Blocks of all logs together, 3 of a part at least."""
+"""Number of blocks of all logs together; each part has at least 3."""
 _LINE = 2
 """Parameters of a line through the delays of blocks."""
 _DRIFTED_ROWS = 2
@@ -30,11 +31,11 @@ _DRIFTED_ROWS = 2
 _UNEVEN = 0.2
 """Part of their difference by which the delay of the middle third may differ from the mean of the others."""
 _INDEPENDENT = 1e-8
-"""Part of the power of the column of growth that the others must leave of it."""
+"""Least share of the growth column's power that is linearly independent of the other columns."""
 
 
 class _Growth(NamedTuple):
-    """Seconds by which a delay grows, their deviation, and the part of the residual's power that they take away."""
+    """Growth of a delay, s, its deviation, and the share of the residual's power that it explains."""
 
     seconds: float = 0.0
     deviation: float = 0.0
@@ -42,7 +43,7 @@ class _Growth(NamedTuple):
 
 
 def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[str]) -> str:
-    """Whether the delay of a force grows by rows from third to third of the logs, in words; empty if none does."""
+    """Statement on a force whose delay grows by whole rows over the thirds of the logs; empty without one."""
     row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
     for force in forces:
         thirds = [scan(parts, fit, (force,), (k,)).best for k in range(3)]
@@ -62,7 +63,7 @@ def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[
 def drift_within_a_row(
     parts: Sequence[Excerpt], fit: LeastSquares, delays: Sequence[Timing], criteria: Criteria = CRITERIA
 ) -> str:
-    """Whether one of the delays grows along the logs by less than rows show, in words; empty if none does."""
+    """Statement on a delay that grows along the logs by less than a row; empty without one."""
     period = parts[0].log.sampling_period
     longest = _WORST_CLOCK * period * max(part.log.n_samples for part in parts)
     for delay in delays:
@@ -72,15 +73,15 @@ def drift_within_a_row(
         matters = growth.explained > criteria.clock_explains and size > criteria.clock_drift * period
         if is_certain and matters and size < longest:
             return (
-                f"the time of {' and '.join(delay.moved)} drifts by {growth.seconds / period:+.2g} samples from begin "
-                "to end of the log against the other signals: clocks run at different rates; resample by their own "
-                "time stamps"
+                f"the time of {' and '.join(delay.moved)} drifts by {growth.seconds / period:+.2g} samples from the "
+                "start to the end of the log against the other signals: clocks run at different rates; resample by "
+                "their own time stamps"
             )
     return ""
 
 
 def _growth(parts: Sequence[Excerpt], fit: LeastSquares, delay: Timing) -> _Growth:
-    """Growth of a delay from begin to end of the logs, by least squares beside the parameters and its mean."""
+    """Growth of a delay from the start to the end of the logs, by least squares beside the parameters and its mean."""
     rows, growing, blocks = [], [], []
     each = max(3, round(_BLOCKS / len(parts)))
     for k, part in enumerate(parts):

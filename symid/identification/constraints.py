@@ -29,11 +29,11 @@ Bounds = Mapping[str, tuple[float | None, float | None]]
 Priors = Mapping[str, tuple[float, float]]
 
 _AT_BOUND = 1e-7
-"""Distance from a bound, in deviations or in the value, that counts as none."""
+"""Distance from a bound, in deviations or relative to the value, that counts as zero."""
 
 
 _SHARPEST, _SMALLEST = 1e-13, 1e-100
-"""Least deviation of a prior relative to its mean, and at all: its inverse square must not overflow."""
+"""Least relative and absolute deviation of a prior: its inverse square must not overflow."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Constraints:
     Parameters
     ----------
     bounds : mapping of str to (float or None, float or None)
-        Lowest and highest value; None where there is no such bound.
+        Lowest and highest value; None for no bound.
     prior : mapping of str to (float, float)
         Mean and standard deviation of the prior.
     """
@@ -90,7 +90,7 @@ class Constraints:
         return given
 
     def ranges(self, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-        """Lowest and highest values of parameters, infinite where there is no bound."""
+        """Lowest and highest values of parameters, infinite without a bound."""
         pairs = [self.bounds.get(name, (None, None)) for name in names]
         low = [-np.inf if pair[0] is None else pair[0] for pair in pairs]
         high = [np.inf if pair[1] is None else pair[1] for pair in pairs]
@@ -167,7 +167,7 @@ class _Problem:
         return cls(model, minimal, whitening, *constraints.ranges(names), *constraints.means(names))
 
     def residual(self, theta: FloatArray) -> FloatArray:
-        """Of the estimate and of the priors, in deviations."""
+        """Residual of the estimate and of the priors, in deviations."""
         of_data = self.whitening @ (self.model.minimal_parameters(*theta) - self.minimal)
         return np.concatenate([of_data, self.precision * (theta - self.mean)])
 
@@ -235,14 +235,14 @@ class _Problem:
         )
 
     def _polished(self, theta: FloatArray, loose: FloatArray) -> FloatArray:
-        """Newton's step to the exact minimum of those that are not held; none that would leave the bounds."""
+        """One Gauss-Newton step in the free parameters, clipped to the bounds; no step if the cost would rise."""
         step = np.zeros(theta.size)
         step[loose] = -np.linalg.pinv(self.slope(theta)[:, loose]) @ self.residual(theta)
         moved = np.clip(theta + step, self.low, self.high)
         return moved if self.cost(moved) <= self.cost(theta) else theta
 
     def _cost_of_bound(self, free: PhysicalEstimate, theta: FloatArray, i: int) -> float:
-        """How much the cost falls if one parameter may leave its bound."""
+        """Decrease of the cost if the bound of one parameter is removed."""
         unit = np.maximum(free.standard_deviations, 1e-12 * np.maximum(np.abs(free.parameters), 1e-300))
         low, high = self.low.copy(), self.high.copy()
         low[i], high[i] = -np.inf, np.inf

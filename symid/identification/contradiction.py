@@ -12,7 +12,7 @@ from symid.identification.identification_result import Identification
 from symid.identification.physical import PhysicalEstimate
 
 _INTERVAL = 1.96
-"""Deviations to either side of a value that its 95 % interval reaches."""
+"""Half width of the 95 % interval, in standard deviations."""
 
 
 def judged(found: Identification) -> Identification:
@@ -41,7 +41,7 @@ def with_fixed(found: Identification, alone: Identification) -> Identification:
     found : Identification
         With known values.
     alone : Identification
-        Of the same logs with the same parameters unknown.
+        Estimate from the same logs without known values.
     """
     if not alone.physical:
         return replace(
@@ -66,7 +66,7 @@ def with_fixed(found: Identification, alone: Identification) -> Identification:
 
 
 def _outside(found: Identification, own: FloatArray, deviations: FloatArray, values: FloatArray) -> str:
-    """Values outside the intervals of the estimate without constraints, in words; empty if there are none."""
+    """Statement on values outside the intervals of the unconstrained estimate; empty if all lie inside."""
     far = np.abs(values - own) > _INTERVAL * deviations
     units = found.model.physical_units.items()
     return ", ".join(

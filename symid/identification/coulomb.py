@@ -1,6 +1,6 @@
-"""Coulomb friction beside a drive, which is taken off its force before that is differentiated.
+"""Coulomb friction beside a drive, which is subtracted from its force before the force is differentiated.
 
-Rows are linear in the level of such friction. Beside the columns of W stand those of a friction of level 1, recorded as
+Rows are linear in the level of such friction. Columns of a friction of level 1 are added to those of W, recorded as
 if it were the force: the columns that hold the force, and the output. Rows without friction of any level, and their
 triangular factor, are combinations of all these.
 """
@@ -103,7 +103,7 @@ def take_off(model: GeneratedModel, W: FloatArray, y: FloatArray, levels: Sequen
 
 
 def direction(velocity: FloatArray) -> FloatArray:
-    """Sign of a velocity, which changes once in a reversal; while the machine stands it stays what it was.
+    """Sign of a velocity that changes once per reversal and keeps its last value at standstill.
 
     A slow span in which it changes twice at most is a reversal there and back, and is taken as it is: noise around
     a standstill changes it more often.

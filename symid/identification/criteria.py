@@ -1,4 +1,4 @@
-"""Every number that decides on a status or widens an interval, with its unit, its reason, and what fixed it."""
+"""All thresholds of a status and all factors of intervals, each with its unit, its reason and its source."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Criteria:
     Figures "on random logs" are those of ``python -m benchmarks.ok_promise`` with seeds that its reports do not use.
     """
 
-    # printed deviation, as part of the value, from which on a parameter is not determined: an interval of 95 %
+    # printed deviation, as part of the value, above which a parameter is not determined: an interval of 95 %
     # then holds zero and twice the value
     undetermined: float = 1.0
     # relative change of a parameter within a log that is called another machine, gain or payload: well above the
@@ -20,58 +20,57 @@ class Criteria:
     change: float = 0.15
     # standard deviations of that change; 15 segments make 105 spans, and residuals are not normal
     change_certain: float = 6.0
-    # part of the residual's power that parameters of their own for the two parts must take away: a change that
-    # explains less is widened into the interval, but is not what is wrong with the log
+    # part of the residual's power that separate parameters for the two parts must remove: a change that explains
+    # less widens the interval, but is not reported as the fault of the log
     change_explains: float = 0.25
     # part of the residual's power that a cubic of the predicted output or of the recorded force, or for a
     # smoothed force the second derivative, must take away; on random undamaged logs a cubic takes 0 to 0.1, on
     # clipped ones 0.4 to 0.9, on softly limited ones 0.6 to 0.99
     nonlinear: float = 0.35
-    # standard deviations of such a cubic, and of a drifting gain, that are as good: undamaged logs show up to 3
+    # standard deviations of such a cubic, and of a drifting gain, that also suffice: undamaged logs show up to 3
     gain_certain: float = 6.0
     nonlinear_output: float = 0.01  # part of the output (rms) that this cubic must be
     # part of the residual's power that a force which is cut off must explain, beside the part of the output: undamaged
     # logs show 0.05, or 0.3 of a residual that is tiny
     cut: float = 0.1
-    # part of the largest force by which it falls short, as the cube of the recorded force tells
+    # part of the largest force by which it falls short, by the cube of the recorded force
     bent_force: float = 0.05
     # the same of its second derivative, for a force that was smoothed: reversals of friction make 1 to 2 % of it
     smoothed_output: float = 0.03
-    # part that a mean takes from one signal at the cutoff, and from another not: sensors and forces of such logs
-    # are off by 5 % from about there on, since dampers and modes hang on what is fast
+    # loss at the cutoff by averaging of one signal and not of another: above about this, parameters of such logs
+    # are off by 5 %, since dampers and modes depend on fast motion
     averaged: float = 0.01
-    # relative change of a force's gain from begin to end of a log: well above what 10 % of warm friction make of
-    # it
+    # relative change of a force's gain from the start to the end of a log: well above that of 10 % warm friction
     gain_drift: float = 0.15
     # relative error of a sensor's gain: far above what noise in W makes of it, below g for m/s^2
     sensor_gain: float = 0.3
     clock_drift: float = 0.5  # samples by which a delay grows over a log
     # clock_certain, clock_explains: standard deviations of that growth by the scatter of few blocks, and part of the
     # residual's power that it takes away: a drift that is less is within the interval. Clean logs with a constant delay
-    # reach 3 and 0.02, one whose accelerometer lacks half steps of a held force 5 and 0.5, clocks that drift by a
+    # reach 3 and 0.02, one whose accelerometer misses half steps of a held force 5 and 0.5, clocks that drift by a
     # sample mostly 10 and more
     clock_certain: float = 8.0
     clock_explains: float = 0.1
     # residual that is left without a lag of first order, as part of that with it: 0.9 to 1 on undamaged random
     # logs
     lagging: float = 0.5
-    # residual, as part of the output, beyond which an equation says nothing where noise does not explain it:
+    # residual, as part of the output, above which an equation is unusable if noise does not explain it:
     # shares of damaged logs start there, EMPS leaves 0.04, a motor bench 0.1
     worst_fit: float = 0.3
-    # such a residual from which on lower cutoffs are tried: real machines have modes that the model lacks, above
+    # such a residual above which lower cutoffs are tried: real machines have unmodelled modes, above
     # what it describes. From there the highest cutoff is taken that leaves little more than the best
     cutoff_fit: float = 0.1
     # printed deviation, as part of the value, up to which a result is as precise as wanted; beyond it, other
     # cutoffs are tried
     precise: float = 0.05
-    # times the noise found in a log that a residual may be and count as explained
+    # largest ratio of a residual to the noise of the log that counts as explained by it
     noise_explains: float = 3.0
-    # by how much the gain of a sensor may differ from that of sensors that it repeats: accelerometers are
+    # largest difference of the gains of redundant sensors: accelerometers are
     # calibrated to a few per cent
     gain: float = 0.05
     # part of all samples that single repeated or zero values in motion may be; 3 samples at least
     dead_share: float = 1e-3
-    # half a step of a quantised force, as part of the smallest friction level: a truncated force moves it by so
+    # half a step of a quantised force, as part of the smallest friction level: truncation shifts the level by that
     # much
     step_share: float = 0.05
 

@@ -1,4 +1,4 @@
-"""At which cutoff logs are estimated: the one given, the one that the log suggests, or a better one nearby.
+"""Choice of the cutoff: the given one, the one that the log suggests, or a better one nearby.
 
 A cutoff is first chosen from spectra (`settings`). It is replaced where the estimate itself says more: by a lower one
 where the model does not describe the band, by a higher one where reversals leave too few rows, and by that of the
@@ -28,26 +28,27 @@ from symid.identification.row_blocks import Run, blocks_of_runs
 from symid.identification.settings import Preparation, cutoff_range
 
 _STEP, _LOWER_CUTOFFS = 1.6, 5
-"""Cutoffs that are tried: down to a tenth, in steps that change the columns by no more than half."""
+"""Ratio and number of the lower cutoffs that are tried: to a tenth, in steps that change columns by half at most."""
 _ROWS_LEFT = 50
-"""Rows for each parameter that a lower cutoff must leave: fewer say little about what is wrong with a log."""
+"""Fewest rows per parameter at a lower cutoff: fewer do not show the cause of a fault."""
 _RIGID = 2
-"""Derivatives of a rigid axis; those of modes that it lacks hardly pass a cutoff that follows the motion."""
+"""Order of the derivatives of a rigid axis; unmodelled modes hardly pass a cutoff that follows the motion."""
 _LITTLE_MORE = 1.5
-"""Times the smallest residual that counts as little more: noise of the output alone makes 1.26 of a step."""
+"""Ratio of two residuals that count as alike: noise of the output alone makes 1.26 per step."""
 _WORTH = 0.9
-"""Part of the deviations so far that those of another cutoff must be."""
+"""Ratio of deviations below which another cutoff is better."""
 _KNOWN = 1e-3
-"""Relative deviation below which a parameter need not be known better."""
+"""Relative deviation that is small enough: smaller ones are no improvement."""
 _FAILURES = 2
-"""Cutoffs in a row that are no better and end the search in their direction."""
+"""Consecutive cutoffs without improvement that end the search in their direction."""
 _MOST_COULOMB_ROUNDS = 6
-"""Later ones extrapolate by secants: three or four settle where the plain iteration halves its error or grows."""
+"""Most rounds. The later ones extrapolate by secants: three or four suffice where the plain iteration halves its error
+or diverges."""
 _FLATTEST = 0.1
-"""Slope of the line between two rounds below which extrapolation would go far on little."""
+"""Slope of the secant between two rounds below which it is not extrapolated, because the step would be uncertain."""
 _COULOMB_SETTLED = 0.005
-"""Relative change of the friction that ends the rounds: what it leaves in the derivatives is below one per cent of what
-the paper drops."""
+"""Relative change of the friction that ends the rounds: the rest in the derivatives is below one per cent of the terms
+that the paper drops."""
 _CONDITION_THAT_COSTS_DIGITS = 1e4
 _MANY_ROWS = 1_000_000
 """Parameters are refined in extended precision where that costs no time, or where rounding has cost digits."""
@@ -55,7 +56,7 @@ _MANY_ROWS = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class CutoffTrial:
-    """Rows of each log, and what was estimated from all of them."""
+    """Rows of each log, and the estimate from all of them."""
 
     runs: tuple[Run, ...]
     fit: LeastSquares
@@ -205,7 +206,7 @@ def least_uncertain(
 
 
 def _upward(highest: float) -> list[float]:
-    """Factors in steps up to the highest.
+    """Factors of the cutoff, in equal ratios, up to the highest one.
 
     >>> _upward(3.0), _upward(0.9)
     ([1.6, 3.0], [])
@@ -215,14 +216,14 @@ def _upward(highest: float) -> list[float]:
 
 
 def _gauge(sizes: FloatArray) -> float:
-    """Geometric mean of relative deviations, 1 of none: none is bought with larger ones of what was known well."""
+    """Geometric mean of relative deviations, 1 without any. Below `_KNOWN` a smaller deviation is no gain."""
     if not sizes.size:
         return 1.0
     return float(np.exp(np.mean(np.log(np.maximum(sizes, _KNOWN)))))
 
 
 def _relative_deviations(found: Identification) -> FloatArray:
-    """Printed deviations of physical parameters as parts of their values, 1 at most; those that may be 0 apart."""
+    """Printed deviations of physical parameters relative to their values, at most 1, except for those that may be 0."""
     units, values = found.model.physical_units, np.array(list(found.physical_parameters.values()))
     counts = np.array([name not in found.model.signed for name in units], dtype=bool)[: values.size]
     counts &= np.isfinite(values)

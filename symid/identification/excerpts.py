@@ -20,7 +20,7 @@ from symid.identification.observation import Observation, SignalRows, observe
 Kept = TypeVar("Kept")
 
 _MOST_SAMPLES = 65_536
-"""Samples, of all logs together, on which an estimate is examined: more would cost time and change little."""
+"""Samples of all logs together on which an estimate is checked: more would cost time and change little."""
 _PARTS = 4
 
 
@@ -63,7 +63,7 @@ class Excerpt:
         )
 
     def kept(self, key: object, computed: Callable[[], Kept]) -> Kept:
-        """Result under a key, computed at the first call."""
+        """Cached result of a key, computed at the first call."""
         if key not in self._kept:
             self._kept[key] = computed()
         found: Kept = self._kept[key]
@@ -110,9 +110,9 @@ def _parts(
 
 
 def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float, ...]:
-    """For each part, rows of its whole log (`rows` counts them) over rows of all parts of that log.
+    """Ratio of the rows of a log, `rows`, to the rows of its parts, for each part.
 
-    Sums over the rows of the parts, times this, are estimates of the sums over all rows.
+    A sum over the rows of the parts, times this ratio, estimates the sum over all rows.
     """
     n_logs = parts[-1].of + 1
     seen = [sum(int(p.observation.valid.sum()) for p in parts if p.of == k) for k in range(n_logs)]
@@ -123,7 +123,7 @@ def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float,
 def blocks_of(
     observations: Sequence[Observation], instruments: Sequence[FloatArray] | None = None
 ) -> list[ObservationBlock]:
-    """Observations, with instruments of the shape of W if given, as blocks with equations of their own for each log."""
+    """Observations as blocks; each log has separate equations. Instruments have the shape of W."""
     every: Sequence[FloatArray | None] = instruments or [None] * len(observations)
     return [
         block_of(seen, k, instruments=Z) for k, (seen, Z) in enumerate(zip(observations, every, strict=True))
@@ -137,5 +137,5 @@ def block_of(
     continues: bool = False,
     instruments: FloatArray | None = None,
 ) -> ObservationBlock:
-    """Rows of log `number`, whose equations are its own, as a block that continues the last one or begins the log."""
+    """Rows of log `number`, which has separate equations, as a block that starts the log or continues it."""
     return ObservationBlock(seen.W, seen.y, seen.valid, continues, instruments, number * seen.W.shape[0])

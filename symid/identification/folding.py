@@ -1,4 +1,4 @@
-"""Does motion reach the end of the band that a log's sampling shows? What is faster was folded into it."""
+"""Aliasing: motion that reaches the Nyquist frequency, so that faster motion was folded into the band."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from symid.data.density import explained_power, mean_power, segment_spectra
 from symid.identification.excerpts import Excerpt
 
 _FROM = 0.35
-"""Of the sampling frequency: motion in a log that is sampled fast enough ends well below."""
+"""Lower edge of the band that is checked, over the sampling frequency; with fast enough sampling motion ends below."""
 _SHARE = 0.1
 """Part of a sensor's power above it; an accelerometer's noise of 2 % of the rms signal makes 1e-4 of it."""
 _COHERENT = 0.8
@@ -20,10 +20,10 @@ _SEGMENTS, _LONGEST = 16, 1024
 
 
 def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
-    """Sensor that shows motion up to half the sampling frequency, in words; empty if none does.
+    """Statement on a sensor with motion up to half the sampling frequency; empty without one.
 
     A controller makes a force of an encoder's noise, so that the two are coherent up to there in a sound log too: it is
-    the share of the power that tells. As a rule accelerometers show it.
+    the share of the power that decides. As a rule accelerometers show it.
     """
     for part in parts:
         length = max(16, min(_LONGEST, part.log.n_samples // _SEGMENTS))

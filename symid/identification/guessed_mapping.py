@@ -1,4 +1,4 @@
-"""A guess of which column of a foreign file is which signal of an axis."""
+"""Guess of the signals of an axis among the columns of a foreign file."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def guessed_mapping(
     gain : float, optional
         Force per unit of the drive's column.
     rated : float, optional
-        Force that 100 % stands for.
+        Force at 100 %.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def _period_in(line: str) -> float | None:
 
 
 class _Guess:
-    """Columns that are still free, and what has been decided."""
+    """Decisions so far, and the columns that are still free."""
 
     def __init__(
         self, columns: list[ForeignColumn], named: Mapping[str, str], given: Mapping[str, str]

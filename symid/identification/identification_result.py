@@ -38,7 +38,7 @@ class EstimatedParameters:
 
     @property
     def physical_parameters(self) -> dict[str, float]:
-        """Physical parameters of the first branch by name, SI; empty if there are none."""
+        """Physical parameters of the first branch by name, SI; empty without a branch."""
         if not self.physical:
             return {}
         return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
@@ -76,7 +76,7 @@ class Identification(EstimatedParameters, Shown):
     logs : tuple of str
         Sources of the logs.
     sampling_period : float
-        Of the first log, s.
+        Sampling period of the first log, s.
     observations : tuple of Observation
         One for each log.
     fit : LeastSquares
@@ -84,7 +84,7 @@ class Identification(EstimatedParameters, Shown):
     correlated : CorrelatedCovariance
         Covariance corrected for the correlation of the residual.
     physical : tuple of PhysicalEstimate
-        One for each branch of the inverse map, the physically possible ones first; empty where there are none.
+        One for each branch of the inverse map, the physically possible ones first; empty without a branch.
     status : str
         "ok", or what keeps the result from being complete.
     message : str
@@ -124,7 +124,7 @@ class Identification(EstimatedParameters, Shown):
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Physical parameters by name, SI; minimal ones where there are none."""
+        """Physical parameters by name, SI; minimal ones without an inverse map."""
         return self.physical_parameters or self.minimal_parameters
 
     def predict(self, log: Log) -> OutputPrediction:
@@ -145,7 +145,7 @@ class Identification(EstimatedParameters, Shown):
 
     @property
     def standard_deviations(self) -> FloatArray:
-        """Of the minimal parameters, as they are printed: widened as `widened` says."""
+        """Standard deviations of the minimal parameters, as they are printed: widened by `widened`."""
         return self.widened(np.eye(self.fit.solution.size))
 
     @property
@@ -161,11 +161,11 @@ class Identification(EstimatedParameters, Shown):
 
     @property
     def sampling_deviations(self) -> FloatArray:
-        """Of the minimal parameters, by the residual's correlation alone."""
+        """Standard deviations of the minimal parameters from the correlation of the residual alone."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     def widened(self, sensitivity: FloatArray) -> FloatArray:
-        """Deviations of functions of the minimal parameters that cover what remains: noise, scatter and bias.
+        """Deviations of functions of the minimal parameters that cover noise, scatter and remaining bias.
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ class Identification(EstimatedParameters, Shown):
 
     @property
     def dominated_by_bias(self) -> tuple[str, ...]:
-        """Parameters whose bias exceeds a tenth of their deviation: physical ones, or minimal ones if there are none.
+        """Physical parameters, or else minimal ones, whose bias exceeds a tenth of their deviation.
 
         Their intervals do not hold the true value as often as they say.
         """
@@ -207,7 +207,7 @@ class Identification(EstimatedParameters, Shown):
 
     @property
     def residuals(self) -> tuple[EquationResidual, ...]:
-        """How well each equation is met, over all logs."""
+        """Residual of each equation over all logs."""
         equations = range(len(self.model.output_names))
         return tuple(
             _residual(self, j, [k * len(equations) + j for k in range(len(self.logs))]) for j in equations

@@ -93,7 +93,7 @@ def identify(
     Raises
     ------
     LogError, SettingError
-        If a log lacks a signal, or a setting is not possible.
+        If a log does not have a signal, or a setting is not possible.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def distrusted(
     logs: Sequence[AnyLog],
     instruments: tuple[FloatArray, ...] | None = None,
 ) -> Identification:
-    """The identification with what was found about timing and bias on excerpts; others as in `found_from`."""
+    """The identification after checks of timing and bias on excerpts; other parameters as in `found_from`."""
     model, fit, bias, spread = found.model, found.fit, found.bias, found.scatter
     if bias is not None and bias.removed is not None:
         fit = replace(fit, solution=fit.solution + bias.removed)  # its residual is orthogonal to the columns
@@ -251,7 +251,7 @@ def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:
 def _faults(
     found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], sums: Sequence[Segment], drift: str
 ) -> Faults:
-    """Contradictions to the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
+    """Statements on faults that contradict the estimate: a channel, a part of the logs, the force or its clock."""
     model = found.model
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
     change = greatest_change(sums, fit)

@@ -1,4 +1,4 @@
-"""Parameters from logs in each of which other values are known, such as the payload.
+"""Joint estimation from groups of logs with different known values, such as the payload.
 
 Each group of logs with the same known values gives minimal parameters X_g with covariance C_g, by the model in which
 these values are known. The physical parameters theta that all groups share minimise
@@ -29,10 +29,10 @@ from symid.shown import Shown
 _RANK = 1e-9
 """Singular value of the scaled sensitivity, relative to the largest, below which a direction is not determined."""
 _PART = 1e-6
-"""Share of a parameter in a direction that is not determined, from which on it is not either."""
+"""Share in an undetermined direction above which a parameter is not determined either."""
 _LEAST_PROBABILITY = 1e-3
 _AS_EXPECTED = ("ok", "no_physical_parameters", "not_physical")
-"""Statuses that a group alone may have: other groups determine what it does not."""
+"""Statuses that are accepted for a single group: other groups may determine the rest."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,12 +75,12 @@ class SharedIdentification(Shown):
 
     @property
     def standard_deviations(self) -> FloatArray:
-        """Of the parameters."""
+        """Standard deviations of the physical parameters, SI, shape (n_physical,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def probability(self) -> float:
-        """Of a disagreement as large as this if the model is right; nan where nothing can disagree."""
+        """Probability of a disagreement at least this large under the model; nan without degrees of freedom."""
         return (
             float(scipy.special.chdtrc(self.relations, self.disagreement))
             if self.relations > 0
@@ -106,7 +106,7 @@ def identify_with_known(
     nominal: Mapping[str, float] | None = None,
     examine: bool = True,
 ) -> SharedIdentification:
-    """Identify an axis from logs in each of which values of its parameters are known.
+    """Identify an axis from logs with known values of some parameters, which differ from log to log.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ class _Stacked:
         return np.asarray(np.linalg.solve(self.root, scaled))
 
     def slope(self, physical: FloatArray) -> FloatArray:
-        """Derivatives of whitened minimal parameters by the physical ones, in units of these."""
+        """Derivatives of the whitened minimal parameters by the physical ones, each relative to its size."""
         columns = np.vstack([jacobian(model, physical) for model in self.models])
         return self.whitened(columns * _scale(physical))
 
@@ -247,6 +247,7 @@ class _Stacked:
     def covariance(self, physical: FloatArray, names: list[str]) -> tuple[FloatArray, list[str]]:
         """Covariance of the parameters, nan for those that are not determined, and the names of these."""
         scale, size = _scale(physical), len(names)
+        # the structural rank, at a generic point, and the rank at the estimate, which may be lower
         generic = np.exp(np.random.default_rng(0).normal(size=size))
         loose = _open(self.slope(generic))[1] | _open(self.slope(physical))[1]
         axes, _ = _open(self.slope(physical))
@@ -256,7 +257,7 @@ class _Stacked:
 
 
 def _open(slope: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Directions that a sensitivity determines, each by its deviation, and which columns have a part in the others."""
+    """Determined directions of a sensitivity, scaled by their deviations, and flags of undetermined columns."""
     _, sizes, axes = np.linalg.svd(slope, full_matrices=True)
     sizes = np.append(sizes, np.zeros(axes.shape[0] - sizes.size))
     determined = sizes > _RANK * sizes[0]

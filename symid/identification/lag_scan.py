@@ -1,4 +1,4 @@
-"""Is a signal recorded up to a second early or late? The residual of every lag, by correlation.
+"""Residual at every lag of a signal up to a second early or late, by correlation.
 
 Columns of W and y are sums of a part that one signal makes and a part that the others make. With that part moved by a
 number of rows, the sums W'W, W'y and y'y of all lags at once are correlations, which the fast Fourier transform takes.
@@ -21,11 +21,11 @@ from symid.estimation import LeastSquares
 from symid.identification.excerpts import Excerpt
 
 FARTHEST = 1.0
-"""Seconds to either side: what recorders are late by (network, video and PLC clocks)."""
+"""Largest lag, s, on either side: typical of network, video and PLC clocks."""
 _MOST_OF_LOG = 0.25
-"""Part of a log by which it is moved at most."""
+"""Largest lag as a share of the log's length."""
 _AS_GOOD = 1.3
-"""Times the least residual that counts as good as it: the lag between two rows makes about so much."""
+"""Ratio to the least residual that counts as equally good: a lag between two rows makes about that much."""
 _LEAST_SHARE, _LEAST_ROWS = 0.5, 10
 """Rows that must be left of those at lag 0, and for each parameter, for a lag to count."""
 _LEAST_EIGENVALUE = 1e-12
@@ -54,7 +54,7 @@ class LagScan:
 
     @property
     def best(self) -> Lag:
-        """Lag of least residual; of several as good the smallest.
+        """Smallest lag among those of about the least residual.
 
         Motion that repeats itself has a residual nearly as small at every period.
         """
@@ -117,7 +117,7 @@ def scan(
 
 
 def _sums_of(part: Excerpt, names: tuple[str, ...], most: int) -> list[tuple[FloatArray, FloatArray]]:
-    """Products of the columns of each equation and numbers of rows, of each third of a part at each lag."""
+    """Products of the columns of each equation, and numbers of rows, for each third of a part and each lag."""
     seen, (W, y) = part.observation, part.moved(*names).rows
     n = seen.y.shape[1]
     inside = np.arange(n) * 3 // n == np.arange(3)[:, None]
@@ -133,7 +133,7 @@ def _sums_of(part: Excerpt, names: tuple[str, ...], most: int) -> list[tuple[Flo
 def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) -> FloatArray:
     """Sums over used rows t of the products of columns resting(t) + moving(t + lag), for lags from -most to most.
 
-    Of several choices of rows, `used` of shape (n_choices, n), each.
+    `used` of shape (n_choices, n) gives one result for each choice of rows.
     """
     n, columns = resting.shape
     length = fast_length(n + most)
@@ -145,7 +145,7 @@ def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) 
     of_used = np.conj(np.fft.rfft(used[:, None], length))
 
     def at_lags(spectra: ComplexArray, moved: FloatArray) -> FloatArray:
-        """Correlations of rows of such spectra with the same number of rows or one, by lag."""
+        """Cross-correlations with `moved` at each lag, from the conjugate spectra of the other signals."""
         return np.fft.irfft(spectra * np.fft.rfft(moved, length), length)[..., lags].swapaxes(1, 2)
 
     # Products of a resting and a moving column correlate. Two moving columns shift together: their product is one
@@ -162,7 +162,7 @@ def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) 
 
 
 def _between_ends(values: FloatArray | BoolArray, lags: npt.NDArray[np.int_]) -> FloatArray:
-    """Sums over the rows t, along the last axis, of which t + lag is a row too, for each lag."""
+    """Sums along the last axis over the rows t for which t + lag is a row too, for each lag."""
     sums = np.zeros((*values.shape[:-1], values.shape[-1] + 1))
     np.cumsum(values, axis=-1, out=sums[..., 1:])
     n = values.shape[-1]
@@ -170,11 +170,10 @@ def _between_ends(values: FloatArray | BoolArray, lags: npt.NDArray[np.int_]) ->
 
 
 def _solved(grams: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Share of the power of the last column that the others do not explain, and their factors, by matrix of sums."""
+    """Share of the last column's power that the others do not explain, and their factors, for each matrix of sums."""
     powers = np.diagonal(grams, axis1=1, axis2=2)
-    least = (
-        _LEAST_EIGENVALUE * np.max(powers, axis=0) + np.finfo(float).tiny
-    )  # below it there is rounding only
+    # a lower power is rounding alone
+    least = _LEAST_EIGENVALUE * np.max(powers, axis=0) + np.finfo(float).tiny
     scale = np.sqrt(np.maximum(powers, least))
     scaled = grams / (scale[:, :, None] * scale[:, None, :])
     values, vectors = np.linalg.eigh(scaled[:, :-1, :-1])

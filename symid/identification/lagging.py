@@ -1,4 +1,4 @@
-"""Was a signal filtered before it was recorded? The time constant of a first-order lag that leaves the least residual.
+"""First-order lag of a signal that was filtered before it was recorded: the time constant of least residual.
 
 A signal F behind a lag was F + tau F' before it. Its rows are linear in tau as they are in F, so that Gauss-Newton
 steps over tau and the parameters need no new rows. On flexible axes a lag imitates a damped mode: the residual is
@@ -30,7 +30,7 @@ def lag_of(
     timing: Timing | None = None,
     criteria: Criteria = CRITERIA,
 ) -> str:
-    """Which signal lags, in words; empty if none does, or if a delay explains as much."""
+    """Statement on a signal that lags; empty without one, or if a delay explains as much."""
     by_delay = timing.remaining if timing is not None and timing.is_significant else 1.0
     found = [(_remaining(parts, fit, name), name) for name in shiftable(model)]
     (remaining, lag), name = min(found, default=((1.0, 0.0), ""))

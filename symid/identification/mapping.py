@@ -1,4 +1,4 @@
-"""How the columns of a foreign file become the signals of an axis: the file of a mapping that was guessed once."""
+"""Mapping of the columns of a foreign file to the signals of an axis, stored in a file after it was guessed once."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class LogMapping:
     late : mapping of str to float
         Time by which signals were recorded late, s.
     layout : Layout or None
-        Of a CSV file; None for other files, and for CSV files that are one line of names and then values.
+        Layout of a CSV file; None for other files, and for CSV files that are one line of names and then values.
     sampling_period : float or None
-        Of a file without a column of the time, s.
+        Sampling period of a file without a column of the time, s.
     guesses : tuple of str
         Guesses with their reasons; said whenever the mapping is used, until these lines are deleted.
     missing : tuple of str
@@ -45,7 +45,7 @@ class LogMapping:
 
     @property
     def as_record(self) -> dict[str, Any]:
-        """For JSON."""
+        """Content of the mapping as JSON values."""
         return asdict(self)
 
 
@@ -62,8 +62,8 @@ def read_mapping(
     file : path-like
         Written by ``symid import``.
     columns, gains, units : collection of str
-        Signals of which column, factor or unit are given beside it: what it lacks of them is not a fault, and what it
-        guesses of them is not used.
+        Signals whose column, factor or unit is given separately. Missing entries for them are not faults, and guesses
+        about them are not used.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def _is_replaced(line: str, columns: Collection[str], gains: Collection[str]) ->
 
 
 def _is_about(line: str, signal: str) -> bool:
-    """Whether a line of what is missing names a signal."""
+    """Whether a line on a missing entry names a signal."""
     return re.search(rf"(?<![\w]){re.escape(signal)}(?![\w])", line) is not None
 
 

@@ -1,7 +1,7 @@
-"""Parts of a log that the parameters found do not explain, though they explain the rest.
+"""Lack of fit in parts of a log: the estimated parameters explain the rest, but not these parts.
 
-A residual over the whole log is a mean: a clipped sensor, or a tenth of the log in another unit, draw the parameters
-without raising it much. Both show where they are.
+The residual over the whole log is a mean: a clipped sensor, or a tenth of the log in another unit, distorts the
+parameters but hardly raises the mean. Both are visible in the part of the log where they occur.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 
 _CLIPPED_SAMPLES = 5
-"""Shortest run at an extreme value that is a limit, not a peak."""
+"""Shortest run of an extreme value that counts as a limit, not as a peak."""
 _LEAST_ROWS = 10
 _CLIPPED_SHARE = 0.01
 _ROWS_A_PARAMETER = 4
@@ -29,17 +29,17 @@ _NOTICEABLE = 0.02
 _WINDOWS = 50
 _LEAST_WINDOWS = 3
 _LOCAL_RATIO = 20.0
-"""Times the median rms residual of all windows, beyond which a window is another matter."""
+"""Ratio to the median rms residual of all windows above which the residual of a window stands out."""
 _SILENT_RATIO = 30.0
-"""Times the output that its prediction must be for a window in another unit, where the rest of the log is few."""
+"""Least ratio of the prediction to the output in a window with another unit, where few windows are left."""
 _SILENT_MISFIT = 3.0
-"""Times the median residual that such a window must leave: an output may pass near zero."""
+"""Least ratio of such a window's residual to the median: an output may pass near zero."""
 _LOCAL_SHARE = 0.5
-"""Of the output of that window that its residual must be, so that a log that rests most of the time raises no alarm."""
+"""Least residual of such a window over its output: in a log that mostly rests, the median is low."""
 
 
 def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Contradiction to the parameters, all determined, in a part of the logs, in words; empty without one."""
+    """Statement on a part of the logs that contradicts the parameters, all determined; empty without one."""
     return (
         _cut(model, parts)
         or next(filter(None, (_clipped(force, parts, fit) for force in model.forces)), "")
@@ -50,7 +50,7 @@ def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
 def noiseless_misfit(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
-    """Outputs of which a large part is left that the noise of the signals does not explain, in words."""
+    """Statement on outputs with a large residual that the noise of the signals does not explain."""
     shares = unexplained(model, parts, fit, criteria)
     said = [
         f"{100 * share:.3g} % of {name}"
@@ -61,7 +61,7 @@ def noiseless_misfit(
 
 
 def said_unexplained(parts: Sequence[str]) -> str:
-    """Statement that parameters leave parts of signals, each in words, unexplained; empty without any."""
+    """Statement on signals that the parameters leave partly unexplained; empty without any."""
     cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
     return f"the parameters leave {', '.join(parts)}, more than noise explains: {cause}" if parts else ""
 
@@ -84,7 +84,7 @@ def unexplained(
 
 
 def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
-    """Whether the range of a sensor of motion ended while the axis moved on."""
+    """Statement on a motion sensor whose range ended while the axis moved on; empty without one."""
     for name in model.highest_derivatives:
         samples = 0 if name in model.forces else sum(cut_in_motion(part.log[name]) for part in parts)
         if samples:
@@ -95,7 +95,11 @@ def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
 
 
 def _clipped(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Whether the estimate changes without rows at the end of a force's range: it does not under a true limit."""
+    """Statement on a force that was clipped by the recorder; empty without one.
+
+    The estimate then changes if rows at the end of the range are left out. A limit of the true force, which acts on the
+    axis as well, does not change it.
+    """
     limits = [_at_limit(part.log[force]) for part in parts]
     share = float(np.mean(np.concatenate(limits)))
     if share < _CLIPPED_SHARE or all(is_switched(part.log[force]) for part in parts):
@@ -106,12 +110,12 @@ def _clipped(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     where = f"{force} is at the end of its range in {100 * share:.3g} % of the log"
     cure = "record with a wider range, or cut those parts out"
     if min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok":
-        return f"{where}, and the rest is too little to tell whether the true force went beyond it: {cure}"
+        return f"{where}, and the rest is too short to decide whether the true force went beyond it: {cure}"
     moved = np.abs(other.solution - _of_rows(parts, [o.valid for o in seen]).solution)
     certain = _CERTAIN * np.sqrt(np.diag(other.covariance))
     if not np.any((moved > certain) & (moved > _NOTICEABLE * np.abs(other.solution))):
         return ""
-    return f"{where}, and without those parts the parameters are others, so that the true force went beyond it: {cure}"
+    return f"{where}, and without those parts the parameters differ, so that the true force went beyond it: {cure}"
 
 
 def _of_rows(parts: Sequence[Excerpt], valid: Sequence[BoolArray]) -> LeastSquares:
@@ -131,7 +135,7 @@ def _at_limit(force: FloatArray) -> BoolArray:
 
 
 def _rows_near(part: Excerpt, samples: BoolArray) -> BoolArray:
-    """Rows within half a period of the cutoff of those samples: filters carry them so far."""
+    """Rows within half a period of the cutoff of these samples, as far as the filters spread them."""
     seen, period = part.observation, part.log.sampling_period
     assert seen.preparation.cutoff_hz is not None
     margin = int(0.5 / (seen.preparation.cutoff_hz * period))
@@ -142,7 +146,7 @@ def _rows_near(part: Excerpt, samples: BoolArray) -> BoolArray:
 
 
 def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> str:
-    """Whether one window of an equation stands out with a residual as large as its output."""
+    """Statement on a window of an equation whose residual is as large as its output; empty without one."""
     found = np.concatenate([_windows(part, fit, equation) for part in parts])
     if len(found) < _LEAST_WINDOWS:
         return ""
@@ -156,7 +160,7 @@ def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> s
         times = residual[worst] / max(usual, np.finfo(float).tiny)
         return (
             f"near t = {time[worst]:.5g} s the residual is {times:.2g} times what it is elsewhere, and as large as the "
-            "output: the log is damaged there, or something acts that the model lacks"
+            "output: the log is damaged there, or the model lacks an effect"
         )
     large = (predicted > 0.5 * np.median(predicted)) & (residual > _SILENT_MISFIT * usual)
     silent = large & (predicted > _SILENT_RATIO * output)
@@ -169,7 +173,7 @@ def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> s
 
 
 def _windows(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
-    """Residual, output and its prediction in rms, and the time, one row for each window of a part with enough rows."""
+    """Rms of residual, output and prediction, and start time, one row for each window with enough rows."""
     seen = part.observation
     size = max(_LEAST_ROWS, seen.y.shape[1] // _WINDOWS)
     n = seen.y.shape[1] // size

@@ -1,4 +1,4 @@
-"""How much noise of the sensors there is in the columns of W and in y, read from the log itself.
+"""Sensor noise in the columns of W and in y, estimated from the log itself.
 
 The noise of a signal is taken as white, with the level of the log near its Nyquist frequency, where an axis moves too
 little to be seen. Every column that is linear in the signals is a chain of known gains, of which differences,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from symid.identification.settings import Preparation
 
 _FROM = 0.35
-"""Of the sampling frequency: from here on, up to half of it, a log is taken to hold noise only."""
+"""Lower edge, over the sampling frequency, of the band up to Nyquist in which a log is taken as noise only."""
 _QUIET_SHARE = 3e-3
 _LEAST_WIDENING = 2.0
 """A filter that is as narrow as that of the motion moves all reversals of friction one way; noise that a wider one lets
@@ -113,7 +113,7 @@ def noise_of_rows(
 
 
 class _RowFilter(NamedTuple):
-    """How the signals of a log become rows."""
+    """Steps from the signals of a log to rows."""
 
     period: float
     low_pass: LowPass
@@ -131,7 +131,7 @@ def _row_filter(log: Log, chosen: Preparation) -> _RowFilter:
 
 @lru_cache(maxsize=64)  # logs of a batch are prepared alike
 def _noise_by_signal(model: GeneratedModel, rows: _RowFilter) -> dict[str, FloatArray]:
-    """What `noise_of_rows` returns for a level of 1 of each signal alone."""
+    """Result of `noise_of_rows` for a noise level of 1 of each signal alone."""
     found = {}
     for name in model.highest_derivatives:
         response = _response_to(model, rows, name)

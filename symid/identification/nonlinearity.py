@@ -1,9 +1,9 @@
-"""Is the recorded force in proportion to what the motion takes? A cubic of the prediction as one more column.
+"""Tests of the force for nonlinearity, by added columns such as the cube of the prediction.
 
 A force that is clipped, limited softly or wrapped around falls short where the prediction is large. The residual then
 holds a cubic of the prediction (J. B. Ramsey, J. Royal Statistical Society B 31, 1969), less the part that the model
 itself explains. A force that is faster than the cutoff is larger than its prediction: there the cube of the recorded
-force, prepared as the force is, stands for what is missing. A force that was smoothed lacks, in the same way, a part of
+force, prepared as the force is, models the missing part. In the same way, a smoothed force does not contain a part of
 its second derivative.
 """
 
@@ -26,20 +26,20 @@ from symid.identification.observation import SignalRows
 from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
-"""Times the noise of the columns and the output up to which a residual says nothing of a force that was smoothed."""
+"""Ratio of the residual to the noise of columns and output below which smoothing of the force is not tested."""
 _NO_DRIFT = 1.0
-"""Change of a gain from begin to end of a log, as part of it, from which on another cause made it."""
+"""Relative change of a gain along a log above which it has another cause than drift."""
 _AT_LIMIT = 0.95
-"""Part of its largest value from which on a force may stand at a limit, noise included."""
+"""Share of its largest value above which a force may be at a limit, noise included."""
 _FREE = 1e-6
-"""Distance from 1 of the factor with which a reading is its own residual."""
+"""Distance from 1 at which a factor means that all terms of a reading have free parameters."""
 _INDEPENDENT = 1e-8
-"""Part of a column's power that the model's columns must leave of it."""
+"""Least share of a column's power that is linearly independent of the model's columns."""
 
 
 @dataclass(frozen=True, eq=False)
 class ColumnTests:
-    """Tests whether one more column takes away part of the residual; each returns a fault in words, or none."""
+    """Tests whether an added column reduces the residual; each returns a statement of the fault, or an empty one."""
 
     model: GeneratedModel
     parts: Sequence[Excerpt]
@@ -49,7 +49,7 @@ class ColumnTests:
     criteria: Criteria = CRITERIA
 
     def force_nonlinearity(self) -> str:
-        """Compression of the force where it is large, in words; empty if it is in proportion."""
+        """Statement on a force that is compressed where it is large; empty for a linear one."""
         noisy = replace(self.criteria, noise_explains=_NOISE_EXPLAINS)
         beyond_noise = unexplained(self.model, self.parts, self.fit, noisy)
         for j, force in enumerate(self.model.output_names):
@@ -76,17 +76,17 @@ class ColumnTests:
             missing = _AddedColumn.of(Z, rest, bent, y)
             if missing.share > self.criteria.nonlinear and missing.size > self.criteria.smoothed_output:
                 return (
-                    f"{force} lacks what is fast in the motion (its second derivative takes away "
+                    f"{force} does not contain the fast part of the motion (its second derivative takes away "
                     f"{100 * missing.share:.2g} % of the residual's power): it was smoothed; record it raw, or lower "
                     "`cutoff_hz`"
                 )
         return ""
 
     def force_limit(self) -> str:
-        """Force that is limited, most of it faster than the cutoff, in words; empty if it is in proportion.
+        """Statement on a force with a limit, mostly faster than the cutoff; empty for a linear one.
 
-        The cube of the recorded force stands for what a soft limit took away, its sign in the uppermost part of its
-        range for what was cut off.
+        The cube of the recorded force models the loss by a soft limit. Its sign in the uppermost part of its range
+        models the loss by clipping.
         """
         for force in self.model.forces:
             largest = max(float(np.max(np.abs(part.log[force]))) for part in self.parts) or 1.0
@@ -118,7 +118,7 @@ class ColumnTests:
         )
 
     def gain_drift(self) -> str:
-        """Whether the gain of a force drifts along the logs, in words; empty if it does not."""
+        """Statement on a force whose gain drifts along the logs; empty without drift."""
         for j, force in enumerate(self.model.output_names):
             if force not in self.model.forces:
                 continue
@@ -128,13 +128,14 @@ class ColumnTests:
             certain = self._certain(rest, self.criteria.gain_certain)
             if drift.share > certain and self.criteria.gain_drift < abs(drift.factor) < _NO_DRIFT:
                 return (
-                    f"{force} changes by {100 * drift.factor:+.2g} % from begin to end of the log against what the "
-                    "same motion takes: its gain drifts, or the machine changes; identify the parts apart (`trim`)"
+                    f"{force} changes by {100 * drift.factor:+.2g} % from the start to the end of the log against "
+                    "the demand of the same motion: its gain drifts, or the machine changes; identify the parts "
+                    "apart (`trim`)"
                 )
         return ""
 
     def sensor_gain(self) -> str:
-        """Whether a sensor's gain contradicts the other signals, in words; empty if none does.
+        """Statement on a sensor whose gain contradicts the other signals; empty without one.
 
         Equations tie signals together: a mass multiplies the second derivative of a scale as it does an acceleration.
         """
@@ -146,7 +147,7 @@ class ColumnTests:
             gain = _AddedColumn.of(Z, rest, np.concatenate(own), y)
             certain = self._certain(rest, self.criteria.gain_certain)
             if abs(gain.factor - 1.0) < _FREE:
-                continue  # all that stands beside it has free factors: its gain is one of them
+                continue  # free parameters multiply all of its terms, and absorb its gain
             if gain.share > certain and abs(gain.factor) > self.criteria.sensor_gain:
                 return (
                     f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
@@ -211,10 +212,11 @@ class _AddedColumn:
 
     @classmethod
     def of(cls, Z: FloatArray, r: FloatArray, column: FloatArray, y: FloatArray) -> _AddedColumn:
-        """Of columns Z of the model, residual r, and output y."""
+        """Effect of `column` on residual r, beside the columns Z of the model; y is the output."""
         power, whole = float(r @ r), float(column @ column)
         if not power > 0.0 or not whole > 0.0:
             return cls()
+        # Only the component orthogonal to the model's columns can reduce the residual (Frisch-Waugh-Lovell theorem).
         own = column - Z @ np.linalg.lstsq(Z, column, rcond=None)[0]
         rest = float(own @ own)
         if rest < _INDEPENDENT * whole:

@@ -96,12 +96,11 @@ def observe(
     log : Log
         A run of the axis.
     preparation : Preparation
-        What is left open is chosen from the log.
+        Settings; those that are None are chosen from the log.
     scheme : Scheme, optional
-        Another one than the preparation says, to compare with it.
+        Scheme in place of the one of the preparation, for a comparison.
     highest : array of shape (n_sliding,), optional
-        Highest speed of each sliding velocity, where that of the log itself is not the one that tells what standstill
-        is.
+        Highest speed of each sliding velocity, from which the limit of standstill follows; by default that of the log.
     friction : bool
         Whether columns of the friction beside drives are wanted.
 
@@ -188,16 +187,16 @@ def _standstill_margin(chosen: Preparation, period: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class SignalRows:
-    """The part of a log's rows that some signals make, and how it changes with their time: rows are linear in it."""
+    """Contribution of some signals to the rows of a log, to which rows are linear, and its change under a delay."""
 
-    # of the part of the model that is linear in the signals, of which all but these are still
+    # of the part of the model that is linear in the signals; all other signals are 0
     sampling: Sampling
     columns: tuple[int, ...]  # columns of W that they are in, those of the part of the model
     n_columns: int  # columns of W
 
     @classmethod
     def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, *names: str) -> SignalRows:
-        """Of filtered signals of a log, with the complete preparation of its observation."""
+        """Rows from the filtered signals of a log; the preparation is the complete one of its observation."""
         before, after = chosen.trim or (0, 0)
         scheme = Scheme(chosen.difference_order)
         own = {name: x[:] for name, x in filtered(model, log, chosen, 1.0, names).items()}
@@ -216,14 +215,14 @@ class SignalRows:
         return self._rows({name: x[:] for name, x in self.sampling.signals.items()})
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
-        """Of W and y, by signals that are moved `late` seconds to an earlier time."""
+        """Change of W and y if the signals are moved `late` seconds to an earlier time."""
         return self._rows(
             {name: self._earlier(name, late) - x[:] for name, x in self.sampling.signals.items()}
         )
 
     @cached_property
     def slope(self) -> tuple[FloatArray, FloatArray]:
-        """Of W and y by second, from signals that are moved a part of a sample to either side."""
+        """Derivative of W and y by `late`, per second, by central differences over a part of a sample."""
         step = _STEP * self.sampling.period
         return self._rows(
             {

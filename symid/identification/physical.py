@@ -51,7 +51,7 @@ class PhysicalEstimate:
 
     @property
     def standard_deviations(self) -> FloatArray:
-        """Of the parameters, shape (n_physical,)."""
+        """Standard deviations of the parameters, shape (n_physical,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     def propagated(self, covariance: FloatArray) -> FloatArray:
@@ -71,7 +71,7 @@ class PhysicalEstimate:
         )
 
     def negative(self, model: GeneratedModel) -> tuple[str, ...]:
-        """Parameters that are negative, and must not be."""
+        """Negative parameters that must not be negative."""
         return negative_parameters(model, self.parameters)
 
 

@@ -50,7 +50,7 @@ def predict(found: Identification, log: Log) -> OutputPrediction:
     Raises
     ------
     LogError, SettingError
-        If the log lacks a signal, or cannot be prepared as the others were.
+        If the log does not have a signal, or cannot be prepared as the others were.
     """
     observation = observe(found.model, log, found.observations[0].preparation)
     parameters = _with_own_parameters(found, observation)

@@ -22,7 +22,7 @@ from symid.identification.excerpts import Excerpt
 from symid.identification.smoothing import slow_update
 
 _SPAN = 8
-"""Samples from which on a value that is kept is a held span."""
+"""Fewest equal samples that count as a held span."""
 _ALIKE, _MOSTLY = 0.01, 0.5
 """Share of samples outside held spans that may repeat the last one, and share that held spans may be."""
 _ROUGH, _ROUNDING = 0.6, 1e-9
@@ -30,21 +30,21 @@ _ROUGH, _ROUNDING = 0.6, 1e-9
 _JUMP = 2.0
 """Times the usual steps that a reading catches up with at the end of a held span."""
 _WRAPPED = 0.8
-"""Of the range, in one sample: a force that reverses and a friction that does make half of it at most together."""
+"""Step in one sample, over the range, that counts as a wrap; a reversal of force and friction makes half at most."""
 _USUAL_STEP = 0.2
-"""Of the range: most steps of a channel must be smaller for a jump to stand out."""
+"""Size, over the range, that most steps of a channel must not exceed for a jump to stand out."""
 _SAME = 1e-6
 """Relative difference of two steps that count as of the same size."""
 _BEYOND_STEPS = 5.0
-"""Steps of a force that its error must not exceed, or something else than they makes it."""
+"""Largest error, in steps of the force, that the steps can explain."""
 _LIMITED_SHARE = 0.01
-"""Of all steps that are as large as the largest: noise makes no two of them."""
+"""Share of steps of the largest size in a slew-limited channel; with noise no two steps are equal."""
 
 
 def fault_of(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
-    """Fault of a channel, in words; empty without one. Friction in the fit says which steps of the force are coarse."""
+    """Statement on the fault of a channel; empty without one. Friction in the fit decides which steps are coarse."""
     for part in parts:
         mover = part.log[model.most_differentiated]
         for name in model.highest_derivatives:
@@ -63,7 +63,7 @@ def fault_of(
 
 
 def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is_force: bool = True) -> str:
-    """Fault of the samples of a channel, in words; empty without one.
+    """Statement on a fault of the samples of a channel; empty without one.
 
     >>> x = np.sin(np.arange(4000) / 50) + 1e-6 * np.random.default_rng(0).standard_normal(4000)
     >>> channel_fault(x, "F")

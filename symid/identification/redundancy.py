@@ -1,4 +1,4 @@
-"""Do sensors that repeat each other agree? An accelerometer against the second derivative of a position."""
+"""Consistency of redundant sensors, such as an accelerometer and the second derivative of a position."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from symid.identification.excerpts import Excerpt
 from symid.identification.sampling import filtered
 
 _LEAST_LATE = 0.5
-"""Samples that two sensors may be apart: a converter takes less."""
+"""Delay between two sensors, in samples, that is reported; a converter takes less."""
 _ROUNDS = 8
-"""Of Gauss and Newton, in which a delay of a fifth of a period settles."""
+"""Gauss-Newton iterations; a delay of a fifth of a period converges within them."""
 _LEFT = 0.5
-"""Part of the power of a difference that a delay must leave at most to be its cause."""
+"""Largest share of a difference's power that remains after a delay which is its cause."""
 
 
 def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Criteria = CRITERIA) -> str:
-    """Which sensors differ in their gain or their course, in words; empty if none does.
+    """Statement on redundant sensors whose gain or course differs; empty without such sensors.
 
     The gain of one signal against another lies between its two regressions, whatever noise each has (R. Frisch,
     Statistical Confluence Analysis, Oslo 1934): sensors disagree if 1 is not within these bounds. They disagree too if

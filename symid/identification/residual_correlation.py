@@ -31,7 +31,7 @@ class Correlation:
 
     @property
     def outside(self) -> float:
-        """Share of the values outside the band, that at lag 0 of an auto-correlation left out."""
+        """Share of the values outside the band, without lag 0 of an auto-correlation."""
         counted = ~((self.lag == 0) & (self.value == 1.0))
         return float(np.mean(np.abs(self.value - self.of_noise)[counted] > self.band[counted]))
 

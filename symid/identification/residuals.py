@@ -1,4 +1,4 @@
-"""How well the equations of a model are met."""
+"""Residuals of the equations of a model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from symid.arrays import FloatArray
 
 @dataclass(frozen=True)
 class EquationResidual:
-    """How well one equation is met.
+    """Residual of one equation.
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ class Run:
 
 
 def blocks_of_runs(runs: Sequence[Run]) -> Iterator[ObservationBlock]:
-    """Blocks of all runs, in which every equation of every log is an equation of its own."""
+    """Blocks of all runs; every equation of every log is a separate equation."""
     for k, run in enumerate(runs):
         for i, seen in enumerate(run.read()):
             yield block_of(seen, k, continues=i > 0)
@@ -120,7 +120,7 @@ class _Layout:
         return max(first - self.signal_reach, 0), min(stop + self.signal_reach, self.n_samples)
 
     def widened(self, first: int, stop: int) -> tuple[int, int]:
-        """Rows from `first` to before `stop`, and those of which the filters of rows need the samples."""
+        """Rows from `first` to before `stop`, extended by the rows that the row filter needs."""
         more = math.ceil(self.row_reach / self.factor)
         return max(first - more, 0), min(stop + more, self.n_rows)
 
@@ -133,7 +133,7 @@ class _Layout:
 
 @dataclass(frozen=True, eq=False)
 class _Blocks:
-    """A long log with all that is decided once for its blocks."""
+    """A long log with the settings that all of its blocks share."""
 
     model: GeneratedModel
     log: LongLog

@@ -30,7 +30,7 @@ from symid.signal_names import derivative_name
 STANDSTILL_SHARE = 0.01
 """Part of the highest speed below which the sign of a velocity is not trusted."""
 _WIDEST = 0.4
-"""Of the sampling frequency: the highest cutoff to which a filter is widened."""
+"""Highest cutoff of a widened filter, over the sampling frequency."""
 
 WORKERS = min(4, os.cpu_count() or 1)
 """Threads that prepare a log: with more, filters are bound by memory, not by the processor."""
@@ -72,7 +72,7 @@ class Sampling:
     period: float  # sampling period, s
     # shape (n,): filtered signals of the whole log; those that are not among them are still
     signals: Mapping[str, FloatArray | Filtered]
-    # shape (n,): motion, filtered less, of which nonlinear laws are evaluated; empty if they are evaluated of
+    # shape (n,): motion for nonlinear laws, filtered with a higher cutoff; empty if they are evaluated with
     # `signals`
     wide: Mapping[str, FloatArray | Filtered]
     before: int  # samples trimmed at the beginning
@@ -80,7 +80,7 @@ class Sampling:
 
     @property
     def factor(self) -> int:
-        """Samples that become one row."""
+        """Samples per row."""
         return self.chosen.decimation or 1
 
     @property
@@ -120,7 +120,7 @@ class Sampling:
         return self._derivatives(self.signals, first, last, self.model.highest_derivatives)
 
     def motion(self, first: int, last: int) -> dict[str, FloatArray]:
-        """The same for laws and sliding velocities; filtered less, forces are still and, as a rule, accelerations."""
+        """Signals for laws and sliding velocities: less filtered; forces and, as a rule, accelerations are 0."""
         if not self.wide:
             return self.window(first, last)
         highest = self.model.highest_derivatives

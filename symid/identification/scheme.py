@@ -12,7 +12,7 @@ DIFFERENCE_ORDER = 10
 sampling frequency, and the loss differs between the columns; those of order 10 lose as much at 0.18 of it (measured on
 nine axes: shared/mission_check.md, section 1: 6 % of Ms against 0.00 %)."""
 SHARPER = 4
-"""By how much the order of the differences is higher with which rows are compared."""
+"""Increment of the difference order in the sharper rows that rows are compared with."""
 
 
 @dataclass(frozen=True)

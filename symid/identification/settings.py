@@ -110,9 +110,9 @@ def said_declared(
     passed_over: Sequence[str] = (),
     hold: float = 0.0,
 ) -> tuple[str, ...]:
-    """Notes on delays that were taken off as they are declared, unless others were given, and on what was passed over.
+    """Notes on declared delays that were compensated, and on imperfections that were ignored.
 
-    A force that is held acts `hold` seconds later still.
+    A held force acts another `hold` seconds later.
 
     >>> said_declared({"q": 3e-3, "F": -1e-3}, {"q": 3e-3, "F": -2e-3})
     ('q is read 3 ms late, as the axis declares: this is taken off',)
@@ -160,7 +160,7 @@ class Spectra:
 
     @classmethod
     def of(cls, log: AnyLog, model: GeneratedModel) -> Spectra:
-        """Those of a log; of one above a million samples, of evenly spread excerpts."""
+        """Spectra of a log; above a million samples, of evenly spread excerpts."""
         recorded = spread_excerpts(log, model.most_differentiated)
         segment = max(16, min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1)))
         length = min(segment, recorded.shape[1])
@@ -169,7 +169,7 @@ class Spectra:
         motion, itself = (segment_spectra(x, length) for x in (bent, recorded))
         power = mean_power(itself)
         if length % 2 == 0:
-            power[-1] *= 0.5  # every other line stands for its negative too
+            power[-1] *= 0.5  # every other line represents its negative frequency too
         return cls(np.arange(power.size) / (length * log.sampling_period), forces, motion, power)
 
     @property
@@ -237,7 +237,7 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
 
     The cutoff is the first one of `cutoff_range`; the decimation keeps it below 0.8 of the new Nyquist frequency;
     trimming leaves out three periods of the cutoff frequency, the time in which a Butterworth filter forgets its start
-    to a thousandth. A hold of the force stands in `late`.
+    to a thousandth. A hold of the force is part of `late`.
     """
     rate = log.sampling_frequency
     cutoff = given.cutoff_hz
@@ -257,7 +257,7 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
 def widening_of(
     log: AnyLog, model: GeneratedModel, cutoff: float, levels: Mapping[str, float] | None = None
 ) -> float:
-    """As much as the noise in the middle of a log allows; laws of which the parameters are known are filtered alike.
+    """Widening that the noise in the middle of a log allows; laws with known parameters are filtered alike.
 
     The levels of the noise of the sensors are read from the log if not given.
     """

@@ -1,8 +1,8 @@
-"""Channels that were interpolated or averaged before they were recorded: their noise near Nyquist says nothing.
+"""Channels that were interpolated or averaged before they were recorded: noise near Nyquist is not the sensor's.
 
 Both leave a trace in differences of neighbouring samples. Between the samples of a linear interpolation every second
-difference is zero. A mean over n samples has the first difference (x[k] - x[k - n]) / n, so that what is fast in it,
-such as noise, comes again with the other sign n samples later.
+difference is zero. A mean over n samples has the first difference (x[k] - x[k - n]) / n, so that fast signals such
+as noise recur n samples later with the opposite sign.
 """
 
 from __future__ import annotations
@@ -17,33 +17,33 @@ from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 
 SPACINGS = range(2, 17)
-"""Samples of a log between two of a slower channel that are looked for."""
+"""Update intervals of a slower channel, in samples, that are searched."""
 _REPEATED = 0.4
 """Share of samples that repeat the last value: of every second one updated, half do, less where the machine rests."""
 _IN_STEP = 0.98
-"""Share of the changes of a channel that must lie at one of n places: an encoder changes where its motion says."""
+"""Least share of changes at the same one of n samples; changes of an encoder follow the motion instead."""
 _FEWEST_CHANGES = 100
-"""Changes of a channel that say how often it is updated."""
+"""Fewest changes of a channel that determine its update interval."""
 _STRAIGHT = 0.01
-"""Of the median second difference at the samples between which a signal is interpolated, that others may have."""
+"""Second difference between knots, over the median one at the knots of an interpolation, that counts as straight."""
 _LEAST_STRAIGHT = 0.4
-"""Of all second differences, that are at least as small beside the largest: 0.9 of every second sample are 0.45."""
+"""Least share of such small second differences in an interpolated signal; 0.45 with every second sample."""
 _DIFFERENCES = 6
-"""Of an averaged force with little noise, fewer leave the motion above it."""
+"""Order of the differences; lower orders leave more motion than noise of an averaged force."""
 _USUAL = 3.0
-"""Times the median difference beyond which a larger one counts as no larger."""
+"""Multiple of the median difference at which larger differences are clipped."""
 _SEEN = 16_384
-"""Samples in the middle of a signal in which means are looked for."""
+"""Samples in the middle of a signal that are searched for averaging."""
 _NEAREST, _FARTHEST = 8, 600
-"""Samples of means that are looked for: noise near Nyquist alternates, and looks like a mean over fewer."""
+"""Lengths of means that are searched: alternating noise near Nyquist resembles a shorter mean."""
 _ECHO = -0.3
-"""Autocorrelation of the differences beyond which they come again with the other sign; -0.5 without any motion."""
+"""Autocorrelation of the differences below which there is an echo; -0.5 without any motion."""
 _ALONE = 0.25
-"""Of the echo, that no other lag may have: a disturbance with a period has many."""
+"""Correlation at any other lag, over that of the echo, that is allowed: a periodic disturbance has many echoes."""
 
 
 def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Criteria = CRITERIA) -> str:
-    """Which channel was interpolated, or averaged and others not, in words; empty if none was."""
+    """Statement on a channel that was interpolated, or averaged unlike the others; empty without one."""
     for part in parts:
         averaged = {}
         for name in model.highest_derivatives:
@@ -85,7 +85,7 @@ def updated_every(x: FloatArray) -> tuple[int, int]:
 
 
 def slow_update(x: FloatArray, name: str) -> str:
-    """Whether a channel is updated more rarely than it is recorded, in words; a force may be held so in truth."""
+    """Statement on a channel that is updated more rarely than it is recorded; a force may really be held so."""
     every, _ = updated_every(x)
     cure = f"record it at the rate of the log, or thin the log by {every}"
     return (
@@ -106,7 +106,9 @@ def interpolated_from(x: FloatArray) -> int:
     """
     step = np.diff(x)
     bent = np.abs(np.diff(step))
-    slopes = (step[1:] != 0.0) | (step[:-1] != 0.0)  # what is held, at rest or between two steps, is no line
+    slopes = (step[1:] != 0.0) | (
+        step[:-1] != 0.0
+    )  # a held value, at rest or between two steps, is not a line
     straight = slopes & (bent < _STRAIGHT * np.max(bent, initial=0.0))
     if np.count_nonzero(straight) <= _LEAST_STRAIGHT * np.count_nonzero(slopes):
         return 0
@@ -134,7 +136,7 @@ def averaged_over(x: FloatArray) -> int:
     z = np.clip(z, -usual, usual)  # a force that is switched on and off comes back too
     n_lags = min(_FARTHEST + _NEAREST + 1, z.size // 4)
     size = fast_length(z.size + n_lags)
-    spectrum = np.fft.rfft(z, size)
+    spectrum = np.fft.rfft(z, size)  # autocorrelation, from the power spectrum
     lags = np.fft.irfft(spectrum.real**2 + spectrum.imag**2, size)[:n_lags]
     if lags.size < 3 * _NEAREST or not lags[0] > 0.0:
         return 0

@@ -1,4 +1,4 @@
-"""Do parameters hold throughout? Scatter between segments of the logs, and spans in which they are others.
+"""Constancy of the parameters: scatter between segments of the logs, and spans with different parameters.
 
 The scatter is the covariance of clusters (K.-Y. Liang and S. Zeger, Biometrika 73, 1986): with the sums s_b = Z'r over
 segment b the estimate has the covariance T (sum s_b s_b') T', whatever the residual's correlation and size within a
@@ -25,9 +25,9 @@ _FEWEST = 4
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A span in which parameters are others than in the rest."""
+    """A span whose parameters differ from those of the rest."""
 
-    begins: float  # time at which it begins, s
+    begins: float  # start time, s
     # inside, outside: shape (n_parameters,): minimal parameters in the span and in the rest
     inside: FloatArray
     outside: FloatArray
@@ -41,7 +41,7 @@ class Change:
             return int(np.argmax(np.where(among, moved / self.deviations, -1.0)))
 
     def statement(self, model: GeneratedModel, criteria: Criteria = CRITERIA) -> str:
-        """Changes within the logs, in words; empty without one."""
+        """Statement on changes within the logs; empty without one."""
         moved = np.abs(self.inside - self.outside)
         size = np.maximum(np.abs(self.inside), np.abs(self.outside))
         certain = (moved > criteria.change_certain * self.deviations) & (moved > criteria.change * size)
@@ -116,7 +116,7 @@ class _Comparison:
 
     @classmethod
     def of(cls, inside: FloatArray, slope: FloatArray, normal: FloatArray, total: FloatArray) -> _Comparison:
-        """From sums over each span (one a row) and over all rows."""
+        """Comparison from sums over each span, one per row, and over all rows."""
         # A short span determines few directions. In the eigenvectors of its normal matrix both estimates are compared
         # one by one, and only where the span and the rest each hold part of the information.
         values, V = np.linalg.eigh(inside)

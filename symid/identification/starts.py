@@ -1,4 +1,4 @@
-"""Where to begin a search for physical parameters that no closed inverse map and no nominal value gives.
+"""Start values of a search for physical parameters without a closed inverse map and without nominal values.
 
 Minimal parameters are sums and quotients of products of masses, stiffnesses, dampings and frictions. The logarithm of a
 product is linear in the logarithms of its factors, and that of a sum of products convex (S. Boyd et al., A tutorial on

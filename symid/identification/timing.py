@@ -1,4 +1,4 @@
-"""Is a signal recorded at the time at which it acts? The delay that leaves the least residual.
+"""Delay of a signal against the others: the one that leaves the least residual.
 
 The rows W and y of a log depend on the force F linearly, so that those of F(t + tau) follow from those of F alone, and
 so with every sensor that no friction law depends on.
@@ -24,7 +24,7 @@ from symid.identification.observation import Observation
 from symid.identification.physical import negative_parameters
 
 _SETTLED = 0.01
-"""Samples by which the delay still moves when it is found."""
+"""Last step, in samples, below which the iterations end."""
 _MOST_ROUNDS = 8
 _FARTHEST = 0.25
 """Periods of the cutoff frequency, beyond which a delay of filtered signals is not unique."""
@@ -60,7 +60,7 @@ class Timing:
         Seconds by which it seems recorded later than the motion, beyond what the preparation takes out; negative
         for a force that acts after it is recorded.
     deviation : float
-        Standard deviation of `late`, s, corrected for the correlation of the residual; nan if there is none.
+        Standard deviation of `late`, s, corrected for the correlation of the residual; nan if not determined.
     sampling_period : float
         Time between two samples, s.
     declared : float
@@ -116,7 +116,7 @@ class Timing:
 
     @property
     def statement(self) -> str:
-        """The delay and its cure in words."""
+        """Statement of the delay and its cure."""
         when = "before it was" if self.late > 0 else "after it was"
         instead = " in place of what was given" if self.declared else ""
         return (
@@ -212,13 +212,13 @@ def _timing_of(
 def _is_machine(model: GeneratedModel, minimal: FloatArray, fit: LeastSquares) -> bool:
     """Whether no parameter that is positive without a delay is negative with it.
 
-    A motion that repeats itself is met half a period late by an inertia, or a friction, of the other sign.
+    Half a period late, a periodic motion is explained as well by an inertia or friction of the opposite sign.
     """
     return _least_negative(model, minimal) <= _least_negative(model, fit.solution)
 
 
 def _least_negative(model: GeneratedModel, minimal: FloatArray) -> int:
-    """Negative physical parameters of the branch that has the fewest; 0 without a map in closed form."""
+    """Number of negative physical parameters in the best branch; 0 without a closed inverse map."""
     if model.physical_parameters is None:
         return 0
     with np.errstate(all="ignore"):
@@ -239,12 +239,13 @@ class _Delay:
 def _refined(
     parts: Sequence[Excerpt], shifting: Sequence[Shifting], fit: LeastSquares, start: float
 ) -> _Delay | None:
-    """The delay near a start, by Gauss and Newton; None if it runs away."""
+    """The delay near a start, by Gauss-Newton iterations; None if they diverge."""
     period = parts[0].log.sampling_period
     cutoff = parts[0].observation.preparation.cutoff_hz
     assert cutoff is not None
     late, X = start, fit.solution
     for _ in range(_MOST_ROUNDS):
+        # The derivative of the residual by the delay is one more column: its parameter is the Gauss-Newton step.
         extended = [shifted.with_tangent(late, X) for shifted in shifting]
         blocks = blocks_of(extended)
         found = estimate([f for o in extended for f in triangular_factors(o.W, o.y, o.valid)], "wls")
@@ -268,7 +269,7 @@ def _refined(
 
 
 class Shifting:
-    """Rows of a log of which some signals are moved in time."""
+    """Rows of a log with some signals moved in time."""
 
     def __init__(self, part: Excerpt, names: tuple[str, ...]) -> None:
         self.observation = part.observation

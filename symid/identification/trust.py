@@ -1,4 +1,4 @@
-"""Consequences of timing and bias for a result: a status where they spoil it, else a note."""
+"""Consequences of timing and bias for a result: a status if they invalidate it, else a note."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from symid.identification.verdict import Status
 _USUAL_LAG = 0.85
 """Samples by which a force may act after it is recorded, as a hold and the lag of a drive explain, for a mere note."""
 _LARGE_BIAS = 0.05
-"""Relative bias that makes a status of it."""
+"""Relative bias above which the status is not "ok"."""
 _CERTAIN = 2.0
 """Standard deviations that a change or a bias must have for a status."""
 _NOISE_IN_W = "noise of the sensors in the columns of W"
@@ -26,7 +26,7 @@ _FAITHFUL = 0.997
 
 @dataclass(frozen=True)
 class Faults:
-    """Contradictions to an estimate, in words, empty without them: of a channel's samples, the residual, the clock.
+    """Statements that contradict an estimate, empty without a fault: on samples, the residual, the clock.
 
     `hint` is what may be a cause of another status and is none by itself.
     """
@@ -74,7 +74,7 @@ def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERI
 
 
 def _undetermined(found: Identification, criteria: Criteria) -> str:
-    """Physical parameters whose deviation exceeds their value, in words; those that may be 0 by declaration apart."""
+    """Statement on physical parameters whose deviation exceeds their value, except those that may be 0."""
     if not found.physical:
         return ""
     values, deviations = found.physical[0].parameters, found.physical_deviations
@@ -95,7 +95,7 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
 
 
 def _is_fault(timing: Timing) -> bool:
-    """Whether a delay is more than what a held force and the lag of a drive explain.
+    """Whether a held force and the lag of a drive cannot explain a delay.
 
     A force that acts before it is recorded has no natural cause.
     """
@@ -103,14 +103,14 @@ def _is_fault(timing: Timing) -> bool:
 
 
 def _reported(found: Identification) -> tuple[FloatArray, FloatArray]:
-    """Values and deviations of the physical parameters, of the minimal ones if there are none."""
+    """Values and deviations of the physical parameters; of the minimal ones without an inverse map."""
     if not found.physical:
         return found.fit.parameters, found.sampling_deviations
     return found.physical[0].parameters, found.physical[0].propagated_deviations(found.covariance)
 
 
 def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str, bool]:
-    """Size, source and cure of the bias; and whether it is large."""
+    """Statement on the size, source and cure of the bias, and whether it is large."""
     bias = found.physical_bias or found.bias
     assert bias is not None
     every = list(found.model.physical_units if found.physical else found.model.minimal_units)
@@ -126,15 +126,12 @@ def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str,
         if share > rest
         else _cause_of_preparation(found)
     )
-    parts = (
-        f"{name} ({_size(values[i], bias.total[i])}, {abs(bias.total[i]) / deviations[i]:.2g} standard deviations)"
-        for name, i in zip(names, places, strict=True)
-    )
+    parts = []
+    for name, i in zip(names, places, strict=True):
+        total, value = bias.total[i], abs(values[i])
+        size = f"{total:+.2g}" if abs(total) > value else f"{100 * total / value:+.2g} %"
+        parts.append(f"{name} ({size}, {abs(total) / deviations[i]:.2g} standard deviations)")
     return f"deviations hold an expected bias of {', '.join(parts)}: {cause}", bool(np.any(large))
-
-
-def _size(value: float, bias: float) -> str:
-    return f"{bias:+.2g}" if abs(bias) > abs(value) else f"{100 * bias / abs(value):+.2g} %"
 
 
 def _cause_of_preparation(found: Identification) -> str:

@@ -1,4 +1,4 @@
-"""Status of an identification: reasons why it is not complete, with their cures."""
+"""Status of an identification: reasons why it is incomplete, with cures."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Status = Literal[
 ]
 
 _HIGHEST_CONDITION = 1e5
-"""Of the scaled observation matrix; beyond it, noise of 0.001 % in a column changes the parameters by 100 %."""
+"""Condition of the scaled observation matrix; above it, 0.001 % noise in a column changes parameters by 100 %."""
 
 
 _FEW_ROWS = 10
@@ -112,7 +112,7 @@ def _rows_needed(correlated: CorrelatedCovariance) -> int:
 
 
 def _unexplained(model: GeneratedModel, fit: LeastSquares) -> str:
-    """Outputs of which a large part is left, and how much; equations of several logs come one log after the other."""
+    """Outputs with a large residual, and its share; equations are ordered log by log."""
     names = model.output_names
     norms = np.reshape((fit.residual_norm, fit.y_norm), (2, -1, len(names)))
     residual, y = np.sqrt(np.sum(norms**2, axis=1))

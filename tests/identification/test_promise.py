@@ -85,7 +85,7 @@ FAULTS = {
     "drifting gain": (
         lambda F, r: F * np.linspace(1.0, 0.8, F.size) + 0.2 * F.max() * r.standard_normal(F.size),
         "poor_fit",
-        "from begin to end of the log",
+        "from the start to the end of the log",
     ),
     "interpolated": (
         lambda F, r: np.interp(np.arange(F.size), np.arange(0, F.size, 2), F[::2]),
