@@ -5,18 +5,18 @@ M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), see `symid.sym
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import sympy as sp
 from sympy.polys.rings import PolyElement
 
-from symid.axis import Axis, Sensor
+from symid.axis import Axis, Drive, Joint, Sensor
 from symid.errors import SettingError
 from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of, of_force
 from symid.simulation.plant import condensed
-from symid.symbolic.forward_terms import Functional, forward_terms
+from symid.symbolic.forward_terms import ForwardTerms, Functional, forward_terms
 from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import by_power
 
@@ -94,67 +94,88 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
             "together: leave it out"
         )
     terms = forward_terms(axis)
-    operators, bodies, field = terms.operators, terms.bodies, terms.operators.ring.domain
     is_node = [not any(row) for row in terms.mass]
-
-    def matrix(entries: Sequence[Sequence[PolyElement]]) -> sp.Matrix:
-        return sp.Matrix([[entry.as_expr() for entry in row] for row in entries])
-
-    def row(functional: Functional) -> sp.ImmutableMatrix:
-        shares = (field.to_sympy(field.convert(functional.get(body, 0))) for body in bodies)
-        return sp.ImmutableMatrix([list(shares)])
-
-    imperfect, kinematics = imperfections_of(axis, first=2 * is_node.count(False)), Kinematics(axis)
-
-    def reading(sensor: Sensor) -> SymbolicReading:
-        read = terms.readings[sensor.signal]
-        entries = [
-            [by_power(read.motion.get(b)).get(k, operators.ring.zero) for b in bodies] for k in range(3)
-        ]
-        gain = read.gain.as_expr()
-        drives = [
-            read.drives.get(drive.signal, operators.ring.zero).as_expr() / gain for drive in axis.drives
-        ]
-        joint = row(operators.functional(kinematics.displacement(sensor.joint)))
-        constant = -read.offset.as_expr() / gain
-        return SymbolicReading(
-            joint, sensor.derivative, matrix(entries) / gain, sp.Matrix([drives]), constant
-        )
-
+    imperfect = imperfections_of(axis, first=2 * is_node.count(False))
+    parts = _Parts(terms, Kinematics(axis), imperfect)
     masses = {sp.Symbol(change.body.inertial): added(change) for change in imperfect.changes}
     grown = {mass: mass + more for mass, more in masses.items()}
-    forces: dict[sp.ImmutableMatrix, list[sp.Expr]] = {}
-    memories: dict[sp.ImmutableMatrix, list[Memory]] = {}
-    for law in terms.laws:
-        force = sp.cancel(law.parameter.as_expr()) * law.expression.xreplace(_OF_JOINT)
-        forces.setdefault(row(law.displacement), []).append(force)
-    for element, force, memory in imperfect.joints:
-        direction = row(operators.functional(kinematics.displacement(element.at)))
-        forces.setdefault(direction, []).append(force.xreplace(_OF_JOINT))
-        if memory is not None:
-            gain, decay = (rate.xreplace(_OF_JOINT) for rate in (memory.gain, memory.decay))
-            memories.setdefault(direction, []).append(replace(memory, gain=gain, decay=decay))
-    names: list[str] = []
-    for direction in forces:
-        name = "_".join(sorted(body for body, share in zip(bodies, direction, strict=True) if share))
-        names.append(f"{name}_{len(names)}" if name in names else name)
     dynamics = SymbolicDynamics(
         axis=axis,
-        bodies=bodies,
-        mass=matrix(terms.mass).xreplace(grown),
-        damping=matrix(terms.damping),
-        stiffness=matrix(terms.stiffness),
-        drives=matrix(terms.drives),
-        constant=matrix(terms.constant).xreplace(grown),
-        laws=tuple(
-            LawJoint(name, direction, sp.Add(*of_joint), tuple(memories.get(direction, ())))
-            for name, (direction, of_joint) in zip(names, forces.items(), strict=True)
-        ),
-        sensors={s.signal: reading(s) for s in axis.sensors},
-        constants={**terms.constants, **kinematics.constants},
+        bodies=terms.bodies,
+        mass=_matrix(terms.mass).xreplace(grown),
+        damping=_matrix(terms.damping),
+        stiffness=_matrix(terms.stiffness),
+        drives=_matrix(terms.drives),
+        constant=_matrix(terms.constant).xreplace(grown),
+        laws=parts.joints(),
+        sensors={sensor.signal: parts.reading(sensor, axis.drives) for sensor in axis.sensors},
+        constants={**terms.constants, **parts.kinematics.constants},
         imperfect=imperfect,
     )
     return _without_nodes(dynamics, is_node) if any(is_node) else dynamics
+
+
+def _matrix(entries: Sequence[Sequence[PolyElement]]) -> sp.Matrix:
+    return sp.Matrix([[entry.as_expr() for entry in row] for row in entries])
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """Laws and readings of an axis, from polynomials of its operators to expressions."""
+
+    terms: ForwardTerms
+    kinematics: Kinematics
+    imperfect: Imperfect
+
+    def joints(self) -> tuple[LawJoint, ...]:
+        """Forces of laws and imperfections, summed over those of a joint."""
+        forces: dict[sp.ImmutableMatrix, list[sp.Expr]] = {}
+        memories: dict[sp.ImmutableMatrix, list[Memory]] = {}
+        for law in self.terms.laws:
+            force = sp.cancel(law.parameter.as_expr()) * law.expression.xreplace(_OF_JOINT)
+            forces.setdefault(self._row(law.displacement), []).append(force)
+        for element, force, memory in self.imperfect.joints:
+            direction = self._direction(element.at)
+            forces.setdefault(direction, []).append(force.xreplace(_OF_JOINT))
+            if memory is not None:
+                gain, decay = (rate.xreplace(_OF_JOINT) for rate in (memory.gain, memory.decay))
+                memories.setdefault(direction, []).append(replace(memory, gain=gain, decay=decay))
+        return tuple(
+            LawJoint(name, direction, sp.Add(*forces[direction]), tuple(memories.get(direction, ())))
+            for name, direction in self._named(forces).items()
+        )
+
+    def _named(self, directions: Iterable[sp.ImmutableMatrix]) -> dict[str, sp.ImmutableMatrix]:
+        """Directions by the names of the bodies that move along them, with a number where these repeat."""
+        named: dict[str, sp.ImmutableMatrix] = {}
+        for direction in directions:
+            shares = zip(self.terms.bodies, direction, strict=True)
+            name = "_".join(sorted(body for body, share in shares if share))
+            named[f"{name}_{len(named)}" if name in named else name] = direction
+        return named
+
+    def reading(self, sensor: Sensor, drives: Sequence[Drive]) -> SymbolicReading:
+        """What a sensor reads: (motion + drives - offset) / gain."""
+        read, zero = self.terms.readings[sensor.signal], self.terms.operators.ring.zero
+        gain = read.gain.as_expr()
+        motion = [[by_power(read.motion.get(b)).get(k, zero) for b in self.terms.bodies] for k in range(3)]
+        shares = [read.drives.get(drive.signal, zero).as_expr() / gain for drive in drives]
+        return SymbolicReading(
+            self._direction(sensor.joint),
+            sensor.derivative,
+            _matrix(motion) / gain,
+            sp.Matrix([shares]),
+            -read.offset.as_expr() / gain,
+        )
+
+    def _direction(self, joint: Joint) -> sp.ImmutableMatrix:
+        """Displacement of a joint as a row over the bodies."""
+        return self._row(self.terms.operators.functional(self.kinematics.displacement(joint)))
+
+    def _row(self, functional: Functional) -> sp.ImmutableMatrix:
+        field = self.terms.operators.ring.domain
+        shares = (field.to_sympy(field.convert(functional.get(body, 0))) for body in self.terms.bodies)
+        return sp.ImmutableMatrix([list(shares)])
 
 
 def _without_nodes(dynamics: SymbolicDynamics, is_node: list[bool]) -> SymbolicDynamics:
