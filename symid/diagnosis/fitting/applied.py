@@ -60,8 +60,8 @@ def errors_of(state: State, weighting: Weighting) -> FloatArray:
     """Weighted errors less the part that unknown initial states and values of the log explain; nan in rows not kept."""
     error = weighting.known(state.rows, state.beginning)
     of_log = _belongs_to_log(state)
-    columns = weighting.known(weighting.rows(derivatives(state)[of_log]), state.beginning)
-    if len(columns):
+    if of_log.any():
+        columns = weighting.known(weighting.rows(derivatives(state)[of_log]), state.beginning)
         error = error - columns.T @ solved(columns.T, error)
     rows = np.full(state.rows.shape, np.nan)
     rows[:, weighting.kept] = error.reshape(len(rows), -1)
