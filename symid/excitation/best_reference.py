@@ -24,10 +24,8 @@ from symid.simulation import ClosedLoop, Controller, Limits, Simulation, Traject
 
 Paths: TypeAlias = tuple[Trajectory, ...]
 """Reference of each drive."""
-_FINALISTS, _RUNS = (
-    6,
-    4,
-)  # the best candidates and the defaults are simulated several times: one run shows little bias
+_FINALISTS, _RUNS = 6, 4
+"""The best candidates and the defaults are simulated several times: one run shows little bias."""
 _TRIES = 4
 _MARGIN = 0.99
 _CHANCE = 2.0  # standard deviations by which a mean may differ from the truth by chance

@@ -150,7 +150,7 @@ class BatchSettings:
             missing = [name for name in axis.physical_parameters if name not in given]
             if missing:
                 raise SettingError(
-                    f"nominal values without {', '.join(missing)} of axis {axis.name!r}: give all"
+                    f"nominal values for {', '.join(missing)} of axis {axis.name!r} are missing: give all"
                 )
 
 

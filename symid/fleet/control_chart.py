@@ -33,10 +33,8 @@ LEAST_RUNS = 8
 _LIMIT = 3.0  # control limits, in standard deviations
 _OUTLYING = 4.5  # distance of an outlier from the median of its neighbours, in standard deviations
 _LEAST_STEP = 3.0  # smallest jump between two segments that counts as a step, in standard deviations
-_TINY, _SMALLEST = (
-    np.finfo(np.float64).tiny,
-    1e-100,
-)  # smallest standard deviation, absolute and relative to the value
+_TINY = np.finfo(np.float64).tiny  # smallest standard deviation
+_SMALLEST = 1e-100  # the same, relative to the value
 _MEDIAN_OF_SQUARE = float(scipy.special.chdtri(1, 0.5))
 _ROUNDS = 5
 _NEIGHBOURS = 5

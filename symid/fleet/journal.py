@@ -16,10 +16,8 @@ from symid.errors import SettingError, SymidError
 from symid.files import is_finite_number
 from symid.fleet.row import TEXT_COLUMNS, Row
 
-_ROWS, _SECONDS = (
-    64,
-    1.0,
-)  # after which rows are synchronised to the disk; if only the process dies, none is lost
+_ROWS, _SECONDS = 64, 1.0
+"""After which rows are synchronised to the disk; if only the process dies, none is lost."""
 
 
 def journal_file(results: Path) -> Path:

@@ -28,9 +28,8 @@ from symid.errors import SettingError
 LEAST_RUNS = 3
 """Smallest number of runs for a spread."""
 _TAIL = 0.025
-_LEAST_SHARE = (
-    0.1  # variance between runs that counts, relative to the stated one, which has an accuracy of some 5 %
-)
+_LEAST_SHARE = 0.1
+"""Variance between runs that counts, relative to the stated one, which has an accuracy of some 5 %."""
 
 
 @dataclass(frozen=True)

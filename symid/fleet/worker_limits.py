@@ -19,9 +19,8 @@ from typing import Final
 LONGEST: Final = 3600.0
 """Default time limit of a log, s."""
 _LEAST_MEMORY: Final = 4e9
-_SHARES: Final = (
-    2.0  # multiple of its share of memory that a worker may take, since few need it at the same time
-)
+_SHARES: Final = 2.0
+"""Multiple of its share of memory that a worker may take, since few need it at the same time."""
 _PARENT_DEATH: Final = 1  # PR_SET_PDEATHSIG of prctl
 _ALARMS: Final = hasattr(signal, "setitimer")
 

@@ -13,9 +13,8 @@ import numpy as np
 import sympy as sp
 
 _DRAWS = 400
-_RARE = (
-    0.01  # share of the draws below which a second solution with the right signs does not matter in practice
-)
+_RARE = 0.01
+"""Share of the draws below which a second solution with the right signs does not matter in practice."""
 _RANGES: Mapping[str, tuple[float, float]] = {
     "kg": (0.0, 3.5),
     "kg*m^2": (-4.0, 1.0),

@@ -29,10 +29,8 @@ from symid.units import Unit
 _TRIALS = 4
 _SHARE_OF_BAND = 0.6
 _PERIODS_OF_MODE = 3.0  # least periods of a mode within a log
-_LOWEST_MODES = (
-    0.5,
-    3.0,
-)  # range of the lowest frequency sought, Hz: below it, a mode looks like a weight or a spring
+_LOWEST_MODES = (0.5, 3.0)
+"""Range of the lowest frequency sought, Hz: below it, a mode looks like a weight or a spring."""
 _SHARE_OF_MOTION = 0.9
 _MODES_APART = 1.09
 _MOST_DAMPING = 0.3  # damping ratio from which on a mode, beside a delay, looks like a lag
@@ -42,26 +40,21 @@ _MOST_OF_MASS = 0.95
 _INSIDE = 0.99
 _MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
 _USUAL_CHANGE = 0.1
-_MOMENTS_TRIED = np.linspace(
-    0.1, 0.9, 17
-)  # times relative to the log at which the usual change is also tried
+_MOMENTS_TRIED = np.linspace(0.1, 0.9, 17)
+"""Times relative to the log at which the usual change is also tried."""
 _DAMPINGS = (0.01, 0.05, 0.2)
 _LINE = 3.0  # amplitude of a spectral line relative to its neighbourhood
 _NEIGHBOURS = 8
 _FAST = 0.1
 _FEWEST_CYCLES = 4.0  # of a disturbance within a log; with fewer, it is any slow course
-_HARMONICS = (
-    5  # cycles of a disturbance per cycle of the motion up to which it may be a harmonic of the motion
-)
-_CHANGES_WITHIN = np.array(
-    [0.1, 0.9]
-)  # part of the log in which a mass may change: at its ends, unknown states decay
-_MOMENTS = np.linspace(
-    0.03, 0.97, 48
-)  # times of a change that are tried in another log, relative to its length
-_UNSETTLED = (
-    12  # points around the change, and after the end of the log, at which pulses have not yet decayed
-)
+_HARMONICS = 5
+"""Cycles of a disturbance per cycle of the motion up to which it may be a harmonic of the motion."""
+_CHANGES_WITHIN = np.array([0.1, 0.9])
+"""Part of the log in which a mass may change: at its ends, unknown states decay."""
+_MOMENTS = np.linspace(0.03, 0.97, 48)
+"""Times of a change that are tried in another log, relative to its length."""
+_UNSETTLED = 12
+"""Points around the change, and after the end of the log, at which pulses have not yet decayed."""
 
 
 class PeriodicDisturbanceEffect(JointEffect):

@@ -30,9 +30,8 @@ _LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 
 _USUAL_LIMIT = 0.3  # relative to the largest force; a lower limit may clip few samples only
 _MOSTLY_BELOW = 0.9
 _MOST_BEND, _USUAL_BEND = 0.9, 0.6  # change of the gain at the largest force, relative to the gain
-_BUT_FOR_PEAKS = (
-    0.98  # share of the samples to which the former applies: a loop with such a gain has force peaks
-)
+_BUT_FOR_PEAKS = 0.98
+"""Share of the samples to which the former applies: a loop with such a gain has force peaks."""
 
 
 class DriveEffect(Effect):

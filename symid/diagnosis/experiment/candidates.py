@@ -15,9 +15,8 @@ from symid.simulation import Limits, MoveProfile, Trajectory, frequency_lines, m
 _LOWEST_HZ, _STEP_HZ = 3.0, 1.0
 _FADE = 0.5
 _USED = 0.9  # share of a limit that a motion uses
-_ADDED_SPEED = (
-    0.5  # speed of a multisine relative to that of the move it is added to, which then never reverses
-)
+_ADDED_SPEED = 0.5
+"""Speed of a multisine relative to that of the move it is added to, which then never reverses."""
 _MULTISINE_STROKE = 0.2  # share of the stroke that a multisine may take
 _ACCELERATIONS = (0.25, 0.5, 0.75, 1.0)
 _STAIRCASES = (
