@@ -40,10 +40,10 @@ class Command:
 
 @dataclass(frozen=True, eq=False)
 class LinearLaw:
-    """A controller as matrices: state' = A state + B w, force = C state + D w + given.
+    """A controller and its drive as matrices: u = C x + D w + given is sent, f = bends(u), x' = A x + B w + E f.
 
-    w holds the reference (position, velocity, acceleration) and then the readings, in the order of the
-    controller's `signals`.
+    x is the state; w holds the reference (position, velocity, acceleration) and then the readings, in the order of the
+    controller's `signals`. The force G x + H f acts. Without bends, E and G it is the force that is sent.
 
     Parameters
     ----------
@@ -52,9 +52,15 @@ class LinearLaw:
     C : array of shape (n_state,)
     D : array of shape (3 + n_signals,)
     limit : float
-        Largest force for which the matrices are valid.
+        Largest sent force for which the matrices are valid.
     given : array of shape (n,)
         Given force at each sample, added to that of the matrices; the last value is kept beyond the end. May be empty.
+    bends : tuple of str
+        Gains and limits of the drive that the sent force passes, as NumPy code in terms of F.
+    E, G : array of shape (n_state,), optional
+        What the drive remembers of the bent force f, and what it adds to the acting one; 0 by default.
+    H : float
+        Share of f that acts at once.
     """
 
     A: FloatArray
@@ -63,6 +69,10 @@ class LinearLaw:
     D: FloatArray
     limit: float = math.inf
     given: FloatArray = field(default_factory=lambda: np.zeros(0))
+    bends: tuple[str, ...] = ()
+    E: FloatArray | None = None
+    G: FloatArray | None = None
+    H: float = 1.0
 
     def given_at(self, n_samples: int) -> FloatArray:
         """Given force at the first `n_samples` samples; 0 if there is none."""

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection, ForceLimit
+from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection
 from symid.axis.drive_imperfections import in_order
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
-from symid.simulation.imperfect_plant import scalar_law
+from symid.simulation.imperfect_plant import imperfection_code, scalar_law
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,27 +49,14 @@ class ThroughDrive(Controller):
         return sum(item.seconds for item in self.drive if isinstance(item, ActuatorDelay))
 
     @cached_property
-    def _bends(self) -> tuple[Callable[..., float], ...]:
-        """Laws of gains and limits, in the order in which they act."""
-        bends = in_order(item for item in self.drive if not isinstance(item, (ActuatorLag, ActuatorDelay)))
-        return tuple(map(scalar_law, bends))
+    def _bends(self) -> tuple[DriveImperfection, ...]:
+        """Gains and limits, in the order in which they act."""
+        return in_order(item for item in self.drive if not isinstance(item, (ActuatorLag, ActuatorDelay)))
 
     @cached_property
     def _n_past(self) -> int:
         """Number of past forces that the delay stores."""
         return math.floor(self._delay / self.period + 1e-9) + 2 if self._delay else 0
-
-    @cached_property
-    def _given(self) -> tuple[FloatArray, FloatArray] | None:
-        """A force given in advance, as commanded and after lags and delay; with it taken apart, the rest is linear."""
-        law = linear_law(self.inner, self.period)
-        if law is None or not law.given.size or not (self._lags or self._n_past) or self._bends:
-            return None
-        given = law.given_at(self.sent.size)
-        late, state = np.zeros(given.size), [given[0]] * (len(self._lags) + self._n_past)
-        for k, force in enumerate(given.tolist()):
-            late[k], state = self._behind(force, state)
-        return given, late
 
     @property
     def signals(self) -> tuple[str, ...]:
@@ -88,18 +75,14 @@ class ThroughDrive(Controller):
         n = self.inner.start.size
         force, inner = self.inner.force(command, measured, state[:n], period)
         self.sent[command.index] = force
-        acting, apart = float(force), 0.0
-        if self._given is not None:
-            given, late = self._given
-            index = min(command.index, given.size - 1)
-            acting, apart = acting - float(given[index]), float(late[index])
-        for law in self._bends:
-            acting = law(0.0, 0.0, acting, 0.0, 0.0)
+        acting = float(force)
+        for bend in self._bends:
+            acting = scalar_law(bend)(0.0, 0.0, acting, 0.0, 0.0)
         own = state[n:].tolist()
         if own and math.isnan(own[0]):  # the steady state of a constant force
             own = [acting] * len(own)
         acting, own = self._behind(acting, own)
-        return acting + apart, np.concatenate([inner, own])
+        return acting, np.concatenate([inner, own])
 
     def _behind(self, acting: Any, state: list[Any]) -> tuple[Any, list[Any]]:
         """Force after lags and delay, and their new state, as numbers or as rows on the state and inputs of a law."""
@@ -118,27 +101,24 @@ class ThroughDrive(Controller):
         return acting, [*lagging, *past]
 
     def linear(self, period: float) -> LinearLaw | None:
-        """The law of a linear controller followed by lags and delay, or by a limit below which the law is valid."""
+        """The law of a linear controller without a limit, followed by the drive."""
         law = linear_law(self.inner, period)
-        limits = [item.force for item in self.drive if isinstance(item, ForceLimit)]
         if law is None or math.isfinite(law.limit):
             return None
-        if len(limits) < len(self._bends) or (limits and (self._lags or self._n_past)):
-            return None
         n, n_state = len(law.A), self.start.size
-        rows = np.eye(
-            n_state, n_state + law.D.size
-        )  # state after the sample, on that before it and the inputs
-        rows[:n] = np.hstack([law.A, np.zeros((n, n_state - n)), law.B])
-        acting, own = self._behind(np.concatenate([law.C, np.zeros(n_state - n), law.D]), list(rows[n:]))
-        rows = np.vstack([rows[:n], *own])
-        return LinearLaw(
-            A=rows[:, :n_state],
-            B=rows[:, n_state:],
-            C=acting[:n_state],
-            D=acting[n_state:],
-            limit=min(limits, default=math.inf),
-            given=law.given if self._given is None else self._given[1],
+        drive = np.eye(n_state + 1)  # rows on the state and the bent force
+        acting, own = self._behind(drive[-1], list(drive[n:-1]))
+        after = np.vstack([np.zeros((n, n_state + 1)), *own])
+        added = n_state - n
+        return replace(
+            law,
+            A=np.vstack([np.pad(law.A, ((0, 0), (0, added))), after[n:, :-1]]),
+            B=np.pad(law.B, ((0, added), (0, 0))),
+            C=np.pad(law.C, (0, added)),
+            bends=tuple(imperfection_code(bend) for bend in self._bends),
+            E=after[:, -1],
+            G=acting[:-1],
+            H=float(acting[-1]),
         )
 
     def sent_along(self, inputs: FloatArray) -> FloatArray:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from symid.jit import compiled
-from symid.simulation.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MAXIMUM, MULTIPLY, POWER
+from symid.simulation.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MAXIMUM, MINIMUM, MULTIPLY, POWER
 
 
 @compiled
@@ -27,6 +27,9 @@ def evaluate(operations, operands, arguments, stack):  # type: ignore[no-untyped
         elif operation == POWER:
             top -= 1
             stack[top] = stack[top] ** stack[top + 1]
+        elif operation == MINIMUM:
+            top -= 1
+            stack[top] = min(stack[top], stack[top + 1])
         elif operation == MAXIMUM:
             top -= 1
             stack[top] = max(stack[top], stack[top + 1])

@@ -133,16 +133,17 @@ def _law(
     def force(q: float, v: float) -> float:
         return law(q, v, moment.load, moment.time, memory.at(q) if memory else 0.0)
 
-    return ScaledLaw(1.0, force, _code(element), len(moment.memories) - 1 if memory else -1)
+    return ScaledLaw(1.0, force, imperfection_code(element), len(moment.memories) - 1 if memory else -1)
 
 
 @cache
 def scalar_law(element: Imperfection) -> Callable[..., float]:
     """Law of an imperfection as a function of numbers q, v, F, t and z."""
-    return law_function(_code(element), ("F", "t", "z"))
+    return law_function(imperfection_code(element), ("F", "t", "z"))
 
 
-def _code(element: Imperfection) -> str:
+def imperfection_code(element: Imperfection) -> str:
+    """NumPy code of the law of an imperfection in terms of q, v, F, t and z."""
     from symid.symbolic.expressions import imperfection_law  # sympy takes half a second to load
 
     return code_of(imperfection_law(element))

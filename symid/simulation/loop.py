@@ -23,34 +23,42 @@ RUNAWAY = 1e100
 
 
 class LoopLaw(NamedTuple):
-    """The linear laws of all drives as one, in terms of w: the controllers' states, references and readings.
+    """The linear laws of all drives as one, in terms of w: the controllers' states, references, readings, bent forces.
 
-    The references are position, velocity and acceleration for each drive.
+    The references are position, velocity and acceleration for each drive. The bent forces are the sent ones after the
+    gains and limits of the drives.
     """
 
-    # shape (n_state, n_state + 3 n_drives + n_signals): the state after a sample is after @ w
-    after: FloatArray
-    # shape (n_drives, n_state + 3 n_drives + n_signals): the forces are forces @ w and given ones
-    forces: FloatArray
-    limits: FloatArray  # shape (n_drives,): largest force of each drive for which the matrices are valid
+    after: FloatArray  # shape (n_state, n_w): the state after a sample is after @ w
+    # shape (n_drives, n_w): sent forces are sent @ w and given ones; those that act are acting @ w
+    sent: FloatArray
+    acting: FloatArray
+    limits: FloatArray  # shape (n_drives,): largest sent force of each drive for which the matrices are valid
 
     @classmethod
     def of(cls, laws: Sequence[LinearLaw], places: Sequence[Sequence[int]], n_signals: int) -> LoopLaw:
         """Combine the laws of all drives; `places` are the indices of each controller's readings among all."""
         n_state, n_drives, first = sum(len(law.A) for law in laws), len(laws), 0
-        after, forces = (np.zeros((m, n_state + 3 * n_drives + n_signals)) for m in (n_state, n_drives))
+        n_known = n_state + 3 * n_drives + n_signals
+        after, sent, acting = (np.zeros((m, n_known + n_drives)) for m in (n_state, n_drives, n_drives))
         for i, (law, own) in enumerate(zip(laws, places, strict=True)):
             inputs = [n_state + 3 * i + j for j in range(3)] + [n_state + 3 * n_drives + p for p in own]
-            columns, rows = [*range(first, first + len(law.A)), *inputs], slice(first, first + len(law.A))
-            after[rows, columns], forces[i, columns] = np.hstack([law.A, law.B]), np.append(law.C, law.D)
-            first += len(law.A)
-        return cls(after, forces, np.array([min(law.limit, RUNAWAY) for law in laws]))
+            states = slice(first, first + len(law.A))
+            columns = [*range(first, states.stop), *inputs]
+            after[states, columns], sent[i, columns] = np.hstack([law.A, law.B]), np.append(law.C, law.D)
+            if law.E is not None:
+                after[states, n_known + i] = law.E
+            if law.G is not None:
+                acting[i, states] = law.G
+            acting[i, n_known + i] = law.H
+            first = states.stop
+        return cls(after, sent, acting, np.array([min(law.limit, RUNAWAY) for law in laws]))
 
     @classmethod
     def unknown(cls, n_drives: int, n_signals: int) -> LoopLaw:
         """The law of controllers without matrices; its limits make the loop ask the controllers at every sample."""
-        forces = np.zeros((n_drives, 3 * n_drives + n_signals))
-        return cls(forces[:0], forces, np.full(n_drives, -1.0))
+        forces = np.zeros((n_drives, 4 * n_drives + n_signals))
+        return cls(forces[:0], forces, forces, np.full(n_drives, -1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +98,11 @@ class Loop:
         signals = [reader.signal for reader in self.controlled]
         places = [[signals.index(s) for s in c.signals] for c in self.controllers]
         return LoopLaw.of(laws, places, len(signals))
+
+    @cached_property
+    def bends(self) -> tuple[tuple[str, ...], ...]:
+        """Gains and limits in the law of each drive, as NumPy code in terms of F; none without matrices."""
+        return tuple(() if law is None else law.bends for law in self._laws)
 
     @cached_property
     def start(self) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,11 @@ IntArray = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class LawNumbers(NamedTuple):
-    """The laws of a plant, and programs: one for each term of a law, then one for each sensor with a reading error."""
+    """The laws of a plant, and programs of all formulas.
+
+    There is a program for each term of a law, then one for each sensor with a reading error, then the gains and limits
+    of the drives.
+    """
 
     directions: FloatArray  # shape (n_laws, n)
     timed: np.ndarray[Any, np.dtype[np.bool_]]  # shape (n_laws,): which depend on more than the motion
@@ -26,6 +31,7 @@ class LawNumbers(NamedTuple):
     terms: IntArray  # shape (n_laws + 1,): first term of each law, and the end of the last
     parameters: FloatArray  # shape (n_terms,)
     remembers: IntArray  # shape (n_terms,): memory on which each term depends, or -1
+    bends: IntArray  # shape (n_drives + 1,): first program of each drive, and the end of the last
     # operations, operands: all programs, concatenated
     operations: IntArray
     operands: FloatArray
@@ -44,6 +50,8 @@ class LawNumbers(NamedTuple):
         terms = [term for law in plant.laws for term in law.terms]
         programs = [_program(term.code, _ARGUMENTS) for term in terms]
         programs += [_program(r.misread, ("y",)) for r in loop.controlled if r.misread is not None]
+        bends = len(programs) + np.cumsum([0, *map(len, loop.bends)])
+        programs += [_program(bend, _ARGUMENTS) for bend in chain.from_iterable(loop.bends)]
         memories = loop.moment.memories if loop.moment else []
         return cls(
             directions=np.array([law.direction for law in plant.laws]).reshape(-1, n),
@@ -52,6 +60,7 @@ class LawNumbers(NamedTuple):
             terms=np.cumsum([0, *(len(law.terms) for law in plant.laws)]),
             parameters=np.array([term.parameter for term in terms], dtype=float),
             remembers=np.array([term.memory for term in terms], dtype=np.int64),
+            bends=bends,
             operations=np.concatenate([np.zeros(0, np.int64), *(p.operations for p in programs)]),
             operands=np.concatenate([np.zeros(0), *(p.operands for p in programs)]),
             ends=np.cumsum([0, *(p.operations.size for p in programs)]),

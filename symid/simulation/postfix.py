@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import sympy as sp
 
 _FUNCTIONS = ("abs", "sign", "heaviside", "sin", "cos", "exp")
-CONSTANT, ARGUMENT, ADD, MULTIPLY, POWER, MAXIMUM, FUNCTION = range(7)
+CONSTANT, ARGUMENT, ADD, MULTIPLY, POWER, MINIMUM, MAXIMUM, FUNCTION = range(8)
 """Operations; `FUNCTION` + i is function i of `_FUNCTIONS`."""
 _Steps = list[tuple[int, float]]
 
@@ -77,8 +77,8 @@ def _append(node: ast.expr, arguments: tuple[str, ...], steps: _Steps) -> int:
         case ast.BinOp(left=left, op=ast.Pow(), right=right):
             return _joined(POWER, left, right, arguments, steps)
     match (_function_name(node), *getattr(node, "args", ())):
-        case "maximum", ast.expr() as left, ast.expr() as right:
-            return _joined(MAXIMUM, left, right, arguments, steps)
+        case "minimum" | "maximum" as name, ast.expr() as left, ast.expr() as right:
+            return _joined(MINIMUM if name == "minimum" else MAXIMUM, left, right, arguments, steps)
         case "sqrt", ast.expr() as operand:
             return _joined(POWER, operand, ast.Constant(0.5), arguments, steps)
         case str() as name, ast.expr() as operand, *at_zero if name in _FUNCTIONS and list(

@@ -17,18 +17,24 @@ _RUNAWAY = 1e150
 def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, after):  # type: ignore[no-untyped-def]
     """Advance from sample `begin` to `end`, or to a sample with an event; return how many samples were made.
 
+    The force that a controller sends passes the gains and limits of its drive, then lags and delays, which are linear.
     Varying laws act over each piece of a sample with their force at its middle. Where a force exceeds the limit of its
     linear law, `ask(k)` has the controllers write the forces to the record and their state to `after`; it returns 0, or
     1 to stop. `memory`, the state of the controllers, and `laws.memories` are left as after the last sample made.
     """
     # Numba counts references at each access to a field: the fields used by all samples are read once, here.
-    (states, accelerations, forces, between), (law_after, law_forces, limits) = record, law
+    (states, accelerations, forces, between), (law_after, law_sent, law_acting, limits) = record, law
     references, noise, steps, misread = channels.references, channels.noise, channels.steps, channels.misread
     readings, rows, ages, places = channels.readings, channels.rows, channels.ages, channels.places
     begins, ends, held, n_varying, rates = mode.begins, mode.ends, mode.limits, mode.varying.size, mode.rates
-    n_state, n_drives, n_memory, n_known = states.shape[1], given.shape[1], memory.size, law_after.shape[1]
+    n_state, n_drives, n_memory, n_known = (
+        states.shape[1],
+        given.shape[1],
+        memory.size,
+        law_after.shape[1] - given.shape[1],
+    )
     n_remembered, is_timed, is_accelerated = laws.reaches.size, laws.any_timed, mode.is_accelerated
-    inputs, out, z = np.zeros(n_known), np.zeros(ends.shape[1]), np.zeros(ends.shape[2])
+    inputs, out, z = np.zeros(law_after.shape[1]), np.zeros(ends.shape[1]), np.zeros(ends.shape[2])
     z[:n_state], z[-1] = states[begin], 1.0
     for k in range(begin, end):
         inputs[:n_memory] = memory
@@ -44,11 +50,17 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
             inputs[n_known - ages.size + i] = readings[i]
         asked = False
         for i in range(n_drives):
-            forces[k, i] = given[k, i] + _dot(law_forces, i, inputs)
+            inputs[n_known + i] = 0.0
+        for i in range(n_drives):
+            forces[k, i] = given[k, i] + _dot(law_sent, i, inputs)
             asked |= not abs(forces[k, i]) <= limits[i]
         if asked and ask(k):
             return k - begin
         if not asked:
+            for i in range(n_drives):
+                inputs[n_known + i] = _bent(i, forces[k, i], laws)
+            for i in range(n_drives):
+                forces[k, i] = _dot(law_acting, i, inputs)
             _product(law_after, inputs, after)
         # If the mode does not hold over the whole sample, the sample is left to the engine, which locates the event.
         z[n_state : n_state + n_drives] = forces[k]
@@ -98,6 +110,15 @@ def _dot(rows, i, values):  # type: ignore[no-untyped-def]
     for j in range(values.size):
         total += rows[i, j] * values[j]
     return total
+
+
+@compiled
+def _bent(drive, force, laws):  # type: ignore[no-untyped-def]
+    """Force after the gains and limits of a drive."""
+    for bend in range(laws.bends[drive], laws.bends[drive + 1]):
+        laws.arguments[2] = force
+        force = _value(bend, laws)
+    return force
 
 
 @compiled

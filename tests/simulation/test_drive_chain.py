@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symid import ActuatorDelay, ActuatorLag, ForceLimit, load_axis
+from symid import ActuatorDelay, ActuatorLag, ForceLimit, GainAsymmetry, GainNonlinearity, load_axis
 from symid.axis import DriveImperfection
 from symid.simulation import Cascade, Replay, chirp, plant_of, simulate, tuned_cascade
 
@@ -34,6 +34,8 @@ DRIVES = {
     "delay": (ActuatorDelay(1.3e-3),),
     "both": (ActuatorLag(1e-3), ActuatorDelay(1e-3)),
     "limit": (ForceLimit(20.0),),
+    "gain": (GainNonlinearity(0.003, power=2),),
+    "all": (ActuatorDelay(1e-3), ActuatorLag(1e-3), ForceLimit(20.0), GainAsymmetry(0.1)),
 }
 
 
