@@ -23,7 +23,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import symid
-from symid import Axis, Log
+from symid import Axis, Body, CoulombFriction, Drive, Log, Position, ViscousFriction
 from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.diagnose import Recorded, data_of
@@ -38,6 +38,7 @@ from symid.report.figures.identification_figure import PLOT_STYLE
 
 from .blind import draw, gap, laws, motion
 from .blind.engine import CONTROL_HZ, LOG_TICKS
+from .diagnosis.other_machines import Loop, Recorder, run
 
 FOLDER = Path(__file__).parents[1] / "docs" / "effects"
 READING = "ql"
@@ -45,6 +46,8 @@ READING = "ql"
 SEED, RATIO = 7, 50.0
 LATE = 0.25e-3
 """Time by which a late reading is late, s: one sample of the logs of the blind cases."""
+_TURNED = 12.0
+"""Angle of the table per metre of the other moves, rad/m."""
 _SHOWN = 5000
 _BINS, _LEAST_IN_BIN = 60, 2
 _LEAST_SPEED = 2e-3
@@ -77,6 +80,8 @@ class Signature:
     @property
     def unit(self) -> tuple[str, float]:
         """Label of the error that is drawn, and its scale."""
+        if self.at == "table":
+            return "torque error [N m]", 1.0
         return (f"error of {READING} [µm]", 1e6) if self.at == READING else ("force error [N]", 1.0)
 
 
@@ -92,6 +97,7 @@ SIGNATURES = {
     "quadratic_drag": Signature("motor", ("velocity", "time")),
     "offset_force": Signature("motor", ("velocity", "position"), {"side": 1.0}),
     "position_stiffness": Signature("motor", ("position", "time")),
+    "weight": Signature("table", ("angle", "time")),
     "cogging": Signature("motor", ("part of the stroke", "frequency"), {"pitch": 0.01, "phase": 0.0}),
     "periodic_disturbance": Signature("motor", ("frequency", "part of the time"), {"frequency": 8.0}),
     "payload_change": Signature("motor", ("time", "acceleration"), {"time": 6.0}),
@@ -185,11 +191,26 @@ def model(signature: Signature) -> Axis:
     return replace(axis, elements=kept)
 
 
+def turning_table() -> tuple[Axis, Log, dict[str, float]]:
+    """A model of a table without weight, a log of it with a weight at its rim, and its values."""
+    table = Body("table", inertia="J")
+    laws = ViscousFriction(table, "Fv"), CoulombFriction(table, "Fs")
+    axis = Axis("table", (table, *laws), Drive("F", table), (Position("q", table),))
+    values = {"J": 0.6, "Fv": 1.5, "Fs": 1.0}
+    course = _TURNED * moves()[0, :: CONTROL_HZ // 2000]
+    loop = Loop(2000.0, 0.6 * 60.0**2, 1.6 * 0.6 * 60.0, 1e-6, noise=0.05)
+    signals = run(values | {"Gs": 4.0, "Gc": -2.0}, loop, course, Recorder(every=2), SEED).signals
+    log = Log.from_arrays({name: signals[name] for name in ("q", "F")}, sampling_period=1e-3)
+    return axis, log, values
+
+
 def residual_of(effect: str) -> Residual:
     """Error of the re-identified plain axis on a log with the effect; for a late reading, of the true axis."""
     signature = signature_of(effect)
-    log, true = log_with(effect, signature)
-    axis = model(signature)
+    if signature.at == "table":
+        axis, log, true = turning_table()
+    else:
+        axis, (log, true) = model(signature), log_with(effect, signature)
     record = data_of(axis, (joined([log]), None), Recorded({}, held=None)).record
     start = {name: true[name] for name in axis.physical_parameters}
     begun = first_state(record, start)
@@ -201,6 +222,7 @@ def residual_of(effect: str) -> Residual:
         "time": time,
         "velocity": signals.velocity,
         "position": signals.position,
+        "angle": signals.position,
         "drive force": signals.measured,
         "acceleration": np.gradient(signals.velocity) * rate,
         "change of force": np.gradient(signals.reidentified) * rate,
@@ -235,6 +257,7 @@ LABELS = {
     "time": "time [s]",
     "velocity": "velocity [m/s]",
     "position": "position [m]",
+    "angle": "angle [rad]",
     "drive force": "drive force [N]",
     "acceleration": "acceleration [m/s²]",
     "change of force": "change of force [N/s]",

@@ -11,6 +11,7 @@ of its deviations. Effects that are reported with a probability of at least a ha
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import count, islice
@@ -20,11 +21,11 @@ import numpy as np
 from benchmarks.diagnosis.drawn_effects import EFFECTS
 from benchmarks.diagnosis.drawn_machines import Machine, drawn_logs, drawn_machine, drawn_small
 from benchmarks.diagnosis.machines import CLEAR, false_effects, names, options, said
-from symid import Axis, CoulombFriction, Law, Log, ViscousFriction
-from symid.axis import PendulumWeight
+from symid import Axis, CoulombFriction, Log, PendulumWeight, ViscousFriction
+from symid.axis.axis import Element
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
 
-_LAWS: dict[type[Law], tuple[str, str]] = {
+_LAWS: dict[type[Element], tuple[str, str]] = {
     CoulombFriction: ("coulomb_friction", "Fs"),
     ViscousFriction: ("viscous_friction", "Fv"),
     PendulumWeight: ("weight", "mgl"),
@@ -52,7 +53,7 @@ def drawn(seed: int, *, worldly: bool) -> Case | None:
     """A case; None where the controller drawn suits no machine."""
     rng = np.random.default_rng(seed)
     machine = drawn_machine(rng)
-    laws = [law for law in machine.axis.laws if type(law) in _LAWS and law.at == machine.scale.body]
+    laws = [law for law in machine.axis.elements if type(law) in _LAWS and _place(law) == machine.scale.body]
     law = laws[rng.integers(len(laws))]
     effect, name = _LAWS[type(law)]
     small = tuple(map(str, rng.permutation(EFFECTS)[:2])) if worldly else ()
@@ -65,6 +66,10 @@ def drawn(seed: int, *, worldly: bool) -> Case | None:
     return Case(machine, effect, machine.values[name], small, logs, model, nominal)
 
 
+def _place(law: Element) -> object:
+    return law.body if isinstance(law, PendulumWeight) else getattr(law, "at", None)
+
+
 def error(case: Case, axis: Axis) -> float:
     """Error of an axis, re-identified, in multiples of the floor."""
     log, other = case.logs
@@ -74,9 +79,14 @@ def error(case: Case, axis: Axis) -> float:
 
 
 def is_close(case: Case, effects: tuple[FoundEffect, ...]) -> bool:
-    """Whether the law is found with the machine's value."""
-    found = [next(iter(own.parameters.values())) for own in effects if own.effect == case.lacks]
-    return any(abs(p.value - case.value) < max(_CLOSE * case.value, _DEVIATIONS * p.std) for p in found)
+    """Whether the law is found with the machine's value, a weight with its size."""
+    found = [list(own.parameters.values()) for own in effects if own.effect == case.lacks]
+    found = [values if case.lacks == "weight" else values[:1] for values in found]
+    return any(
+        abs(math.hypot(*(p.value for p in own)) - case.value)
+        < max(_CLOSE * case.value, _DEVIATIONS * max(p.std for p in own))
+        for own in found
+    )
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from symid import Axis, Body, Drive, Log, Position, load_axis
+from symid import Axis, Body, Drive, Log, PendulumWeight, Position, Unbalance, load_axis
 from symid.axis import Between, Spring
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.effects import LawEffect
@@ -32,7 +32,7 @@ def scene_for(effect: LawEffect) -> Prediction:
         axis, values = load_axis("ballscrew_2m1s"), dict(SCREW)
         signals = {"qm": q, "ql": q - 2e-5 * np.sin(9 * t), "Fm": force}
     else:
-        body = Body("table", mass="M")
+        body = Body("table", inertia="M")
         beside = [law(body, law.__name__) for law in effect.hypothesis.beside]
         values = LEAN | {law.__name__: 5.0 for law in effect.hypothesis.beside}
         axis = Axis("lean", (body, *beside), Drive("F", body), (Position("q", body),))
@@ -58,10 +58,15 @@ def force_at(law: Pointwise, q: float, v: float) -> float:
     return float(evaluate(own.operations, own.operands, arguments, np.zeros(own.depth)))
 
 
+def a_body(effect: LawEffect) -> Body:
+    """A body that slides where the one of the log does, else turns."""
+    return Body("b", mass="M") if effect.law.in_spring else Body("b", inertia="M")
+
+
 def elements_alone(effect: LawEffect) -> Axis:
     """A body with nothing but the elements that a diagnosis would add."""
     place, shape, amplitudes = trial(effect)
-    body = Body("b", mass="M")
+    body = a_body(effect)
     found, _ = effect.elements(body, place, shape, amplitudes)
     return Axis("alone", (body, *found), Drive("F", body), (Position("q", body),))
 
@@ -104,7 +109,7 @@ def test_numbers_have_the_force_of_arrays(effect: LawEffect) -> None:
 def test_units_are_those_of_the_elements(effect: LawEffect) -> None:
     place, shape, amplitudes = trial(effect)
     prediction = scene_for(effect)
-    _, values = effect.elements(Body("b", mass="M"), place, shape, amplitudes)
+    _, values = effect.elements(a_body(effect), place, shape, amplitudes)
     units = elements_alone(effect).physical_parameters
     given = effect.units(prediction, place)
     assert len(given) == len(effect.amplitudes) + len(effect.shape_names)
@@ -119,7 +124,7 @@ def test_it_is_not_proposed_where_it_would_say_nothing_new(effect: LawEffect) ->
     prediction = scene_for(effect)
     assert effect.places(prediction)
     for law in effect.hypothesis.beside:
-        assert any(isinstance(own, law) for own in prediction.axis.laws)
+        assert any(isinstance(own, law) for own in prediction.axis.elements)
     if any(law.once for law in effect.laws):
         declared = elements_alone(effect)
         values = dict.fromkeys(declared.physical_parameters, 1.0)
@@ -149,3 +154,21 @@ def test_a_strong_law_in_a_spring_pushes_as_the_spring_does(name: str) -> None:
         force = abs(force_at(effect.point_by_point(shape, amplitudes), largest, 0.0))
         expected = share if name == "stiffness_nonlinearity" else min(share / 2, 1.0)
         assert force == pytest.approx(expected * 8e6 * largest)
+
+
+def test_a_weight_is_sought_where_a_body_turns_and_none_is_declared() -> None:
+    """Beside a declared one only its zero may be wrong."""
+    whole, zero = (effect for effect in LAWS if effect.name == "weight")
+    slide, table = Body("slide", mass="M"), Body("table", inertia="J")
+    for body, known, places in (
+        (slide, (), ([], [])),
+        (table, (), (["table"], [])),
+        (table, (PendulumWeight(table, "ml"),), ([], ["table"])),
+        (table, (Unbalance(table, "Gs", "Gc"),), ([], [])),
+    ):
+        axis = Axis("turning", (body, *known), Drive("F", body), (Position("q", body),))
+        t = np.arange(4000) / 1000
+        log = Log("by hand", 0.0, 1e-3, {"q": np.sin(7 * t), "F": 30 * np.cos(11 * t)})
+        values = dict.fromkeys(axis.physical_parameters, 1.0)
+        prediction = prediction_of(record_of(forward_dynamics(axis), log, 40.0), values)
+        assert (list(whole.places(prediction)), list(zero.places(prediction))) == places

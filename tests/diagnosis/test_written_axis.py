@@ -12,7 +12,10 @@ from symid import (
     ActuatorLag,
     Axis,
     Backlash,
+    Body,
     Cogging,
+    CoulombFriction,
+    Drive,
     EncoderRipple,
     ForceConstantRipple,
     ForceLimit,
@@ -27,11 +30,14 @@ from symid import (
     PayloadChange,
     PeriodicForce,
     PeriodicFriction,
+    Position,
     PositionStiffness,
     PreslidingFriction,
     QuadraticDrag,
     StiffnessNonlinearity,
     StribeckFriction,
+    Unbalance,
+    ViscousFriction,
     derive,
     load_axis,
     write_axis,
@@ -41,7 +47,7 @@ from symid.diagnosis.in_motion.declared import impossible_values
 from symid.diagnosis.in_motion.replayed import without_noise
 from symid.export import c_source, mjcf
 from symid.report.tables.derivation import derivation_record
-from symid.simulation import simulate
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID_KINDS = {
     "viscous_friction": (FRICTION[0], {}),
@@ -196,6 +202,25 @@ def test_a_late_reading_is_written_with_its_sensor(tmp_path: Path) -> None:
     assert after < 0.1 * before
 
 
+def test_a_weight_of_unknown_angle_is_written(tmp_path: Path) -> None:
+    table = Body("table", inertia="J")
+    laws = ViscousFriction(table, "Fv"), CoulombFriction(table, "Fs")
+    light = Axis("table", (table, *laws), Drive("F", table), (Position("q", table),))
+    light = light.with_signal("q", noise=1e-6).with_signal("F", noise=0.02)
+    values = {"J": 0.6, "Fv": 1.5, "Fs": 1.0}
+    heavy, weighs = light.with_effect(Unbalance(table, "Gs", "Gc")), values | {"Gs": 4.0, "Gc": -2.0}
+    loop = tuned_cascade(plant_of(light, values), "q")
+    course = trapezoids([2.0, 0.7], [0.5, 2.0], acceleration=8.0, jerk=200.0, dwell=0.1, sampling_period=1e-3)
+    log = simulate(heavy, weighs, course, loop).log
+    found = diagnose(light, log, nominal=values, held=True)
+    assert (found.effects[0].effect, found.effects[0].at) == ("weight", "table")
+    explained = explained_axis(found)
+    write_axis(explained.axis, tmp_path / "written.py")
+    (weight,) = (law for law in load_axis(str(tmp_path / "written.py")).laws if isinstance(law, Unbalance))
+    assert explained.values[weight.sine] == pytest.approx(4.0, rel=0.01)
+    assert explained.values[weight.cosine] == pytest.approx(-2.0, rel=0.01)
+
+
 def test_exports_say_what_they_lack_and_the_regressor_passes_it_over() -> None:
     axis = RIGID.with_effect(ActuatorLag(0.004), PreslidingFriction(MOTOR, 12.0, reach=3e-4))
     model = derive(axis, ("q",))
@@ -208,7 +233,7 @@ def test_exports_say_what_they_lack_and_the_regressor_passes_it_over() -> None:
 
 
 def test_no_effect_of_the_library_is_left_out_here() -> None:
-    here = {*RIGID_KINDS, *SPRING_KINDS, "flexible_mode", "sensor_delay"}
+    here = {*RIGID_KINDS, *SPRING_KINDS, "flexible_mode", "sensor_delay", "weight"}
     assert {effect.name for effect in LIBRARY} == here
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from symid.axis.elements import Body, Parameter
+from symid.axis.elements import Body, Parameter, PendulumWeight
 from symid.axis.laws.friction import CoulombFriction, ViscousFriction
 from symid.axis.laws.law import Hypothesis, Law, ShapeParameter, Term
 
@@ -49,6 +49,50 @@ class PositionStiffness(Law):
 
 
 @dataclass(frozen=True)
+class Unbalance(Law):
+    """The weight of a turning body whose centre of gravity is at an unknown angle: Gs sin(q) + Gc cos(q).
+
+    It is m g l sin(q + phase) with phase = atan2(Gc, Gs) and m g l = sqrt(Gs^2 + Gc^2): the body hangs at q = -phase.
+
+    Parameters
+    ----------
+    at : Body
+        A body that turns about a horizontal axis, on a base that does not turn.
+    sine, cosine : str
+        Parameters Gs and Gc in N m; both may be negative.
+
+    Examples
+    --------
+    >>> from symid import Body, Unbalance
+    >>> [term.expression for term in Unbalance(Body("table", inertia="J"), "Gs", "Gc").terms()]
+    ['cos(q)', 'sin(q)']
+    """
+
+    sine: Parameter
+    cosine: Parameter
+    formula: ClassVar = (
+        Term("cosine", "cos(q)", signed=True),
+        Term("sine", "sin(q)", signed=True),
+    )
+    # beside a weight that is declared, the zero of its angle may be wrong: m l g sin(q + phase) less what is declared
+    hypotheses: ClassVar = (
+        Hypothesis("weight", ("Gc", "Gs"), without=(PendulumWeight,)),
+        Hypothesis("weight", ("Gc",), beside=(PendulumWeight,)),
+    )
+    once: ClassVar = True
+    moves_hidden: ClassVar = False
+    advice: ClassVar = "hold the axis at rest at several angles, each approached from both sides"
+
+    def faults(self) -> Iterator[str]:
+        """Faults of the joint, whose q must be an angle relative to the ground."""
+        yield from super().faults()
+        if not (isinstance(self.at, Body) and self.at.turns):
+            yield "at must be a body that turns: use Weight where it slides"
+        elif isinstance(self.at.on, Body) and self.at.on.turns:
+            yield f"its angle is relative to {self.at.on.name!r}, which turns too: put the body on the ground"
+
+
+@dataclass(frozen=True)
 class Cogging(Law):
     """Force ripple along the stroke: As sin(2 pi q/pitch) + Ac cos(2 pi q/pitch).
 
@@ -76,47 +120,11 @@ class Cogging(Law):
     shape: ClassVar = (ShapeParameter("pitch", "pitch", "stroke"),)
     hypotheses: ClassVar = (Hypothesis("cogging", ("As", "Ac")),)
     moves_hidden: ClassVar = False
+    imitates: ClassVar = (Unbalance,)
     advice: ClassVar = (
         "move slowly at two speeds over the whole stroke: "
         "ripple of the stroke scales its frequency with speed"
     )
-
-
-@dataclass(frozen=True)
-class Unbalance(Law):
-    """The weight of a turning body whose centre of gravity is at an unknown angle: Gs sin(q) + Gc cos(q).
-
-    It is m g l sin(q + phase) with phase = atan2(Gc, Gs) and m g l = sqrt(Gs^2 + Gc^2): the body hangs at q = -phase.
-
-    Parameters
-    ----------
-    at : Body
-        A body that turns about a horizontal axis, on a base that does not turn.
-    sine, cosine : str
-        Parameters Gs and Gc in N m; both may be negative.
-
-    Examples
-    --------
-    >>> from symid import Body, Unbalance
-    >>> [term.expression for term in Unbalance(Body("table", inertia="J"), "Gs", "Gc").terms()]
-    ['sin(q)', 'cos(q)']
-    """
-
-    sine: Parameter
-    cosine: Parameter
-    formula: ClassVar = (
-        Term("sine", "sin(q)", signed=True),
-        Term("cosine", "cos(q)", signed=True),
-    )
-    moves_hidden: ClassVar = False
-
-    def faults(self) -> Iterator[str]:
-        """Faults of the joint, whose q must be an angle relative to the ground."""
-        yield from super().faults()
-        if not (isinstance(self.at, Body) and self.at.turns):
-            yield "at must be a body that turns: use Weight where it slides"
-        elif isinstance(self.at.on, Body) and self.at.on.turns:
-            yield f"its angle is relative to {self.at.on.name!r}, which turns too: put the body on the ground"
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, TypeAlias
 
-from symid.axis.elements import Joint, is_number, joint_label
+from symid.axis.elements import Joint, PendulumWeight, is_number, joint_label
 from symid.units import Unit
 
 __all__ = ["Hypothesis", "Law", "ShapeParameter", "Term"]
@@ -97,17 +97,17 @@ class Hypothesis:
         formulas. If there are fewer symbols than terms, the last terms are omitted.
     together : tuple of Law classes
         Laws that are added with it.
-    beside : tuple of Law classes
-        Laws that must already be declared in the joint.
-    without : tuple of Law classes
-        Laws that must not be declared there, because they act alike.
+    beside : tuple of classes
+        Laws or weights that must already be declared in the joint.
+    without : tuple of classes
+        Laws or weights that must not be declared there, because they act alike.
     """
 
     effect: str
     symbols: tuple[str, ...]
     together: tuple[type[Law], ...] = ()
-    beside: tuple[type[Law], ...] = ()
-    without: tuple[type[Law], ...] = ()
+    beside: tuple[type[Law | PendulumWeight], ...] = ()
+    without: tuple[type[Law | PendulumWeight], ...] = ()
 
 
 @dataclass(frozen=True)

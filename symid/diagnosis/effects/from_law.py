@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import Hypothesis, Law, ShapeParameter, Term, laws
+from symid.axis import Body, Hypothesis, Law, PendulumWeight, ShapeParameter, Term, laws
 from symid.axis.elements import Joint as Place
 from symid.diagnosis.effects.effect import (
     JointEffect,
@@ -24,6 +24,7 @@ from symid.diagnosis.effects.effect import (
 )
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.simulation.law_code import has_jumps, law_code, level_code
 from symid.simulation.law_functions import array_function
@@ -76,9 +77,17 @@ class LawEffect(JointEffect):
         taken = taken.union(*(joints_with(prediction, each) for each in self.laws if each.once))
         taken = taken.union(*(joints_with(prediction, each) for each in self.hypothesis.without))
         beside = [joints_with(prediction, each) for each in self.hypothesis.beside]
+        free = (name for name in prediction.joints if name not in taken)
         return [
-            name for name in prediction.joints if name not in taken and all(name in names for names in beside)
+            name
+            for name in free
+            if all(name in names for names in beside) and self._is_allowed(place_named(prediction.axis, name))
         ]
+
+    def _is_allowed(self, place: Place) -> bool:
+        """Whether its laws may be declared at a place: a weight of unknown angle needs a body that turns."""
+        unit = (1.0,) * len(self.shape_parameters), (1.0,) * len(self.amplitudes)
+        return not any(fault for law in self.elements(place, "", *unit)[0] for fault in law.faults())
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """A spring leaves its dead zone at times."""
@@ -251,9 +260,11 @@ def library_of_laws(own: Mapping[type[Law], type[LawEffect]]) -> tuple[LawEffect
     return tuple(effect for law in known for effect in effects_of(law, own.get(law, LawEffect)))
 
 
-def joints_with(prediction: Prediction, kind: type[Law]) -> set[str]:
-    """Bodies in whose joint a law is declared."""
-    return {law.at.name for law in prediction.axis.laws if isinstance(law, kind) and hasattr(law.at, "name")}
+def joints_with(prediction: Prediction, kind: type[Law | PendulumWeight]) -> set[str]:
+    """Bodies in whose joint a law or a weight is declared."""
+    found = (e for e in prediction.axis.elements if isinstance(e, kind))
+    places = (e.body if isinstance(e, PendulumWeight) else e.at for e in found)
+    return {place.name for place in places if isinstance(place, Body)}
 
 
 def _scale(number: ShapeParameter, joint: Joint) -> float:
