@@ -131,9 +131,10 @@ class Thresholds:
     # that bound
     least_removed: float = 0.1
     removed_width: float = 0.02
-    # covered, covered_width: the same for it to be what it is called, and to stand for nothing else
-    covered: float = 0.5
-    covered_width: float = 0.12
+    # covered, covered_width: the same for it to be what it is called, and to stand for nothing else (reliability of
+    # drawn cases: effects that took a third of the gap were right more often than not)
+    covered: float = 0.3
+    covered_width: float = 0.1
     # nearly_all, nearly_width: the same of a gap hardly above the floor, whose level is not known better: only a
     # cause takes all of it away (exact axes whose encoder noise passes through a controller)
     nearly_all: float = 0.8

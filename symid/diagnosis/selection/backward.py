@@ -207,7 +207,7 @@ def _chosen(
     best = ranked(found.values(), before)
     if best and own.key in found and not _clearly(best[0], found[own.key], first):
         best = [found[own.key], *(c for c in best if c.key != own.key)]
-    chosen = SelectionStep(before, tuple(best), step.screened, refused)
+    chosen = SelectionStep(before.released(), tuple(best), step.screened, refused)
     if not chosen.justifies_another(first):
         return None
     if len(best) > 1:
@@ -274,4 +274,4 @@ def _in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> Selectio
     screened = tuple(
         replace(candidate, gain=found.gain + candidate.gain - best.gain) for candidate in step.screened
     )
-    return SelectionStep(before, (replace(found, odds=best.odds), *behind), screened, step.refused)
+    return SelectionStep(before.released(), (replace(found, odds=best.odds), *behind), screened, step.refused)

@@ -100,21 +100,25 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
     # both are fitted and compared.
     alike = [c.placed for c in found if _is_alike(c.placed.key, tried)]
     tried |= _confirm(fit, [Start.of(fit, placed) for placed in alike], confirmed)
+    _confirm(fit, [Start.of(fit, placed) for placed in _elsewhere(found, confirmed)], confirmed, math.inf)
     refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
-    return SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
+    return SelectionStep(fit.released(), tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
 
 
-def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed]) -> dict[Key, Placed]:
+def _confirm(
+    fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed], hopeless: float = THRESHOLDS.hopeless
+) -> dict[Key, Placed]:
     """Fit candidates, keep the best fit of each in `confirmed`, and return the candidates.
 
-    A simpler effect that a confirmed one refines is always fitted to the end, as the two are compared.
+    A fit is given up where it leaves `hopeless` times the least error. A simpler effect that a confirmed one refines is
+    always fitted to the end, as the two are compared.
     """
     tried = {}
     for start in starts:
         tried[start.placed.key] = start.placed
         refined = any(other.placed.contains(start.placed.key) for other in confirmed.values())
-        most = math.inf if refined else THRESHOLDS.hopeless * _least_left(confirmed)
+        most = math.inf if refined else hopeless * _least_left(confirmed)
         own = confirmed_from(fit, start, most)
         if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
             confirmed[own.key] = own
@@ -128,6 +132,18 @@ def _is_alike(key: Key, tried: Mapping[Key, Placed]) -> bool:
     name, at = key
     late = name in LATE_FORCES and any((other, at) in tried for other in LATE_FORCES)
     return late or any(placed.contains(key) for placed in tried.values())
+
+
+def _elsewhere(found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> list[Placed]:
+    """The best effect in the other joints where its fit was given up: there it may explain as much."""
+    best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
+    if best is None:
+        return []
+    most = THRESHOLDS.hopeless * _least_left(confirmed)
+    given_up = {
+        key for key, own in confirmed.items() if key[0] == best.key[0] and own.fit.mean_square >= most
+    }
+    return [c.placed for c in found if c.placed.key in given_up - {best.key}]
 
 
 def _stages(
