@@ -3,8 +3,8 @@
 from dataclasses import fields, replace
 
 import pytest
-from machine_runs import LOOP, MOTOR, RIGID, VALUES, machine
 
+from benchmarks.effect_machines import LOOP, MOTOR, RIGID, VALUES, machine
 from symid import (
     ActuatorDelay,
     ActuatorLag,

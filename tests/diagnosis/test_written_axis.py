@@ -5,37 +5,32 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from machine_runs import COUPLING, ELASTIC, FRICTION, LOOP, MOTOR, RIGID, SENSORS, VALUES, machine, path
 
+from benchmarks.effect_machines import (
+    ELASTIC,
+    KINDS,
+    LOOP,
+    MOTOR,
+    RIGID,
+    SENSORS,
+    VALUES,
+    Kind,
+    machine,
+    path,
+)
 from symid import (
     ActuatorDelay,
     ActuatorLag,
     Axis,
-    Backlash,
     Body,
-    Cogging,
     CoulombFriction,
     Drive,
-    EncoderRipple,
-    ForceConstantRipple,
-    ForceLimit,
-    FrictionAsymmetry,
-    FrictionDrift,
-    FrictionTrend,
-    GainAsymmetry,
-    GainNonlinearity,
     Imperfection,
-    LoadDependentFriction,
-    OffsetForce,
     PayloadChange,
     PeriodicForce,
     PeriodicFriction,
     Position,
-    PositionStiffness,
     PreslidingFriction,
-    QuadraticDrag,
-    StiffnessNonlinearity,
-    StribeckFriction,
     Unbalance,
     ViscousFriction,
     derive,
@@ -49,44 +44,10 @@ from symid.export import c_source, mjcf
 from symid.report.tables.derivation import derivation_record
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
-RIGID_KINDS = {
-    "viscous_friction": (FRICTION[0], {}),
-    "coulomb_friction": (FRICTION[1], {}),
-    "asymmetric_friction": (FrictionAsymmetry(MOTOR, "dFs", "dFv"), {"dFs": 4.0, "dFv": 20.0}),
-    "stribeck_friction": (StribeckFriction(MOTOR, "dF", velocity=0.03), {"dF": 8.0}),
-    "quadratic_drag": (QuadraticDrag(MOTOR, "c"), {"c": 150.0}),
-    "offset_force": (OffsetForce(MOTOR, "F0"), {"F0": 15.0}),
-    "position_stiffness": (PositionStiffness(MOTOR, "k"), {"k": 120.0}),
-    "cogging": (Cogging(MOTOR, "As", "Ac", pitch=0.024), {"As": 6.0, "Ac": -4.0}),
-    "position_dependent_friction": (PeriodicFriction(MOTOR, "dS", "dC", pitch=0.1), {"dS": 5.0, "dC": 3.0}),
-    "presliding_friction": (PreslidingFriction(MOTOR, 12.0, reach=3e-4), {}),
-    "load_dependent_friction": (LoadDependentFriction(MOTOR, 0.15), {}),
-    "friction_drift": (FrictionDrift(MOTOR, 10.0, 60.0, time_constant=4.0), {}),
-    "periodic_disturbance": (PeriodicForce(MOTOR, 6.0, 3.0, frequency=7.3), {}),
-    "payload_change": (PayloadChange(MOTOR, 8.0, time=9.0), {}),
-    "delay": (ActuatorDelay(0.0032), {}),
-    "actuator_lag": (ActuatorLag(0.004), {}),
-    "saturation": (ForceLimit(150.0), {}),
-    "gain_nonlinearity": (GainNonlinearity(0.001, power=2), {}),
-    "force_constant_ripple": (ForceConstantRipple(MOTOR, 0.06, -0.03, pitch=0.024), {}),
-    "encoder_ripple": (EncoderRipple("q", 3e-6, 2e-6, pitch=0.01), {}),
-}
-"""Effects of a rigid axis, each as an element with its values."""
-OTHER_ELEMENTS = {
-    "position_dependent_friction closely": (
-        PeriodicFriction(MOTOR, "dS", "dC", pitch=0.0173),
-        {"dS": 5.0, "dC": 3.0},
-    ),
-    "friction_drift steadily": (FrictionTrend(MOTOR, 0.8, 0.0), {}),
-    "gain_nonlinearity": (GainAsymmetry(0.08), {}),
-    "gain_nonlinearity cubed": (GainNonlinearity(2e-6, power=3), {}),
-}
-"""Other forms of the same effects."""
-SPRING_KINDS = {
-    "stiffness_nonlinearity": (StiffnessNonlinearity(COUPLING, "k3"), {"k3": 1.5e13}),
-    "backlash": (Backlash(COUPLING, "Kb", gap=1e-4), {"Kb": 6e5}),
-}
-"""Effects of a spring."""
+CLOSELY = Kind(
+    "position_dependent_friction", PeriodicFriction(MOTOR, "dS", "dC", pitch=0.0173), {"dS": 5.0, "dC": 3.0}
+)
+"""Friction that repeats more closely than the pitches that are tried."""
 
 
 def improved(
@@ -123,19 +84,12 @@ def improved(
     return tuple(float(np.sqrt(np.mean((log["q"] - run["q"]) ** 2))) for run in (before, after))
 
 
-@pytest.mark.parametrize("name", [*RIGID_KINDS, *OTHER_ELEMENTS])
-def test_a_written_effect_brings_the_simulated_position_nearer(name: str, tmp_path: Path) -> None:
-    element, own = (RIGID_KINDS | OTHER_ELEMENTS)[name]
-    has = RIGID if element in RIGID.elements else RIGID.with_effect(element)
-    before, after = improved(RIGID.without(element), has, VALUES | own, name.split()[0], tmp_path)
-    assert after < 0.5 * before
-
-
-@pytest.mark.parametrize("kind", SPRING_KINDS)
-def test_an_effect_of_a_spring_too(kind: str, tmp_path: Path) -> None:
-    element, own = SPRING_KINDS[kind]
-    before, after = improved(ELASTIC, ELASTIC.with_effect(element), VALUES | own, kind, tmp_path)
-    assert after < 0.8 * before
+@pytest.mark.parametrize(  # the last one, a weight, has a test of its own
+    "kind", [*KINDS[:-1], CLOSELY], ids=lambda kind: f"{kind.effect}-{type(kind.element).__name__}"
+)
+def test_a_written_effect_brings_the_simulated_position_nearer(kind: Kind, tmp_path: Path) -> None:
+    before, after = improved(kind.plain, kind.axis, {**VALUES, **kind.values}, kind.effect, tmp_path)
+    assert after < (0.8 if kind.lacking is ELASTIC else 0.5) * before
 
 
 def test_a_flexible_mode_too(tmp_path: Path) -> None:
@@ -233,7 +187,7 @@ def test_exports_say_what_they_lack_and_the_regressor_passes_it_over() -> None:
 
 
 def test_no_effect_of_the_library_is_left_out_here() -> None:
-    here = {*RIGID_KINDS, *SPRING_KINDS, "flexible_mode", "sensor_delay", "weight"}
+    here = {*(kind.effect for kind in KINDS), "flexible_mode", "sensor_delay"}
     assert {effect.name for effect in LIBRARY} == here
 
 
