@@ -66,8 +66,10 @@ def segment_spectra(x: FloatArray, segment: int) -> ComplexArray:
     The samples are stretches of time, one a row, of at least a segment each; the segments of all rows follow each other
     in the result, of shape (n_segments, segment // 2 + 1).
     """
-    windows = np.lib.stride_tricks.sliding_window_view(x, segment, axis=-1)
-    segments = windows[..., :: segment - segment // 2, :]
+    step = segment - segment // 2
+    shape = (*x.shape[:-1], (x.shape[-1] - segment) // step + 1, segment)
+    strides = (*x.strides[:-1], step * x.strides[-1], x.strides[-1])
+    segments = np.ndarray(shape, x.dtype, x, strides=strides)
     level = segments - segments.mean(axis=-1, keepdims=True)
     level *= _hann(segment)
     return np.asarray(np.fft.rfft(level, axis=-1).reshape(-1, segment // 2 + 1))
@@ -75,7 +77,9 @@ def segment_spectra(x: FloatArray, segment: int) -> ComplexArray:
 
 def mean_power(spectra: ComplexArray) -> FloatArray:
     """Mean square of spectra of shape (n_segments, n_frequencies) at each frequency."""
-    return np.asarray(np.mean(spectra.real**2 + spectra.imag**2, axis=0))
+    parts = spectra.view(np.float64)
+    squares = np.einsum("sf,sf->f", parts, parts) / len(spectra)
+    return np.asarray(squares[0::2] + squares[1::2])
 
 
 def explained_power(spectra: ComplexArray, others: ComplexArray) -> FloatArray:

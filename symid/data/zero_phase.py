@@ -27,6 +27,7 @@ _FEW: Final = 8  # distance of kept samples from which products of blocks are fa
 _LENGTH: Final = 2048  # samples of a block
 _MOST_KEPT: Final = 16  # of them
 _SLOWEST: Final = 1.0 - 1e-12  # modulus of a pole; of a cutoff near zero it is rounded beyond the circle
+_DOUBLED: Final = tuple(2**k for k in range(40))  # numbers of blocks
 _FORGOTTEN: Final = 1e-19  # of a state; far below rounding, since the modes of a filter add up
 
 
@@ -204,11 +205,19 @@ class _BlockMaps:
         Sums over 1, 2, 4 ... blocks are doubled until the filter has forgotten earlier samples.
         """
         states = np.concatenate((first[:, None], added), axis=1)
-        across, reach = self.across, 1
-        while reach < states.shape[1] and np.abs(across).max() > _FORGOTTEN:
+        for across, reach in zip(self._powers, _DOUBLED, strict=False):
+            if reach >= states.shape[1]:
+                break
             states[:, reach:] += states[:, :-reach] @ across
-            across, reach = across @ across, 2 * reach
         return states[:, :-1], states[:, -1]
+
+    @cached_property
+    def _powers(self) -> list[FloatArray]:
+        """State behind 1, 2, 4 ... blocks by that before them, until the filter has forgotten."""
+        powers = [self.across]
+        while np.abs(powers[-1]).max() > _FORGOTTEN and len(powers) < len(_DOUBLED):
+            powers.append(powers[-1] @ powers[-1])
+        return powers[:-1] if np.abs(powers[-1]).max() <= _FORGOTTEN else powers
 
 
 @lru_cache(maxsize=64)

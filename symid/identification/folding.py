@@ -27,8 +27,8 @@ def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """
     for part in parts:
         length = max(16, min(_LONGEST, part.log.n_samples // _SEGMENTS))
-        spectra = {name: segment_spectra(part.log[name][None], length) for name in model.highest_derivatives}
-        sensors = {name: x for name, x in spectra.items() if name not in model.forces}
+        motion = [name for name in model.highest_derivatives if name not in model.forces]
+        sensors = {name: segment_spectra(part.log[name][None], length) for name in motion}
         upper = np.arange(length // 2 + 1) > _FROM * length
         power = {name: mean_power(x) for name, x in sensors.items()}
         shares = {name: float(p[upper].sum()) / max(float(p.sum()), 1e-300) for name, p in power.items()}
@@ -36,8 +36,9 @@ def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
         if shares[name] < _SHARE:
             continue
         for force in model.forces:
-            seen = explained_power(spectra[force], np.stack(list(sensors.values())))
-            if np.median((seen / np.maximum(mean_power(spectra[force]), 1e-300))[upper]) > _COHERENT:
+            spectra = segment_spectra(part.log[force][None], length)
+            seen = explained_power(spectra, np.stack(list(sensors.values())))
+            if np.median((seen / np.maximum(mean_power(spectra), 1e-300))[upper]) > _COHERENT:
                 return (
                     f"{name} has {100 * shares[name]:.2g} % of its power above 0.7 of half the sampling frequency, and "
                     f"{force} goes with it: faster motion is folded into the log; record faster, or filter all signals "

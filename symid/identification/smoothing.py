@@ -73,9 +73,10 @@ def updated_every(x: FloatArray) -> tuple[int, int]:
     >>> updated_every(np.repeat(x, 4)[1:]), updated_every(x)
     ((4, 3), (1, 0))
     """
-    changes = np.flatnonzero(np.diff(x)) + 1
-    if changes.size < _FEWEST_CHANGES or changes.size > (1.0 - _REPEATED) * x.size:
+    changed = x[1:] != x[:-1]
+    if not _FEWEST_CHANGES <= np.count_nonzero(changed) <= (1.0 - _REPEATED) * x.size:
         return 1, 0
+    changes = np.flatnonzero(changed) + 1
     for n in reversed(SPACINGS):
         places = np.bincount(changes % n, minlength=n)
         first = int(np.argmax(places))
