@@ -142,15 +142,14 @@ class Cluster:
             yield from _submitted(client, work, tasks)
 
 
-_GROUP = 8  # tasks sent together: one by one, the scheduler would limit a hundred workers
+_GROUP = 8  # most tasks sent together: one by one, the scheduler would limit a hundred workers
 _AHEAD = 3  # groups submitted in advance for each thread of the cluster
 
 
 def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
     distributed = _distributed()
     threads = max(1, sum(client.nthreads().values()))
-    size = max(1, min(_GROUP, len(tasks) // (_AHEAD * threads)))
-    groups = iter([tasks[start : start + size] for start in range(0, len(tasks), size)])
+    groups = _groups(tasks, _AHEAD * threads)
     flow, waiting = distributed.as_completed(loop=client.loop), {}
     suspects: list[Task] = []
 
@@ -172,6 +171,19 @@ def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task
     for task in suspects:  # one at a time, since all tasks of a dead worker are suspected
         results = _results(client.submit(_grouped, work, [task], pure=False))
         yield task, None if results is None else results[0]
+
+
+def _groups(tasks: Sequence[Task], ahead: int) -> Iterator[Sequence[Task]]:
+    """Tasks in groups that become smaller towards the end, so that all workers end at nearly the same time.
+
+    >>> [len(group) for group in _groups(range(40), 6)]
+    [6, 5, 4, 4, 3, 3, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]
+    """
+    begin = 0
+    while begin < len(tasks):
+        size = max(1, min(_GROUP, (len(tasks) - begin) // ahead))
+        yield tasks[begin : begin + size]
+        begin += size
 
 
 def _results(future: Any) -> list[Any] | None:

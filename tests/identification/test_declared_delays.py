@@ -16,7 +16,7 @@ PLAIN = load_axis("rigid_1m")
 LATE = PLAIN.with_signal("q", noise=1e-8, delay=3e-3)
 DECLARED = {"q": LATE, "F": PLAIN.with_signal("q", noise=1e-8).with_effect(ActuatorDelay(3e-3))}
 REFERENCE = chirp(0.5, 5.0, 4.0, 0.01, sampling_period=1e-3)
-SHORT = chirp(0.5, 5.0, 2.0, 0.01, sampling_period=1e-3)
+SHORT = chirp(0.5, 5.0, 1.0, 0.01, sampling_period=1e-3)
 """Of what is simulated anew at every step of a search."""
 CONTROLLER = tuned_cascade(plant_of(PLAIN, TRUE), "q", bandwidth_hz=10.0)
 
