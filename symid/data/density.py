@@ -69,7 +69,7 @@ def segment_spectra(x: FloatArray, segment: int) -> ComplexArray:
     step = segment - segment // 2
     shape = (*x.shape[:-1], (x.shape[-1] - segment) // step + 1, segment)
     strides = (*x.strides[:-1], step * x.strides[-1], x.strides[-1])
-    segments = np.ndarray(shape, x.dtype, x, strides=strides)
+    segments = np.lib.stride_tricks.as_strided(x, shape, strides, writeable=False)
     level = segments - segments.mean(axis=-1, keepdims=True)
     level *= _hann(segment)
     return np.asarray(np.fft.rfft(level, axis=-1).reshape(-1, segment // 2 + 1))

@@ -110,8 +110,20 @@ def test_white_residual_changes_little_and_units_nothing():
     corrected = corrected_covariance(W, y, fit)
     assert np.allclose(corrected.standard_deviations, fit.standard_deviations, rtol=0.02)
     assert corrected.effective_parameters == pytest.approx(2.0, rel=0.05)
+    assert corrected.bandwidth == 1
+    assert corrected.effective_samples == pytest.approx(5000.0)
     scaled = corrected_covariance(W * [1e6, 1e-6], y, estimate(triangular_factors(W * [1e6, 1e-6], y)))
     assert np.allclose(scaled.standard_deviations * [1e6, 1e-6], corrected.standard_deviations)
+
+
+def test_the_unit_of_the_output_does_not_matter_to_a_correlated_residual():
+    y = np.repeat(np.random.default_rng(7).standard_normal(2000), 2)[None]
+    W = np.ones((1, 4000, 1))
+    plain, small = (
+        corrected_covariance(W, unit * y, estimate(triangular_factors(W, unit * y))) for unit in (1.0, 1e-6)
+    )
+    assert small.bandwidth == plain.bandwidth > 1
+    assert small.standard_deviations == pytest.approx(1e-6 * plain.standard_deviations)
 
 
 def test_statuses():

@@ -47,6 +47,13 @@ def test_column_of_zeros_is_undetermined_by_itself():
     assert fit.condition_number == np.inf
 
 
+def test_independent_columns_leave_no_combination():
+    fit = fit_of(columns(3, 50, 2), np.arange(50.0))
+    assert fit.rank.null_space.shape == (2, 0)
+    assert fit.combinations.shape == (0, 2)
+    assert fit.combination_values.shape == (0,)
+
+
 def test_nothing_at_all_is_a_status():
     fit = fit_of(np.zeros((20, 2)), np.zeros(20))
     assert (fit.status, fit.rank.rank, fit.undetermined) == ("rank_deficient", 0, (0, 1))
