@@ -16,6 +16,12 @@ def test_density_is_that_of_scipy(n: int, segment: int) -> None:
     np.testing.assert_allclose(density, own, rtol=1e-9, atol=1e-12 * own.max())
 
 
+def test_a_signal_may_be_a_row_of_a_table_of_columns() -> None:
+    columns = np.random.default_rng(2).standard_normal((500, 3))
+    of_column, of_copy = (power_density(x, 1.0, 64)[1] for x in (columns[:, 1], columns[:, 1].copy()))
+    np.testing.assert_array_equal(of_column, of_copy)
+
+
 def test_incoherent_density_of_one_signal_is_that_of_scipy() -> None:
     y, noise = np.random.default_rng(3).normal(size=(2, 4000))
     x = np.convolve(y, [1.0, -0.5], "same") + noise
