@@ -29,7 +29,7 @@ from symid.fleet.result_table import (
     units_of,
     write_table,
 )
-from symid.fleet.results import Units, count_effects
+from symid.fleet.results import Units, count_effects, without_repeats
 from symid.fleet.row import Row
 from symid.fleet.schedulers import Scheduler, scheduler_of
 from symid.fleet.spread import robust_deviation
@@ -253,7 +253,8 @@ def summary_of(batch: Batch) -> dict[str, Any]:
     """Summary of a batch, the record of `symid batch --json`.
 
     ``spread`` is the robust standard deviation of a parameter over the logs of status "ok", from the median absolute
-    deviation; ``std`` is the median of the standard deviations of these logs.
+    deviation; ``std`` is the median of the standard deviations of these logs; a minimal parameter ``repeats`` what the
+    physical ones say.
 
     Parameters
     ----------
@@ -285,6 +286,8 @@ def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
     for measured, units in batch.units[axis].items():
         wanted = {"axis": axis, "measured": measured, "status": "ok"}.items()
         rows = [r for r in batch.rows if wanted <= r.items()]
+        known = [name for name in units if any(row.get(name) is not None for row in rows)]
+        shown = without_repeats(known, units)
         for name, unit in units.items():
             values, deviations = (
                 np.array([row[column] for row in rows if row.get(column) is not None], dtype=float)
@@ -300,6 +303,7 @@ def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
                         "spread": robust_deviation(values),
                         "std": float(np.median(deviations)) if deviations.size else None,
                         "unit": unit,
+                        "repeats": name not in shown,
                     }
                 )
     return found

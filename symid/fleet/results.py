@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ UNKNOWN = "unknown axis"
 UNITS = "symid.units"
 """Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
 Units = Mapping[str, Mapping[str, Mapping[str, str]]]
+_MINIMAL = re.compile(r"X\d+")
+"""Names of minimal parameters."""
 _NEEDED = ("log", "axis", "status")
 _FORMULA, _MADE_SAFE = r"^('*[=+\-@\t\r])", r"^'('*[=+\-@\t\r])"
 """Text that a spreadsheet would interpret as a formula, and the same with an apostrophe before it."""
@@ -118,6 +121,20 @@ def parameter_names(table: pl.DataFrame) -> tuple[str, ...]:
     """
     columns = set(table.columns)
     return tuple(name for name in table.columns if f"{name}_std" in columns)
+
+
+def without_repeats(known: Iterable[str], declared: Iterable[str] = ()) -> list[str]:
+    """Known parameters without the minimal ones, if these repeat what the physical ones say.
+
+    They do where each physical parameter of those declared is known.
+
+    >>> without_repeats(["X1", "X2", "M"]), without_repeats(["X1", "X2"]), without_repeats(["X1", "M"], ["M", "K"])
+    (['M'], ['X1', 'X2'], ['X1', 'M'])
+    """
+    every = list(known)
+    physical = [name for name in every if not _MINIMAL.fullmatch(name)]
+    whole = all(name in physical for name in declared if not _MINIMAL.fullmatch(name))
+    return physical if physical and whole else every
 
 
 def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:

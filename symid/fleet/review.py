@@ -24,6 +24,7 @@ from symid.fleet.results import (
     moments,
     numbers,
     parameter_names,
+    without_repeats,
 )
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, robust_deviation, spread_between
 from symid.text import counted
@@ -197,10 +198,11 @@ def review_fleet(
 
 def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], units: Units) -> AxisReview:
     rows = group.rows.filter(pl.col("status").is_in(list(statuses)))
-    # A minimal parameter that equals a physical one has the same numbers under a second name and is left out.
-    last = {numbers(rows, name).tobytes(): name for name in names}
-    distinct = [name for name in names if last[numbers(rows, name).tobytes()] == name]
     own = units.get(group.axis, {}).get(",".join(group.sensors), {})
+    known = [name for name in names if np.isfinite(numbers(rows, name)).any()]
+    # A minimal parameter that equals a physical one has the same numbers under a second name and is left out.
+    last = {numbers(rows, name).tobytes(): name for name in known}
+    distinct = [name for name in without_repeats(known, own) if last[numbers(rows, name).tobytes()] == name]
     found = tuple(one for one in (_parameter_review(rows, name, own) for name in distinct) if one is not None)
     return AxisReview(
         name=group.name,

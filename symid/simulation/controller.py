@@ -16,6 +16,8 @@ from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.plant import Plant
 
+_SLOWEST, _FASTEST = 1e-6, 1e6
+"""Range of bandwidths, Hz: beyond it powers of them overflow."""
 _SHARED = 1e-9
 """Singular value, relative to the largest, below which drives count as moving the same mass."""
 
@@ -304,8 +306,14 @@ def tuned_cascades(
     Raises
     ------
     SettingError
-        If a signal does not belong to a position sensor, or the number of signals is not that of the drives.
+        If a signal does not belong to a position sensor, the number of signals is not that of the drives, or the
+        bandwidth is that of no controller.
     """
+    if not _SLOWEST <= bandwidth_hz <= _FASTEST:
+        raise SettingError(
+            f"a bandwidth of {bandwidth_hz:g} Hz is that of no controller: "
+            f"give one from {_SLOWEST:g} to {_FASTEST:g} Hz"
+        )
     if len(signals) != plant.drives.shape[1]:
         raise SettingError(
             f"there are {plant.drives.shape[1]} drives and {len(signals)} signals: give one position sensor a drive"

@@ -20,8 +20,6 @@ _AVERAGES, _LONGEST = 8, 2**14
 """Least number of averaged segments of a log, and most samples of a segment."""
 _FEWEST, _MOST = 16, 0.8
 """Least number of coherent points in a measured response, and their least share of the points below its end."""
-_STEP = 1e-3
-"""Step of a difference quotient relative to a parameter or to its deviation, whichever is less."""
 _TOP = 0.4
 """Highest frequency of a shown response, relative to the sampling frequency."""
 
@@ -142,38 +140,3 @@ def identified_response(
     motion = np.linalg.solve(matrix, np.broadcast_to(plant.drive[:, None], (len(s), plant.drive.size, 1)))
     response = plant.sensors[signal].row @ motion[..., 0].T * s[:, 0, 0] ** order
     return np.asarray(response)
-
-
-def log_response_slopes(
-    axis: Axis,
-    values: Mapping[str, float],
-    deviations: Mapping[str, float],
-    of: FrequencyResponse,
-) -> ComplexArray:
-    """Derivatives of the logarithm of an identified response by parameters, of shape (n_frequencies, n_parameters).
-
-    Their real part is that of the relative magnitude, the imaginary part that of the phase in rad. They are central
-    differences over `deviations`, those of the parameters; one of deviation 0 is known, and its derivative 0.
-
-    >>> from symid.axis import load_axis
-    >>> axis, values = load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 1.0}
-    >>> f, none = np.array([1.0]), np.zeros(1)
-    >>> identified = identified_response(axis, values, "q", f, 1)
-    >>> of = FrequencyResponse("F", "q", "velocity", "", f, none + 0j, none, identified)
-    >>> log_response_slopes(axis, values, {"M": 0.1}, of).real.round(4).tolist()
-    [[-0.5]]
-    """
-    slopes = np.zeros((of.frequency.size, len(deviations)), dtype=complex)
-    for i, (name, deviation) in enumerate(deviations.items()):
-        sizes = [size for size in (deviation, abs(values[name])) if np.isfinite(size) and size > 0]
-        if deviation == 0 or not sizes:
-            continue
-        step = _STEP * min(sizes)  # no mass becomes negative by it
-        after, before = (
-            identified_response(
-                axis, {**values, name: values[name] + side}, of.signal, of.frequency, of.order
-            )
-            for side in (step, -step)
-        )
-        slopes[:, i] = np.log(after / before) / (2 * step)
-    return slopes

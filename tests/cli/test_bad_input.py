@@ -95,6 +95,7 @@ def folder(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "simulate rigid_1m --parameters P.json -o s.csv --rate 0",
         "simulate rigid_1m --parameters P.json -o s.csv --rate nan",
         "simulate rigid_1m --parameters P.json -o s.csv --bandwidth 0",
+        "simulate rigid_1m --parameters P.json -o s.csv --bandwidth 1e300",
         "simulate rigid_1m --parameters P.json -o s.csv --force-limit nan",
         "simulate rigid_1m --parameters P.json -o s.csv --log-rate 0",
         "simulate rigid_1m --parameters P.json -o s.csv --seed -1",

@@ -119,6 +119,15 @@ def test_a_minimal_parameter_that_is_a_physical_one_counts_once(table) -> None:
         assert [one.name for one in axis.parameters] == [one.name for one in by_name(table)[name].parameters]
 
 
+def test_minimal_parameters_are_shown_only_where_they_say_more() -> None:
+    rows = pl.DataFrame(drawn_rows("emps", 6, {"X1": (3.0, 0.1, 0.0), "M": (10.0, 0.1, 0.0)}))
+    assert [one.name for one in review_fleet(rows).axes[0].parameters] == ["M"]
+    units = {"emps": {"q": {"X1": "kg", "M": "kg", "K": "N/m"}}}  # no log determines K
+    whole = review_fleet(rows.with_columns(measured=pl.lit("q")), units=units)
+    assert [one.name for one in whole.axes[0].parameters] == ["X1", "M"]
+    assert [one.name for one in review_fleet(rows.drop("M")).axes[0].parameters] == ["X1"]
+
+
 def test_logs_without_a_time_come_in_their_order() -> None:
     rows = pl.DataFrame(drawn_rows("emps", 30, {"M": (10.0, 0.1, 0.0)}))
     rows = rows.with_columns(recorded=pl.lit(None, pl.String), M=pl.col("M") + (pl.int_range(30) >= 20) * 2.0)

@@ -13,11 +13,11 @@ from symid.report.figures.identification_figure import identification_figure
 from symid.simulation.frequency_response import (
     FrequencyResponse,
     identified_response,
-    log_response_slopes,
 )
+from symid.simulation.response_band import response_band
 
 FREQUENCY = np.array([1.0, 8.0, 20.0, 28.0, 60.0])
-DRAWS = 20_000
+DRAWS = 4000
 
 
 def of_one_mass(p: FloatArray) -> ComplexArray:
@@ -45,27 +45,29 @@ CASES: dict[str, tuple[str, dict[str, float], Callable[[FloatArray], ComplexArra
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_deviations_are_those_of_responses_of_drawn_parameters(name: str) -> None:
+@pytest.mark.parametrize("size", [1e-4, 4e-3])
+def test_bands_hold_95_percent_of_responses_of_drawn_parameters(name: str, size: float) -> None:
+    """Even where deviations (up to 2 %) move a resonance by as much as it is wide (2 %)."""
     file, values, response = CASES[name]
     axis, signal = symid.load_axis(file), symid.load_axis(file).sensors[0].signal
     rng = np.random.default_rng(6)
     mean = np.array(list(values.values()))
-    # correlated, and small against the width of the resonance (2 %), at which the response is not linear in them
-    root = 1e-4 * mean[:, None] * rng.standard_normal((mean.size, mean.size))
+    root = size * mean[:, None] * rng.standard_normal((mean.size, mean.size))
     covariance = root @ root.T
     whole = {**values, **{p: 1.0 for p in axis.physical_parameters if p not in values}}
     identified = identified_response(axis, whole, signal, FREQUENCY, 1)
     nothing = np.zeros(FREQUENCY.size)
     of = FrequencyResponse("", signal, "velocity", "", FREQUENCY, nothing + 0j, nothing, identified)
     np.testing.assert_allclose(identified, response(mean[None])[0], rtol=1e-9)
-    deviations = dict(zip(values, np.sqrt(np.diag(covariance)), strict=True))
-    slopes = log_response_slopes(axis, whole, deviations, of)
-    drawn = np.log(response(rng.multivariate_normal(mean, covariance, DRAWS)) / identified)
-    for part, scatter in ((slopes.real, drawn.real), (slopes.imag, drawn.imag)):
-        wanted = np.sqrt(np.einsum("ki,ij,kj->k", part, covariance, part))
-        np.testing.assert_allclose(wanted, np.std(scatter, axis=0), rtol=0.04, atol=1e-6)
-        inside = np.mean(np.abs(scatter) < 1.96 * wanted, axis=0)
-        assert np.all(np.abs(inside - 0.95) < 0.012)
+    every = np.zeros((len(whole), len(whole)))
+    every[: mean.size, : mean.size] = covariance
+    band = response_band(axis, whole, np.sqrt(np.diag(every)), every, of)
+    drawn = response(rng.multivariate_normal(mean, covariance, DRAWS))
+    phase = np.angle(drawn / identified)
+    for value, low, high in ((np.abs(drawn), band.lowest, band.highest), (phase, band.latest, band.earliest)):
+        slack = 1e-9 * np.abs(high)
+        inside = np.mean((value >= low - slack) & (value <= high + slack), axis=0)
+        assert np.all(np.abs(inside - 0.95) < 0.03), (name, inside)
 
 
 def test_the_band_that_is_drawn_is_that_of_the_printed_deviation() -> None:
@@ -78,15 +80,30 @@ def test_the_band_that_is_drawn_is_that_of_the_printed_deviation() -> None:
     corners = band.get_paths()[0].vertices
     top = corners[corners[:, 0] == corners[:, 0].max()][:, 1]
     mass, deviation = found.parameters["M"], float(found.physical_deviations[0])
-    assert np.log(top.max() / top.min()) / 2 == pytest.approx(1.96 * deviation / mass, rel=0.01)
+    assert np.log(top.max() / top.min()) / 2 == pytest.approx(1.96 * deviation / mass, rel=0.02)
 
 
-def test_what_is_not_determined_makes_no_finite_band() -> None:
+def test_what_is_not_determined_makes_a_wide_band() -> None:
     axis = symid.load_axis("rigid_1m")
     values = {"M": 2.0, "Fv": 3.0, "Fs": 1.0}
     identified = identified_response(axis, values, "q", FREQUENCY, 1)
     nothing = np.zeros(FREQUENCY.size)
     of = FrequencyResponse("F", "q", "velocity", "", FREQUENCY, nothing + 0j, nothing, identified)
-    slopes = log_response_slopes(axis, values, {"M": np.inf, "Fv": 0.0, "Fs": 1.0}, of)
-    assert np.all(slopes[:, 0] != 0)  # an infinite variance stays one
-    assert not slopes[:, 1:].any()
+    band = response_band(axis, values, np.array([np.inf, 0.0, 1.0]), np.diag([np.inf, 0.0, 1.0]), of)
+    assert np.all(band.highest / band.lowest > 100)
+    friction = response_band(axis, values, np.array([0.0, 0.0, np.nan]), np.zeros((3, 3)), of)
+    np.testing.assert_allclose(friction.highest, friction.lowest)
+
+
+def test_bands_keep_peaks_between_few_places() -> None:
+    axis = symid.load_axis("direct_2m1s")
+    values = {**CASES["flexible"][1], "Fsm": 1.0}
+    frequency = np.linspace(0.1, 600.0, 6000)
+    identified = identified_response(axis, values, "q2", frequency, 1)
+    nothing = np.zeros(frequency.size)
+    of = FrequencyResponse("Fm", "q2", "velocity", "", frequency, nothing + 0j, nothing, identified)
+    band = response_band(axis, values, np.zeros(6), np.zeros((6, 6)), of)
+    assert band.frequency.size < 400
+    size = np.abs(identified)
+    peak = 1 + np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:]))[0]
+    assert np.isclose(band.highest, size[peak]).any()

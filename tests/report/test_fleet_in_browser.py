@@ -82,6 +82,28 @@ def test_the_log_under_the_mouse_is_named(page, tmp_path) -> None:
     assert hint.split("\n")[0] in table["log"].to_list()
 
 
+def test_a_chart_and_the_table_are_saved(page, tmp_path) -> None:
+    table = fleet_example(30).with_columns(log=pl.concat_str(pl.lit("=1+"), "log"))
+    opened(page, table, tmp_path)
+    page.evaluate("URL.createObjectURL = blob => { window.saved = blob; return '#'; }")
+
+    def saved(button: str) -> pl.DataFrame:
+        page.evaluate(f"document.querySelector({button!r}).click()")
+        return pl.read_csv(page.evaluate("saved.text()").encode())
+
+    chart = saved(".chart + .save")
+    name = chart.columns[2]
+    assert chart.columns == ["log", "recorded", name, f"{name}_std", "level", "limit"]
+    joined = chart.with_columns(pl.col("log").str.strip_prefix("'")).join(table, on="log", suffix="_true")
+    assert joined.height == chart.height > 20
+    assert (joined[name] / joined[f"{name}_true"] - 1).abs().max() < 1e-6
+    assert ((joined[name] - joined["level"]).abs() < joined["limit"]).mean() > 0.9
+    logs = saved(".controls button:last-child")
+    assert logs.height == table.height
+    assert logs["log"].str.starts_with("'=").all()  # no formula
+    assert {"M", "M_std", "status"} <= set(logs.columns)
+
+
 def test_five_thousand_logs_open_in_less_than_five_seconds(page, tmp_path) -> None:
     """The bound is that of use, several times what it takes."""
     file = tmp_path / "fleet.html"

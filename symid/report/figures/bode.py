@@ -10,28 +10,19 @@ import numpy as np
 import scipy
 from matplotlib.axes import Axes
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import FloatArray
 from symid.report.figures.colours import Palette
 from symid.simulation.frequency_response import COHERENT, FrequencyResponse, degrees_of
+from symid.simulation.response_band import ResponseBand
 
 CORRELATED = 0.5
 """Absolute correlation beyond which two parameters get an ellipse."""
 
 
-_HALF_WIDTH = float(scipy.special.ndtri(0.975))
-"""Of a 95 % interval, in deviations."""
-_WIDEST = 10.0
-"""Largest exponent of a band's edge: wider than any plot."""
-
-
 def draw_bode(
-    place: Any, response: FrequencyResponse, palette: Palette, deviation: ComplexArray | None = None
+    place: Any, response: FrequencyResponse, palette: Palette, band: ResponseBand | None = None
 ) -> None:
-    """Magnitude, phase and coherence below each other, in a subfigure.
-
-    `deviation`, of shape (n,), is that of the logarithm of the identified response: of the relative magnitude, and
-    of the phase in rad as the imaginary part. It becomes a band of 95 %.
-    """
+    """Magnitude, phase and coherence below each other, in a subfigure."""
     magnitude, phase, coherence = place.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 0.8))
     sure, f = response.is_coherent, response.frequency
     curves: tuple[tuple[Axes, Any], ...] = ((magnitude, np.abs), (phase, degrees_of))
@@ -41,12 +32,12 @@ def draw_bode(
             look: Any = {"color": palette.measured, "markersize": size, "alpha": alpha, "label": label}
             axes.plot(f[some], of(response.measured)[some], "o", **look)
         axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")
-    if deviation is not None:
-        gain, wide = np.abs(response.identified), np.minimum(_HALF_WIDTH * deviation.real, _WIDEST)
-        turned, wider = degrees_of(response.identified), np.rad2deg(_HALF_WIDTH * deviation.imag)
-        band: Any = {"color": palette.model, "alpha": 0.25, "linewidth": 0, "label": "95 % of the identified"}
-        magnitude.fill_between(f, gain * np.exp(-wide), gain * np.exp(wide), **band)
-        phase.fill_between(f, turned - wider, turned + wider, **band)
+    if band is not None:
+        look = {"color": palette.model, "alpha": 0.25, "linewidth": 0, "label": "95 % of the identified"}
+        magnitude.fill_between(band.frequency, band.lowest, band.highest, **look)
+        turned = np.interp(band.frequency, f, degrees_of(response.identified))
+        late, early = turned + np.rad2deg(band.latest), turned + np.rad2deg(band.earliest)
+        phase.fill_between(band.frequency, late, early, **look)
     label = f"{response.quantity} / {response.force} [{response.unit}]"
     magnitude.set(xscale="log", yscale="log", ylabel=label)
     magnitude.set_title(f"Frequency response {response.force} → {response.signal}", loc="left", pad=44)

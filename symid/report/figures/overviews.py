@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import matplotlib as mpl
@@ -14,7 +13,7 @@ from symid.diagnosis import Diagnosis
 from symid.diagnosis.findings.waterfall import waterfall
 from symid.errors import SettingError
 from symid.fleet import Batch
-from symid.fleet.results import parameter_names
+from symid.fleet.results import parameter_names, without_repeats
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn
 from symid.report.figures.panels import draw_over_time
@@ -22,8 +21,6 @@ from symid.text import visible
 
 _WIDTH, _ROW = 10.0, 1.9
 """In inches."""
-_MINIMAL = re.compile(r"X\d+")
-"""Names of minimal parameters, which repeat the information of the physical ones."""
 
 
 def log_figure(log: Log, palette: Palette = LIGHT) -> Drawn:
@@ -42,18 +39,18 @@ def log_figure(log: Log, palette: Palette = LIGHT) -> Drawn:
 
 
 def batch_figure(batch: Batch, palette: Palette = LIGHT) -> Drawn:
-    """Each physical parameter over the logs that are ok, with 95 % intervals; the minimal ones where there are none."""
+    """Each parameter over the logs that are ok, with 95 % intervals; minimal ones where they repeat nothing."""
     table = batch.table.filter(status="ok")
     drawn = [
         (axis, name, units[name])
         for axis, sets in batch.units.items()
         for units in [{name: unit for each in sets.values() for name, unit in each.items()}]
-        for name in parameter_names(table)
-        if name in units and table.filter(axis=axis)[name].is_not_null().any()
+        for rows in [table.filter(axis=axis)]
+        for known in [[n for n in parameter_names(rows) if n in units and rows[n].is_not_null().any()]]
+        for name in without_repeats(known, units)
     ]
     if not drawn:
         raise SettingError("there is nothing to draw: no log of this batch is ok")
-    drawn = [one for one in drawn if not _MINIMAL.fullmatch(one[1])] or drawn
     figure, rows = _rows(len(drawn), palette)
     for axes, (axis, name, unit) in zip(rows, drawn, strict=True):
         of_axis = table.with_row_index("place").filter(axis=axis)

@@ -60,7 +60,10 @@ class ChartShapes:
     x_ticks: tuple[Tick, ...]
     y_ticks: tuple[Tick, ...]
     marks: tuple[Mark, ...]
+    # in the order of the points: rows of the page's table, and what the chart draws of each
     rows: tuple[int, ...]
+    levels: tuple[float, ...]
+    limits: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,7 @@ def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
     few = x.size <= _MOST_BARS
     segments = [(s.first, s.end - 1) for s in chart.segments]
     ends = zip(x, y(chart.values - chart.deviations), y(chart.values + chart.deviations), strict=True)
+    places = np.concatenate([np.flatnonzero(~out), np.flatnonzero(out)])
     return ChartShapes(
         runs=_points(x[~out], heights[~out]),
         outside=_points(x[out], heights[out]),
@@ -97,7 +101,9 @@ def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
         x_ticks=_time_ticks(chart, time),
         y_ticks=tuple(Tick(float(y(np.array(v))), _number(v, high - low)) for v in _round_values(low, high)),
         marks=_marks(chart, time),
-        rows=tuple(int(rows[place]) for place in [*chart.order[~out], *chart.order[out]]),
+        rows=tuple(int(rows[place]) for place in chart.order[places]),
+        levels=tuple(chart.centre[places].tolist()),
+        limits=tuple(chart.limit[places].tolist()),
     )
 
 

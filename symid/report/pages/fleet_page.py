@@ -129,7 +129,7 @@ def _logs(found: FleetReview) -> dict[str, Any]:
         for one in axis.parameters:
             units[one.name].add(one.unit)
     columns: list[dict[str, Any]] = []
-    parameters = parameter_names(table)
+    parameters = [name for name in parameter_names(table) if name in units]  # those that an axis shows
     for name in (*_FIRST, *parameters, *_LAST):
         if name not in table.columns:
             continue

@@ -21,9 +21,11 @@ from symid.files import write_whole
 from symid.identification import Identification, OutputPrediction
 from symid.identification.observation import Observation
 from symid.identification.residual_correlation import residual_correlations
-from symid.report.figures.drawn import Drawn, apart, svg_of
+from symid.report.figures.drawn import apart, svg_of
+from symid.report.figures.identification_curves import identification_curves
 from symid.report.figures.identification_figure import identification_figure
 from symid.report.pages.page import as_it_is, html_path, page_templates
+from symid.report.pages.plot_data import curve_data
 from symid.report.pages.provenance import provenance
 from symid.report.pages.residual_memory import remembered
 from symid.report.tables.identification import identification_record
@@ -51,13 +53,15 @@ def write_identification_html(
     path = html_path(file)
     record = said(identification_record(found, validation))
     page = page_templates().get_template("identification.html")
+    curves = identification_curves(found, validation, axis=axis, runs=runs)
     text = page.render(
         r=record,
         fits=_fits(found, validation),
         parameters=_parameters(found),
         half_width=_INTERVAL,
         correlations=_correlations(found),
-        fit=_svg(identification_figure(found, validation, axis=axis, runs=runs), "fit-plot"),
+        fit=apart(svg_of(identification_figure(found, curves=curves), "fit-plot"), "fit-plot"),
+        fit_data=curve_data(curves),
         motions=[asdict(one) for one in _motions(found, validation, axis, runs)],
         **remembered(residual_correlations(found)),
         made=provenance([*found.logs, *([validation.log] if validation is not None else [])], command),
@@ -117,7 +121,3 @@ def _correlations(found: Identification) -> list[tuple[str, list[float]]]:
     covariance = found.physical[0].propagated(found.covariance) if found.physical else found.covariance
     names = found.model.physical_units if found.physical else found.model.minimal_units
     return [(name, row.tolist()) for name, row in zip(names, correlation_matrix(covariance), strict=True)]
-
-
-def _svg(figure: Drawn | None, name: str) -> str:
-    return apart(svg_of(figure, name), name) if figure is not None else ""

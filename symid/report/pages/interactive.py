@@ -14,10 +14,10 @@ from bokeh.models.sources import ColumnDataSource
 from bokeh.models.tools import HoverTool
 from bokeh.resources import Resources
 
-from symid.arrays import FloatArray
 from symid.axis import length_unit
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.report.figures.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE, NOMINAL
+from symid.report.pages.envelope import envelope, envelope_places
 from symid.report.pages.error_maps import error_maps
 from symid.report.pages.page_bode import bode_plots
 from symid.report.pages.page_plots import (
@@ -147,43 +147,3 @@ def _spectrum(found: Diagnosis) -> GridPlot:
     draw_curves(plot, source, [*_compared(_curves(found)), Curve("noise", "noise", INK, 1.6)], "frequency")
     plot.add_layout(BoxAnnotation(left=gap.band_hz, fill_color=NOISE, fill_alpha=0.12, level="underlay"))
     return stacked(plot)
-
-
-def envelope(values: FloatArray, most: int) -> FloatArray:
-    """Lowest and highest value of each bundle of samples, in the order in which they come: no peak is lost.
-
-    Two values for each bundle, at the places of `envelope_places`, nan where the whole bundle is nan; a curve of at
-    most `most` points stays as it is.
-
-    >>> envelope(np.array([0.0, 9.0, 1.0, 2.0, -5.0, 3.0, 4.0, 5.0]), most=4).tolist()
-    [0.0, 9.0, -5.0, 5.0]
-    """
-    size = _bundle(values.size, most)
-    if size == 1:
-        return values
-    padded = np.full(-(-values.size // size) * size, np.nan)
-    padded[: values.size] = values
-    bundles = padded.reshape(-1, size)
-    low = np.argmin(np.where(np.isnan(bundles), np.inf, bundles), axis=1)
-    high = np.argmax(np.where(np.isnan(bundles), -np.inf, bundles), axis=1)
-    rows = np.arange(bundles.shape[0])[:, None]
-    ends: FloatArray = bundles[rows, np.sort(np.stack([low, high], axis=1), axis=1)]
-    return ends.ravel()
-
-
-def envelope_places(places: FloatArray, most: int) -> FloatArray:
-    """Places of the points of an envelope: beginning and middle of each bundle, the same for all curves.
-
-    >>> envelope_places(np.arange(8.0), most=4).tolist()
-    [0.0, 2.0, 4.0, 6.0]
-    """
-    size = _bundle(places.size, most)
-    if size == 1:
-        return places
-    begin = np.arange(0, places.size, size)
-    middle = np.minimum(begin + size // 2, places.size - 1)
-    return np.stack([places[begin], places[middle]], axis=1).ravel()
-
-
-def _bundle(count: int, most: int) -> int:
-    return 1 if count <= most else -(-2 * count // most)

@@ -254,6 +254,8 @@ def _parameters(axis: str, parameters: list[dict[str, Any]]) -> TextTable:
     title = f"Parameters of {axis} over the logs that are ok"
     table = TextTable(title, "", "sensors", *numbers, "unit", right=numbers)
     for p in parameters:
+        if p["repeats"]:
+            continue
         std = MISSING if p["std"] is None else significant(p["std"])
         sizes = (str(p["logs"]), significant(p["median"], 6), significant(p["spread"]), std)
         table.add(p["name"], p["measured"], *sizes, p["unit"])

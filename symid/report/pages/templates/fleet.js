@@ -5,7 +5,7 @@
   const PAGE = 50;
   const all = Array.from({length: data.count}, (_, i) => i);
   const controls = document.querySelector(".controls"), table = document.querySelector(".rows");
-  const [axis, status] = controls.querySelectorAll("select"), [back, on] = controls.querySelectorAll("button");
+  const [axis, status] = controls.querySelectorAll("select"), [back, on, save] = controls.querySelectorAll("button");
   const search = controls.querySelector("input"), count = controls.querySelector(".count");
   const texts = all.map(i => columns.filter(c => c.text).map(c => c.values[i]).join("\n").toLowerCase());
   let sorted = null, rising = true, first = 0;
@@ -88,6 +88,21 @@
     for (const value of [...new Set(by[name].values)].sort()) select.append(new Option(value.replaceAll("_", " "), value));
     select.addEventListener("change", () => { first = 0; show(); });
   };
+  // Text that a spreadsheet would take for a formula begins with an apostrophe, as in the files of results.
+  const quoted = value => value === null || value === undefined ? ""
+    : typeof value === "number" ? String(value) : `"${value.replace(/^('*[=+\-@\t\r])/, "'$1").replaceAll('"', '""')}"`;
+  const saved = (name, heads, rows) => {
+    const text = [heads, ...rows].map(row => row.map(quoted).join(",")).join("\n") + "\n";
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], {type: "text/csv"}));
+    link.download = `${name}.csv`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  };
+  save.addEventListener("click", () => {
+    const heads = columns.flatMap(c => c.deviations ? [c.name, `${c.name}_std`] : [c.name]);
+    saved("logs", heads, chosen().map(i => columns.flatMap(c => c.deviations ? [c.values[i], c.deviations[i]] : [c.values[i]])));
+  });
   fill(axis, "axis", "all axes");
   fill(status, "status", "every status");
   search.addEventListener("input", () => { first = 0; show(); });
@@ -117,6 +132,16 @@
     return best;
   };
   for (const chart of document.querySelectorAll(".chart")) {
+    const button = element("button", "Save the data as CSV", "save"), name = chart.dataset.parameter;
+    button.type = "button";
+    button.addEventListener("click", () => {
+      const of = by[name], when = by.recorded ? ["recorded"] : [], [levels, limits] = ["levels", "limits"]
+        .map(which => chart.dataset[which].trim().split(" ").map(value => Number.isFinite(+value) ? +value : null));
+      const heads = ["log", ...when, name, `${name}_std`, "level", "limit"];
+      saved(name, heads, chart.dataset.rows.split(" ").map((i, k) => [by.log.values[i],
+        ...when.map(() => by.recorded.values[i]), of.values[i], of.deviations[i], levels[k], limits[k]]));
+    });
+    chart.after(button);
     chart.addEventListener("mousemove", event => {
       const point = nearest(chart, event);
       hint.hidden = !point;

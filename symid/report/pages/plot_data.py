@@ -1,0 +1,105 @@
+"""Numbers behind the figures of a page, as files that a link saves without a script."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+from urllib.parse import quote
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.identification.residual_correlation import Correlation
+from symid.report.figures.identification_curves import IdentificationCurves
+from symid.report.figures.panels import Panel
+from symid.report.pages.envelope import envelope, envelope_places
+from symid.simulation.frequency_response import FrequencyResponse
+from symid.simulation.response_band import ResponseBand
+
+_MOST_POINTS = 10_000
+"""Of a curve over time; of a longer one, the envelope."""
+
+
+@dataclass(frozen=True)
+class PlotData:
+    """A link to the numbers of a figure: what they are, name of the file, and the file as an address."""
+
+    title: str
+    file: str
+    address: str
+
+
+def curve_data(curves: IdentificationCurves) -> list[PlotData]:
+    """Numbers of the outputs over time and of the frequency responses."""
+    panels = [
+        _data(f"{panel.output}, {panel.title}", f"output-{k}", _of_panel(panel))
+        for k, panel in enumerate(curves.panels, start=1)
+    ]
+    responses = [
+        _data(f"frequency response of {of.signal}", f"response-{of.signal}", _of_response(of, band))
+        for of, band in curves.responses
+    ]
+    return panels + responses
+
+
+def correlation_data(parts: Sequence[tuple[str, Correlation, Correlation]]) -> list[PlotData]:
+    """Numbers of the correlations of each part."""
+    return [
+        _data(title, f"correlation-{k}", {**_of_correlation("auto", own), **_of_correlation("cross", across)})
+        for k, (title, own, across) in enumerate(parts, start=1)
+    ]
+
+
+def csv_address(columns: Mapping[str, FloatArray]) -> str:
+    """A table of numbers as the address of a CSV file; columns may differ in length, nan is empty.
+
+    >>> csv_address({"t [s]": np.array([0.0, 0.5]), "F": np.array([np.nan])})
+    'data:text/csv;charset=utf-8,t%20%5Bs%5D,F%0A0,%0A0.5,%0A'
+    """
+    cells = ((f"{v:.8g}" if np.isfinite(v) else "" for v in column.tolist()) for column in columns.values())
+    rows = [",".join(columns), *map(",".join, zip_longest(*cells, fillvalue=""))]
+    return "data:text/csv;charset=utf-8," + quote("\n".join(rows) + "\n", safe=",")
+
+
+def _data(title: str, file: str, columns: Mapping[str, FloatArray]) -> PlotData:
+    return PlotData(title, f"{file}.csv", csv_address(columns))
+
+
+def _of_panel(panel: Panel) -> dict[str, FloatArray]:
+    columns = {
+        f"measured {panel.output} [{panel.unit}]": panel.measured,
+        f"predicted {panel.output} [{panel.unit}]": panel.predicted,
+        f"residual [{panel.unit}]": panel.measured - panel.predicted,
+    }
+    if panel.motion is not None:
+        position, velocity = panel.motion.at(panel.time)
+        columns[f"position {panel.motion.signal} [{panel.motion.unit}]"] = position
+        columns[f"velocity [{panel.motion.unit}/s]"] = velocity
+    thin = {name: envelope(values, _MOST_POINTS) for name, values in columns.items()}
+    return {"time [s]": envelope_places(panel.time, _MOST_POINTS), **thin}
+
+
+def _of_response(of: FrequencyResponse, band: ResponseBand) -> dict[str, FloatArray]:
+    return {
+        "frequency [Hz]": of.frequency,
+        f"measured magnitude [{of.unit}]": np.abs(of.measured),
+        "measured phase [deg]": np.rad2deg(np.angle(of.measured)),
+        "coherence": of.coherence,
+        "identified magnitude": np.abs(of.identified),
+        "identified phase [deg]": np.rad2deg(np.angle(of.identified)),
+        "band: frequency [Hz]": band.frequency,
+        "band: lowest magnitude": band.lowest,
+        "band: highest magnitude": band.highest,
+        "band: latest phase relative to it [deg]": np.rad2deg(band.latest),
+        "band: earliest": np.rad2deg(band.earliest),
+    }
+
+
+def _of_correlation(name: str, of: Correlation) -> dict[str, FloatArray]:
+    return {
+        f"lag of {name} [rows]": of.lag,
+        f"{name}-correlation": of.value,
+        f"{name}: lower band": of.of_noise - of.band,
+        f"{name}: upper band": of.of_noise + of.band,
+    }
