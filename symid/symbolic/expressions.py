@@ -22,7 +22,7 @@ class positive(sp.Function):  # type: ignore[misc]  # noqa: N801  sympy has no t
     @classmethod
     def eval(cls, argument: Any) -> Any:
         """Value for numbers; unevaluated otherwise."""
-        return sp.Integer(int(argument > 0)) if argument.is_Number else None
+        return sp.Integer(int(bool(argument > 0))) if argument.is_Number else None
 
     def fdiff(self, argindex: int = 1) -> Any:
         """Derivative, zero by convention."""

@@ -9,6 +9,7 @@ from symid import (
     Backlash,
     Cogging,
     FrictionAsymmetry,
+    GapDamping,
     Law,
     PeriodicFriction,
     PositionDependentFriction,
@@ -91,6 +92,13 @@ EFFECTS = {
         {"Kb": 4e6},
         {(1e-5, 0.0): -40.0, (2.5e-5, 1.0): -100.0, (1e-3, 0.0): -100.0, (-4e-5, 0.0): 100.0},
         ("N/m",),
+        in_spring=True,
+    ),
+    "gap_damping": Effect(
+        lambda at: GapDamping(at, "Cb", gap=5e-5),
+        {"Cb": 3000.0},
+        {(1e-5, 0.1): -300.0, (-1e-5, -0.2): 600.0, (3e-5, 0.1): 0.0, (-4e-5, 0.1): 0.0},
+        ("N*s/m",),
         in_spring=True,
     ),
 }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.blind import draw, laws, rerun
-from symid import OffsetForce, load_axis
+from symid import Backlash, GapDamping, OffsetForce, Spring, load_axis
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +32,24 @@ def test_the_true_axis_moves_as_the_independent_simulator_has_it(setting: draw.S
     without = rerun.simulated(axis, setting.true, setting)
     assert rms(found - position) < 2e-8  # below the noise of any encoder drawn
     assert rms(without - position) > 100 * rms(found - position)
+
+
+def test_damping_that_ends_in_the_gap_moves_as_the_independent_simulator_has_it() -> None:
+    """The damping of the other simulator's spring ends where the play begins."""
+    setting = replace(
+        draw.draw_setting("ballscrew_2m1s", ("qm",), np.random.default_rng(4)), noisy_controller=False
+    )
+    drawn = replace(laws.draw("backlash", "transmission", np.random.default_rng(1)), numbers={"gap": 5e-5})
+    position = draw.simulate(setting, (drawn,), "validation", disturbed=True).readings["qm"]
+    axis = load_axis("ballscrew_2m1s")
+    (spring,) = (element for element in axis.elements if isinstance(element, Spring))
+    play, free = Backlash(spring.at, "Kb", gap=5e-5), GapDamping(spring.at, "Cb", gap=5e-5)
+    values = {**setting.true, "Kb": setting.true["Kt"], "Cb": setting.true["Ft"]}
+    damped, undamped = (
+        rms(rerun.simulated(axis.with_effect(*laws), values, setting) - position)
+        for laws in ((play,), (play, free))
+    )
+    assert undamped < 2e-8 < 1e-7 < damped
 
 
 def test_the_table_counts_cases_by_kind() -> None:

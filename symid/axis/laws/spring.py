@@ -8,7 +8,7 @@ from typing import ClassVar
 from symid.axis.elements import Parameter
 from symid.axis.laws.law import Hypothesis, Law, ShapeParameter, Term
 
-__all__ = ["Backlash", "StiffnessNonlinearity"]
+__all__ = ["Backlash", "GapDamping", "StiffnessNonlinearity"]
 
 
 @dataclass(frozen=True)
@@ -66,3 +66,34 @@ class Backlash(Law):
     hypotheses: ClassVar = (Hypothesis("backlash", ("Kb",)),)
     in_spring: ClassVar = True
     advice: ClassVar = "reverse slowly under small loads, so that the spring passes its zero often"
+
+
+@dataclass(frozen=True)
+class GapDamping(Law):
+    """Damping that ends where the play of a spring begins: -Cb v within the gap, beside a `Backlash` of that gap.
+
+    The damping of a `Spring` acts within the gap of its backlash too. With Cb equal to it the joint is free there, as
+    with teeth that do not touch.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint of the spring.
+    damping : str
+        Parameter Cb in N s/m or N m s/rad.
+    gap : float
+        Total width of the play in m or rad.
+
+    Examples
+    --------
+    >>> from symid import Between, Body, GapDamping
+    >>> motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+    >>> GapDamping(Between(first=motor, second=load), "Cb", gap=2e-5).terms()[0].expression
+    '-v*positive(2e-05/2 - q)*positive(2e-05/2 + q)'
+    """
+
+    damping: Parameter
+    gap: float
+    formula: ClassVar = (Term("damping", "-v*positive(gap/2 - q)*positive(gap/2 + q)", 1, 1),)
+    shape: ClassVar = (ShapeParameter("gap", "b", "deflection"),)
+    in_spring: ClassVar = True

@@ -14,6 +14,7 @@ from symid.axis import (
     Body,
     CoulombFriction,
     Damper,
+    GapDamping,
     Imperfection,
     Joint,
     JointImperfection,
@@ -30,6 +31,7 @@ _SIGNS: Final[Mapping[type[Law], Sign]] = {
     CoulombFriction: symbols.friction,
     AsymmetricFriction: symbols.friction,
     Backlash: symbols.play,
+    GapDamping: symbols.play,
 }
 _FIRST_MARK, _CIRCLED = ord("\u2460"), 20
 """Circled numbers, by which notes explain imperfections, and how many there are."""
