@@ -18,6 +18,12 @@ class Thresholds:
     # gain, less its penalty, that an effect must bring: the best of all places and shapes brings less in noise
     # alone (drawn cases without an effect)
     least_penalised_gain: float = 30.0
+    # least_of_usual, many_rows: the same of a law that machines have and first models lack (friction, weight, offset,
+    # delay) where rows are few, and the independent rows from which on it must bring as much as others. The logarithm
+    # of 800 columns tried and odds of 200 make 12; the rest stands for errors of the models, which gain as rows do: 36
+    # rows cannot bring 30 (`benchmarks.diagnosis.others`)
+    least_of_usual: float = 12.0
+    many_rows: float = 1000.0
     # share of the mean square that the first effect must take away: mismatch of another simulator takes as much
     least_share: float = 0.006
     # share of draws of the blocks in which it must predict better: two sides of a test at 10 %

@@ -17,7 +17,7 @@ import numpy as np
 
 from symid.diagnosis.effects import Key, with_alike
 from symid.diagnosis.fitting.cross_validation import deviation
-from symid.diagnosis.selection.priors import temperature
+from symid.diagnosis.selection.priors import least_gain, temperature
 from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -99,7 +99,8 @@ def is_there(step: SelectionStep) -> float:
     """Probability that the best candidate of a step is more than noise."""
     if not step.confirmed:
         return 0.0
-    return _logistic((step.confirmed[0].penalised_gain - THRESHOLDS.least_penalised_gain) / 4)
+    best = step.confirmed[0]
+    return _logistic((best.penalised_gain - least_gain(best.effect.name, step.before.n_rows)) / 4)
 
 
 @dataclass(frozen=True)

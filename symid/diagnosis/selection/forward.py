@@ -13,6 +13,7 @@ from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_g
 from symid.diagnosis.fitting.state import can_integrate, with_effects
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
+from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, is_clear
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -195,9 +196,13 @@ def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
     whose shapes are only near the right one gains little.
     """
     gains = [max(c.penalised_gain, c.white_penalised_gain) for c in found]
-    least = max(THRESHOLDS.least_penalised_gain / 2, THRESHOLDS.promising * max(gains, default=0.0))
+    best = THRESHOLDS.promising * max(gains, default=0.0)
     gap = fit.mean_square > THRESHOLDS.clear_gap
-    enough = [own for own, gain in zip(found, gains, strict=True) if gain > least]
+    enough = [
+        own
+        for own, gain in zip(found, gains, strict=True)
+        if gain > max(least_gain(own.placed.effect.name, fit.n_rows) / 2, best)
+    ]
     return enough if len(enough) >= _ALWAYS or not gap else list(found[:_ALWAYS])
 
 

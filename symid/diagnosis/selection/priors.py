@@ -19,6 +19,8 @@ from symid.diagnosis.effects.friction_effects import moving_along
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.thresholds import THRESHOLDS
 
+_USUAL = ("coulomb_friction", "viscous_friction", "offset_force", "weight", "delay")
+"""What most machines have, and first models lack."""
 _LEVELS = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
 
 
@@ -29,6 +31,20 @@ def temperature(best: float) -> float:
     7.0
     """
     return 1 + THRESHOLDS.tempered_share * max(best, 0.0)
+
+
+def least_gain(effect: str, n_rows: float) -> float:
+    """Least penalised gain of an effect, by the independent rows of a log.
+
+    >>> least_gain("coulomb_friction", 0.0), least_gain("coulomb_friction", 5000.0), least_gain("cogging", 0.0)
+    (12.0, 30.0, 30.0)
+    """
+    if effect not in _USUAL:
+        return THRESHOLDS.least_penalised_gain
+    few = max(1 - n_rows / THRESHOLDS.many_rows, 0.0)
+    return THRESHOLDS.least_penalised_gain - few * (
+        THRESHOLDS.least_penalised_gain - THRESHOLDS.least_of_usual
+    )
 
 
 def prior(state: State, nominal: Mapping[str, float]) -> float:

@@ -10,6 +10,7 @@ from symid.arrays import FloatArray
 from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, is_part
 from symid.diagnosis.fitting.fit import Fit, fitted_on
 from symid.diagnosis.fitting.start import from_other_moments
+from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -73,7 +74,8 @@ class SelectionStep:
 
     def _accepts(self, own: Confirmed) -> bool:
         closed = _taken(self.before, own.fit, self.before)
-        gains = own.penalised_gain > THRESHOLDS.least_penalised_gain and closed > THRESHOLDS.least_share
+        least = least_gain(own.effect.name, self.before.n_rows)
+        gains = own.penalised_gain > least and closed > THRESHOLDS.least_share
         return gains and own.certainty > THRESHOLDS.least_certainty
 
     def with_acceptable(self) -> SelectionStep:
