@@ -203,7 +203,8 @@ def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
         for own, gain in zip(found, gains, strict=True)
         if gain > max(least_gain(own.placed.effect.name, fit.n_rows) / 2, best)
     ]
-    return enough if len(enough) >= _ALWAYS or not gap else list(found[:_ALWAYS])
+    always = list(found[:_ALWAYS]) if gap and len(enough) < _ALWAYS else []
+    return [*always, *_distinct(enough, always)]
 
 
 def _best_first(confirmed: Mapping[Key, Confirmed]) -> list[Confirmed]:
