@@ -24,9 +24,9 @@ NAMES = (
 """Quantities of a machine, SI.
 
 Inertia; viscous and Coulomb friction, their differences by direction; Stribeck friction and its velocity; friction by
-the load; a constant force; weights by the sine and the cosine of the angle; stiffness; cogging and its pitch; drag; the
-share of friction that goes away while it warms up, and its time constant; inertia, spring, damping, friction and
-constant force of a load; an inertia that depends on the angle, J (1 + pose cos q).
+the force of the drive; a constant force; weights by the sine and the cosine of the angle; stiffness; cogging and its
+pitch; drag; the share of friction that goes away while it warms up, and its time constant; inertia, spring, damping,
+friction and constant force of a load; an inertia that depends on the angle, J (1 + pose cos q).
 """
 FINE = 20
 _WANDERS_HZ = 3.0
@@ -145,12 +145,7 @@ def _march(given, loop, reference, late):  # type: ignore[no-untyped-def]  # com
             free -= cs * np.sin(2 * np.pi * q / pitch) + cc * np.cos(2 * np.pi * q / pitch)
             free -= fv * share * v + dfv * abs(v) + drag * v * abs(v)
             way = 1.0 if v > 0 else (-1.0 if v < 0 else (1.0 if free > 0 else -1.0))
-            dry = (
-                share * fs
-                + way * dfs
-                + df * np.exp(-((v / vs) ** 2))
-                + mu * abs(gs * np.sin(q) + gc * np.cos(q) + f0)
-            )
+            dry = share * fs + way * dfs + df * np.exp(-((v / vs) ** 2)) + mu * abs(force)
             v += dt * free / inertia
             stop = dt * max(dry, 0.0) / inertia
             v = 0.0 if abs(v) < stop else v - stop * np.sign(v)
