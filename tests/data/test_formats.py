@@ -46,7 +46,8 @@ def test_each_kind_that_is_damaged_is_one_line(name: str, tmp_path: Path) -> Non
     FILES[name](path)
     whole = path.read_bytes()
     rng = np.random.default_rng(1)
-    for size in (1, len(whole) // 3, len(whole) // 2, len(whole) - 9):
+    sizes = (1, len(whole) // 3, len(whole) // 2, len(whole) - 9)
+    for size in sizes[1::2] if name == "a.mf4" else sizes:  # each is read in a process of its own
         path.write_bytes(whole[:size])
         _fails_in_one_line_or_reads(path)
     if name in ("a.mat", "b.mat", "c.mat", "a.mf4"):

@@ -126,6 +126,13 @@ def test_the_unit_of_the_output_does_not_matter_to_a_correlated_residual():
     assert small.standard_deviations == pytest.approx(1e-6 * plain.standard_deviations)
 
 
+@pytest.mark.parametrize("samples", [400, 10_000])  # the widened bound is 0.63 and 0.16
+def test_a_correlation_that_does_not_fall_has_no_length(samples):
+    gamma = np.full((1, 1, 41), 0.6)
+    gamma[0, 0, 20] = 1.0
+    assert correlation_length(gamma, samples) is None
+
+
 def test_statuses():
     rng = np.random.default_rng(6)
     t = np.arange(3000) / 1000.0
