@@ -72,17 +72,17 @@ def minimal_parameters(Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl):
 
 def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 2."""
-    a = 1
-    b = (-4*X1**2*X3 + 2*X1*X2**2*X3 - 2*X1*X2*X5 + 4*X1*X6 - 2*X2*X7)/(4*X1**2 - X1*X2**2)
-    c = (X1**3*X3**2 - X1**2*X2**2*X3**2 + X1**2*X2*X3*X5 - 2*X1**2*X3*X6 + X1*X2**2*X3*X6 + X1*X2*X3*X7 - X1*X2*X5*X6 + X1*X6**2 - X2**3*X3*X7 + X2**2*X5*X7 - X2*X6*X7)/(4*X1**3 - X1**2*X2**2)
+    a = X1**3 - 1/4*X1**2*X2**2
+    b = -X1**3*X3 + (1/2)*X1**2*X2**2*X3 - 1/2*X1**2*X2*X5 + X1**2*X6 - 1/2*X1*X2*X7
+    c = (1/4)*X1**3*X3**2 - 1/4*X1**2*X2**2*X3**2 + (1/4)*X1**2*X2*X3*X5 - 1/2*X1**2*X3*X6 + (1/4)*X1*X2**2*X3*X6 + (1/4)*X1*X2*X3*X7 - 1/4*X1*X2*X5*X6 + (1/4)*X1*X6**2 - 1/4*X2**3*X3*X7 + (1/4)*X2**2*X5*X7 - 1/4*X2*X6*X7
     sign = 1 - 2*(branch // 1 % 2)
     Fvl = (sign*np.sqrt(np.maximum(b*b - 4*a*c, 0.0)) - b)/(2*a)
     Ml = (2*Fvl*X1**2 - X1**2*X3 + X1*X6 - X2*X7)/(X1*X2)
     Fvm = -Fvl + X3
-    Ft = -(Fvl*X1 - Ml*X2)/X1
+    Ft = (-Fvl*X1 + Ml*X2)/X1
     Mm = X7/X1
     Kt = Ml/X1
     Fsm = X4
     return np.array([Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl])
 
-# SHA-256 of all above: d54462d044b64f5eb4ac8307d22f438f90a0969be794aba2aab3a2bba33e812a
+# SHA-256 of all above: 024fa97c413f82b97e69a5f0a17c8164de3c4b24bb97f8c8306c2ea313e431a3

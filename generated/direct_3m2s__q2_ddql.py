@@ -89,7 +89,7 @@ def minimal_parameters(Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml):
 def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, X10, X11, X12, branch=0):
     """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 1."""
     Kl = -X10*(X12 + X2*X3 - X5)/(X2*X3 - X5)
-    Fl = -X12*(X12*X2 + X2**2*X3 - X2*X5 + X8)/X9
+    Fl = -X11*(X12 + X2*X3 - X5)/(X2*X3 - X5)
     Ks = -X12*(X2*X3 - X5)/(X1*X12 - X9)
     Ms = -Ks*X9/(X2*X3 - X5)
     Ml = -X12 - X2*X3 + X5
@@ -99,4 +99,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, X10, X11, X12, branc
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
 
-# SHA-256 of all above: 76cce8f19a0546c660f450b70889094ae4888d10d8eeffe8c8cd05a1cf098fd3
+# SHA-256 of all above: 8888f99290807239f49e69f42edc0e56cc3d5d9f1a4627e6c0c847879ef322d3

@@ -72,16 +72,16 @@ def minimal_parameters(Jm, Fvm, Kt, Ft, Pt, Jl, Fvl):
 def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 2."""
     Pt = np.nan  # not seen by these sensors
-    a = 1
-    b = (-4*X1**2*X3 + 2*X1*X2**2*X3 - 2*X1*X2*X4 + 4*X1*X5 - 2*X2*X6)/(4*X1**2 - X1*X2**2)
-    c = (X1**3*X3**2 - X1**2*X2**2*X3**2 + X1**2*X2*X3*X4 - 2*X1**2*X3*X5 + X1*X2**2*X3*X5 + X1*X2*X3*X6 - X1*X2*X4*X5 + X1*X5**2 - X2**3*X3*X6 + X2**2*X4*X6 - X2*X5*X6)/(4*X1**3 - X1**2*X2**2)
+    a = X1**3 - 1/4*X1**2*X2**2
+    b = -X1**3*X3 + (1/2)*X1**2*X2**2*X3 - 1/2*X1**2*X2*X4 + X1**2*X5 - 1/2*X1*X2*X6
+    c = (1/4)*X1**3*X3**2 - 1/4*X1**2*X2**2*X3**2 + (1/4)*X1**2*X2*X3*X4 - 1/2*X1**2*X3*X5 + (1/4)*X1*X2**2*X3*X5 + (1/4)*X1*X2*X3*X6 - 1/4*X1*X2*X4*X5 + (1/4)*X1*X5**2 - 1/4*X2**3*X3*X6 + (1/4)*X2**2*X4*X6 - 1/4*X2*X5*X6
     sign = 1 - 2*(branch // 1 % 2)
     Fvl = (sign*np.sqrt(np.maximum(b*b - 4*a*c, 0.0)) - b)/(2*a)
     Jl = (2*Fvl*X1**2 - X1**2*X3 + X1*X5 - X2*X6)/(X1*X2)
     Fvm = -Fvl + X3
-    Ft = -(Fvl*X1 - Jl*X2)/X1
+    Ft = (-Fvl*X1 + Jl*X2)/X1
     Jm = X6/X1
     Kt = Jl*Jm/X6
     return np.array([Jm, Fvm, Kt, Ft, Pt, Jl, Fvl])
 
-# SHA-256 of all above: d83d54d4d4dd7c35ef75a4eca4b08cc1aac9fc405f561d6f1b6f4932a718e496
+# SHA-256 of all above: ebddc1b0e549b7d86865448b2fd0a3cf42352c7494f7ef2ad37ff5975e7dbeb1

@@ -16,6 +16,7 @@ from symid.signal_names import split_derivative
 from symid.symbolic.measurement import measurement
 from symid.symbolic.parameter_map import inverse_map
 from symid.symbolic.pipeline import DerivedModel
+from symid.symbolic.polynomials import expression, factored
 from symid.symbolic.triangular_systems import TriangularSolution
 from symid.units import Unit
 
@@ -213,20 +214,18 @@ def _is_linear(entry: sp.Expr, constants: Collection[sp.Symbol]) -> bool:
 
 
 def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
-    """Statements that write expressions into rows of an array, in place where a single NumPy function suffices."""
+    """Statements that write entrys into rows of an array, in place where a single NumPy function suffices."""
     lines = []
-    for index, expression in entries:
+    for index, entry in entries:
         target = f"{array}[{index}]"
-        if (-expression).is_Symbol:
-            lines.append(f"np.negative({-expression}, out={target})")
-        elif isinstance(expression, sp.sign) and expression.args[0].is_Symbol:
-            lines.append(f"np.sign({expression.args[0]}, out={target})")
-        elif (
-            expression.is_Add and len(expression.args) == 2 and all(arg.is_Symbol for arg in expression.args)
-        ):
-            lines.append(f"np.add({', '.join(sorted(map(str, expression.args)))}, out={target})")
+        if (-entry).is_Symbol:
+            lines.append(f"np.negative({-entry}, out={target})")
+        elif isinstance(entry, sp.sign) and entry.args[0].is_Symbol:
+            lines.append(f"np.sign({entry.args[0]}, out={target})")
+        elif entry.is_Add and len(entry.args) == 2 and all(arg.is_Symbol for arg in entry.args):
+            lines.append(f"np.add({', '.join(sorted(map(str, entry.args)))}, out={target})")
         else:
-            lines.append(f"{target} = {code(expression)}")
+            lines.append(f"{target} = {code(entry)}")
     return textwrap.indent("\n".join(lines), "    ") if lines else "    # nothing to fill"
 
 
@@ -264,11 +263,12 @@ def _inverse(model: DerivedModel, solution: TriangularSolution) -> str:
     passed = 1
     for step in reversed(solution.steps):
         name = names[step.unknown]
-        parts = [part.as_expr() for part in step.coefficients]
         if step.branches == 1:
-            lines.append(f"{name} = {code(sp.factor(-parts[1] / parts[0]))}")
+            below, above = step.coefficients
+            lines.append(f"{name} = {code(factored(-above, below))}")
         else:
-            lines += [f"{letter} = {code(part)}" for letter, part in zip((a, b, c), parts, strict=True)]
+            parts = zip((a, b, c), step.coefficients, strict=True)
+            lines += [f"{letter} = {code(expression(part))}" for letter, part in parts]
             lines.append(f"{sign} = 1 - 2*(branch // {passed} % 2)")
             lines.append(f"{name} = ({sign}*np.sqrt(np.maximum({b}*{b} - 4*{a}*{c}, 0.0)) - {b})/(2*{a})")
             passed *= 2

@@ -24,6 +24,19 @@ class TooLargeError(Exception):
     """Polynomials exceed the limit of cost."""
 
 
+class Budget:
+    """Term products that may still be computed."""
+
+    def __init__(self, products: int) -> None:
+        self._left = products
+
+    def spend(self, products: int) -> None:
+        """Take products off; TooLargeError if there are not so many left."""
+        self._left -= products
+        if self._left < 0:
+            raise TooLargeError
+
+
 class Minors:
     """Minors of a matrix, given by its non-zero entries by row and column, and the 1 of their ring.
 
@@ -38,7 +51,7 @@ class Minors:
     def __init__(self, entries: Mapping[tuple[int, int], Any], one: Any) -> None:
         self._entries, self._one = entries, one
         self._known: dict[tuple[Places, Places], Any] = {}
-        self._left = MOST_PRODUCTS
+        self._budget = Budget(MOST_PRODUCTS)
 
     def of(self, rows: Places, columns: Places) -> Any:
         """Determinant of the submatrix of rows and columns in ascending order; TooLargeError beyond `MOST_PRODUCTS`."""
@@ -70,9 +83,7 @@ class Minors:
         return total
 
     def _product(self, first: Any, second: Any) -> Any:
-        self._left -= len(first) * len(second)
-        if self._left < 0:
-            raise TooLargeError
+        self._budget.spend(len(first) * len(second))
         return first * second
 
 

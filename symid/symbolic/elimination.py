@@ -22,16 +22,21 @@ from symid.errors import EliminationError
 from symid.symbolic.determinants import TooLargeError
 from symid.symbolic.equations import InputOutputEquation, SignalWriter, driving_terms
 from symid.symbolic.expressions import positive
-from symid.symbolic.kernel import EliminationRow, divisible, left_kernel, primitive
+from symid.symbolic.kernel import (
+    EliminationRow,
+    differentiated,
+    divisible,
+    left_kernel,
+    local_kernel,
+    primitive,
+)
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, by_power, operator_model
 from symid.symbolic.readings import with_readings
 from symid.symbolic.scaling import Scaling, scaling_of
 
-_SEPARATE = (
-    "each sensor has its own equation: the equations of lower order that sensors share have too many terms"
-)
+_SEPARATE = "each equation is the balance of one measured body: those of lower order have too many terms"
 _MOST_TERMS_WITH_RATIOS = 1000
 """Largest number of terms in which ratios keep their names; larger results are computed faster with numbers."""
 _FORCE = "force "
@@ -110,26 +115,17 @@ def _posed(
 def _combined(
     rows: Mapping[str, Row], known: Measurement, powers: Mapping[str, int], operators: OperatorModel
 ) -> tuple[list[EliminationRow], bool]:
-    """Minimal combinations of the balances, and False; one for each sensor, and True, where those grow too large."""
+    """Minimal combinations of the balances, and False; one of each balance, and True, where those grow too large."""
     # With several measured functions left, the basis is found order by order, and its polynomials may grow too large on
-    # the way. With all but one of them eliminated too, a single combination is left, which minors give directly.
+    # the way. The combination of a single balance with those of the unknown bodies consists of minors.
     try:
         kernel = left_kernel(rows, known.unknown, operators.ring)
         return _distinct(divisible(kernel, powers), operators), False
     except TooLargeError:
         pass
-    columns = [f"y{i}" for i in range(len(known.basis))]
     try:
-        if len(columns) == 1:
-            raise TooLargeError
-        return [
-            row
-            for own in columns
-            for row in divisible(
-                left_kernel(rows, (*known.unknown, *(c for c in columns if c != own)), operators.ring),
-                {column: power for column, power in powers.items() if column == own},
-            )
-        ], True
+        local = local_kernel(rows, known.unknown, operators.ring)
+        return [differentiated(row, powers, operators.ring) for row in local], True
     except TooLargeError as error:
         axis = operators.source.axis.name
         raise EliminationError(

@@ -23,6 +23,7 @@ from sympy.polys.orderings import grevlex
 from sympy.polys.rings import PolyElement, PolyRing
 
 from symid.symbolic.minimal import MinimalModel
+from symid.symbolic.polynomials import context
 from symid.symbolic.span import Span
 from symid.symbolic.triangular_systems import MOST_TERMS, TriangularSolution, triangular_solution
 
@@ -66,7 +67,7 @@ class GenericPoint:
 
     def triangular(self) -> TriangularSolution:
         """Closed form at this point: the same steps exist for general minimal parameters."""
-        return triangular_solution(self.system(), len(self.names))
+        return self._triangular(simple=False)
 
     def with_several_values(self) -> tuple[set[str], bool]:
         """Parameters with several values among all solutions, and whether the values were counted.
@@ -76,15 +77,20 @@ class GenericPoint:
         """
         if not self.is_small:
             return set(self.names) - self.undetermined(), False
-        solution = triangular_solution(self.system(), len(self.names), simple=True)
-        core = sorted({i for e in solution.left for i in range(len(self.names)) if e.degree(i) > 0})
+        solution = self._triangular(simple=True)
+        core = sorted({i for e in solution.left for i, degree in enumerate(e.degrees()) if degree > 0})
         counted = len(core) <= _MOST_UNKNOWNS
         values = _count_values(solution.left, core, self.ring) if core and counted else dict.fromkeys(core, 2)
         several = {i for i, count in values.items() if count > 1}
         for step in reversed(solution.steps):
-            if any(part.degree(i) > 0 for part in step.coefficients for i in several):
+            if any(part.degrees()[i] > 0 for part in step.coefficients for i in several):
                 several.add(step.unknown)
         return {self.names[i] for i in several}, counted
+
+    def _triangular(self, *, simple: bool) -> TriangularSolution:
+        ring = context(tuple(self.names), _PRIME)
+        system = [ring.from_dict({m: int(c) for m, c in e.items()}) for e in self.system()]
+        return triangular_solution(system, len(self.names), simple=simple)
 
     def _modular(self, polynomial: PolyElement) -> PolyElement:
         known = {name: self.field(value) for name, value in self.constants.items()}
@@ -146,14 +152,17 @@ def moved(
     return ring.from_dict({key: c for key, c in total.items() if c})
 
 
-def _count_values(system: Sequence[PolyElement], involved: Sequence[int], ring: PolyRing) -> dict[int, int]:
+def _count_values(system: Sequence[Any], involved: Sequence[int], ring: PolyRing) -> dict[int, int]:
     """Number of values of each unknown among the non-zero solutions of a polynomial system.
 
     An extra unknown t with t * (product of the unknowns) = 1 excludes solutions with a zero. The number of values is
     the degree of the square-free part of the unknown's minimal polynomial modulo the ideal.
     """
     small = PolyRing(("t", *(str(ring.symbols[i]) for i in involved)), ring.domain, grevlex)
-    moved = [small.from_dict({(0, *(m[i] for i in involved)): c for m, c in e.terms()}) for e in system]
+    moved = [
+        small.from_dict({(0, *(int(m[i]) for i in involved)): small.domain(int(c)) for m, c in e.terms()})
+        for e in system
+    ]
     nonzero = small.from_dict({(1,) * len(small.gens): small.domain.one}) - 1
     basis = groebner([*moved, nonzero], small)
     return {

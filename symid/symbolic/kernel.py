@@ -2,6 +2,8 @@
 
 `left_kernel` gives multipliers l(s) with l(s) A(s) = 0, `divisible` those that also make columns divisible by a
 power of s. Both bases are row-reduced: no other basis has lower degrees, so none differentiates the balances less.
+Where their polynomials grow too large, `local_kernel` gives another basis: each balance that is not needed to determine
+the unknown displacements, combined with those that are.
 
 A single multiplier consists of minors of the matrix (Cramer's rule). Several come from the order-basis algorithm
 (Beckermann and Labahn, SIAM J. Matrix Anal. Appl. 15 (1994) 804; M-basis in Giorgi, Jeannerod and Villard, ISSAC 2003):
@@ -16,15 +18,20 @@ from functools import reduce
 from math import gcd, prod
 from random import Random
 
+from sympy import GF
+from sympy.polys.matrices import DomainMatrix
 from sympy.polys.rings import PolyElement, PolyRing
 
 from symid.errors import EliminationError
-from symid.symbolic.determinants import Minors, TooLargeError, connected
+from symid.symbolic.determinants import Budget, Minors, TooLargeError, connected
 from symid.symbolic.operators import Row, add, by_power
 from symid.symbolic.polynomials import common_divisor, from_flint, quotient, times, to_flint
 
 MOST_PRODUCTS = 200_000
-"""Largest number of term products in a step of an order basis: some seconds, and more than any useful formula needs."""
+"""Largest number of term products in a step of an order basis."""
+MOST_PRODUCTS_IN_ALL = 60_000
+"""Largest number in all steps: half a second, and more than any useful formula needs."""
+_PRIME = 2**31 - 1
 
 
 @dataclass(frozen=True)
@@ -38,18 +45,16 @@ class EliminationRow:
         self, factor: PolyElement, other: EliminationRow, other_factor: PolyElement
     ) -> EliminationRow:
         """factor * self + other_factor * other; TooLargeError beyond `MOST_PRODUCTS`."""
-        pairs = ((self, factor), (other, other_factor))
-        products = sum(
-            len(by) * len(part)
-            for row, by in pairs
-            for part in (*row.multipliers.values(), *row.entries.values())
-        )
-        if products > MOST_PRODUCTS:
+        if (products := self.products(factor) + other.products(other_factor)) > MOST_PRODUCTS:
             raise TooLargeError(products)
-        mine, theirs = (row.scaled(by) for row, by in pairs)
+        mine, theirs = self.scaled(factor), other.scaled(other_factor)
         return EliminationRow(
             add(mine.multipliers, theirs.multipliers, 1), add(mine.entries, theirs.entries, 1)
         )
+
+    def products(self, factor: PolyElement) -> int:
+        """Number of term products of the row with a polynomial."""
+        return len(factor) * sum(map(len, (*self.multipliers.values(), *self.entries.values())))
 
     def scaled(self, factor: PolyElement) -> EliminationRow:
         """The row multiplied by a polynomial."""
@@ -101,6 +106,58 @@ def left_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing)
     return basis
 
 
+def local_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing) -> list[EliminationRow]:
+    """Basis of the combinations of rows in which unknown columns vanish; one member for each row in excess.
+
+    As many rows as there are unknown columns determine these; those of the same name are preferred. Each of the other
+    rows, with those of the first that it needs, has a single combination that is free of the columns.
+    """
+    held = {name: [c for c in row if c in unknown] for name, row in rows.items()}
+    ordered = sorted(rows, key=lambda name: name not in unknown)
+    inner = _independent({name: rows[name] for name in ordered}, unknown, ring)
+    groups = connected({name: held[name] for name in inner}, unknown)
+    basis = []
+    for name in (name for name in rows if name not in inner):
+        own = [(names, columns) for names, columns in groups if not set(columns).isdisjoint(held[name])]
+        chosen = {name, *(row for names, _ in own for row in names)}
+        block = {row: EliminationRow({row: ring.one}, dict(rows[row])) for row in rows if row in chosen}
+        columns = [column for column in unknown if any(column in columns for _, columns in own)]
+        basis.append(_single_row(block, columns, ring) if columns else block[name])
+    return basis
+
+
+def differentiated(row: EliminationRow, powers: Mapping[str, int], ring: PolyRing) -> EliminationRow:
+    """The row times the power of s that makes column k divisible by s**powers[k]."""
+    missing = (
+        power - min(monomial[0] for monomial in row.entries[column].itermonoms())
+        for column, power in powers.items()
+        if column in row.entries
+    )
+    power = max(0, *missing, 0)
+    return row.scaled(ring.gens[0] ** power) if power else row
+
+
+def _independent(rows: Mapping[str, Row], columns: Sequence[str], ring: PolyRing) -> list[str]:
+    """The first rows that are independent in the columns, judged at a random point modulo a prime."""
+    field, draw = GF(_PRIME, symmetric=False), Random(len(rows))
+    point = [draw.randrange(1, _PRIME) for _ in ring.gens]
+
+    def value(entry: PolyElement) -> int:
+        return sum(
+            int(c.numerator)
+            * pow(int(c.denominator), -1, _PRIME)
+            * prod(x**e for x, e in zip(point, m, strict=True))
+            for m, c in entry.terms()
+        )
+
+    numbers = [[field(value(row[c]) if c in row else 0) for row in rows.values()] for c in columns]
+    _, places = DomainMatrix(numbers, (len(columns), len(rows)), field).rref()
+    if len(places) < len(columns):
+        raise _undetermined(columns)
+    names = list(rows)
+    return [names[place] for place in places]
+
+
 def _undetermined(columns: Sequence[str]) -> EliminationError:
     return EliminationError(
         f"the sensors do not determine the motion of {', '.join(columns)}: add a sensor there"
@@ -109,10 +166,10 @@ def _undetermined(columns: Sequence[str]) -> EliminationError:
 
 def divisible(rows: Sequence[EliminationRow], powers: Mapping[str, int]) -> list[EliminationRow]:
     """Minimal basis of the combinations of rows in which column k is divisible by s**powers[k]."""
-    basis = list(rows)
+    basis, budget = list(rows), Budget(MOST_PRODUCTS_IN_ALL)
     for column, power in powers.items():
         for exponent in range(power):
-            basis = _meet_condition(basis, column, exponent)
+            basis = _meet_condition(basis, column, exponent, budget)
     return basis
 
 
@@ -144,18 +201,20 @@ def _order_basis(
     """Minimal kernel basis where several combinations are free of the columns."""
     # Invariant: the rows are a minimal basis of all combinations whose columns are divisible by s**exponent. Degrees
     # are bounded: once the exponent exceeds them, the columns of a row that meets the conditions must be zero.
-    basis = rows
+    basis, budget = rows, Budget(MOST_PRODUCTS_IN_ALL)
     exponent = 0
     while True:
         done = [row for row in basis if not any(column in row.entries for column in columns)]
         if len(done) == wanted:
             return [primitive(row, ring) for row in done]
         for column in columns:
-            basis = _meet_condition(basis, column, exponent)
+            basis = _meet_condition(basis, column, exponent, budget)
         exponent += 1
 
 
-def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> list[EliminationRow]:
+def _meet_condition(
+    rows: list[EliminationRow], column: str, exponent: int, budget: Budget
+) -> list[EliminationRow]:
     """Make the coefficient of s**exponent in a column vanish, at the cost of one degree of one row."""
     found = (by_power(row.entries.get(column)).get(exponent) for row in rows)
     residuals = {i: residual for i, residual in enumerate(found) if residual is not None}
@@ -173,6 +232,7 @@ def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> l
         if i != pivot:
             common = common_divisor([residuals[pivot], residuals[i]])
             mine, theirs = quotient(residuals[pivot], common), quotient(residuals[i], common)
+            budget.spend(rows[i].products(mine) + rows[pivot].products(theirs))
             met[i] = primitive(rows[i].combine(mine, rows[pivot], -theirs), ring, keep_powers_of_s=True)
     met[pivot] = rows[pivot].scaled(ring.gens[0])
     return met

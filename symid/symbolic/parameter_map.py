@@ -9,19 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import product
 from typing import Any, Literal
 
 import sympy as sp
-from sympy import QQ
-from sympy.polys.rings import PolyRing
+from sympy.polys.fields import FracElement
 
 from symid.symbolic.branch_signs import other_solutions_are_unphysical
-from symid.symbolic.generic_point import GenericPoint, moved
+from symid.symbolic.generic_point import GenericPoint
 from symid.symbolic.minimal import MinimalModel
 from symid.symbolic.parameter_function import ParameterFunction
+from symid.symbolic.polynomials import context, expression
 from symid.symbolic.triangular_systems import MOST_TERMS, TriangularSolution, triangular_solution
+
+_MOST_WRITTEN = 600
+"""Terms of an inverse map beyond which it is not written out as expressions, only as the steps of its module."""
 
 Identifiability = Literal["unique", "several", "none"]
 
@@ -76,7 +79,8 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
     }
     functions = {parameter.name: parameter.function for parameter in model.parameters}
     solution = inverse_map(model)
-    inverse = _branches(model, solution) if solution else ()
+    written = sum(map(len, (c for step in solution.steps for c in step.coefficients))) if solution else 0
+    inverse = _branches(model, solution) if solution and written <= _MOST_WRITTEN else ()
     axis = model.source.source.axis
     units = {name: str(unit) for name, unit in axis.physical_parameters.items()}
     if len(inverse) > 1:
@@ -111,21 +115,46 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
     seen = set().union(*(p.function.names for p in model.parameters)).intersection(names)
     if trial.undetermined() & seen or not _solves(trial.triangular(), names, seen):
         return None
-    field = QQ.frac_field(*constants, *(parameter.name for parameter in model.parameters))
-    ring = PolyRing(names, field)
-    domain = model.source.operators.ring.domain
-    known = {name: field.from_sympy(sp.Symbol(name)) for name in constants}
-
-    def number(coefficient: Any) -> Any:
-        return field.from_sympy(domain.to_sympy(coefficient))
-
+    ring = context((*names, *constants, *(parameter.name for parameter in model.parameters)))
     system = [
-        moved(p.function.numerator, ring, number, known)
-        - moved(p.function.denominator, ring, number, known) * field.from_sympy(sp.Symbol(p.name))
-        for p in model.parameters
+        _cleared(p.function, ring.gens()[len(names) + len(constants) + i], ring)
+        for i, p in enumerate(model.parameters)
     ]
     solution = triangular_solution(system, len(names))
     return solution if _solves(solution, names, seen) else None
+
+
+def _cleared(function: ParameterFunction, value: Any, ring: Any) -> Any:
+    """The equation function = value in FLINT's ring, multiplied by what its coefficients are divided by."""
+    names = list(map(str, function.numerator.ring.symbols))
+    sums: dict[str, tuple[Any, Any]] = {}
+    for part, factor in ((function.numerator, ring.constant(1)), (function.denominator, -value)):
+        of_coefficient: dict[Any, dict[tuple[int, ...], int]] = {}
+        for monomial, c in part.items():
+            of_coefficient.setdefault(c, {})[monomial] = 1
+        for c, terms in of_coefficient.items():
+            above, below = _in_ring(c, ring)
+            total, _ = sums.get(str(below), (0, below))
+            sums[str(below)] = total + above * factor * _of_terms(terms, names, ring), below
+    common = reduce(lambda one, other: one * (other / one.gcd(other)), (below for _, below in sums.values()))
+    return sum(above * (common / below) for above, below in sums.values())
+
+
+def _in_ring(number: Any, ring: Any) -> tuple[Any, Any]:
+    """Numerator and denominator of a coefficient, which may contain constants."""
+    if not isinstance(number, FracElement):
+        return ring.constant(number), ring.constant(1)
+    names = list(map(str, number.numer.ring.symbols))
+    return _of_terms(number.numer, names, ring), _of_terms(number.denom, names, ring)
+
+
+def _of_terms(terms: Mapping[tuple[int, ...], Any], names: Sequence[str], ring: Any) -> Any:
+    """A polynomial of a ring, given by its terms in generators with names; those that the ring lacks do not occur."""
+    from_place = {name: place for place, name in enumerate(names)}
+    places = [from_place.get(name) for name in ring.names()]
+    return ring.from_dict(
+        {tuple(0 if i is None else monomial[i] for i in places): c for monomial, c in terms.items()}
+    )
 
 
 def _solves(solution: TriangularSolution, names: Sequence[str], wanted: set[str]) -> bool:
@@ -146,7 +175,7 @@ def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[s
     ] = {}  # kept separate: factoring expressions with square roots takes minutes
     signs: list[sp.Symbol] = []
     for step in reversed(solution.steps):
-        parts = [part.as_expr().xreplace(values) for part in step.coefficients]
+        parts = [expression(part).xreplace(values) for part in step.coefficients]
         symbol = sp.Symbol(names[step.unknown])
         if step.branches == 1:
             value = sp.factor(-parts[1] / parts[0])

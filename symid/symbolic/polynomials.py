@@ -12,6 +12,7 @@ from operator import sub
 from typing import Any
 
 import flint
+import sympy as sp
 from flint.utils.flint_exceptions import DomainError
 from sympy import QQ
 from sympy.polys.rings import PolyElement, PolyRing
@@ -101,12 +102,49 @@ def from_flint(polynomials: Mapping[str, Any], ring: PolyRing) -> dict[str, Poly
 
 
 @cache
-def _context(names: tuple[str, ...]) -> Any:
+def context(names: tuple[str, ...], modulus: int = 0) -> Any:
+    """FLINT's ring of polynomials over the rational numbers, or modulo a prime."""
+    if modulus:
+        return flint.nmod_mpoly_ctx.get(names, modulus=modulus, ordering=flint.Ordering.lex)
     return flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
 
 
+def expression(polynomial: Any) -> sp.Expr:
+    """FLINT's polynomial as a sympy expression.
+
+    >>> x, y = context(("x", "y")).gens()
+    >>> expression((x - y) * (x + y) / 2)
+    x**2/2 - y**2/2
+    """
+    symbols = [sp.Symbol(name) for name in polynomial.context().names()]
+    return sp.Add(
+        *(
+            sp.Rational(int(c.numerator), int(c.denominator))
+            * sp.Mul(*(x ** int(power) for x, power in zip(symbols, monomial, strict=True) if power))
+            for monomial, c in polynomial.terms()
+        )
+    )
+
+
+def factored(numerator: Any, denominator: Any) -> sp.Expr:
+    """Quotient of two of FLINT's polynomials as a product of powers of irreducible factors.
+
+    >>> x, y = context(("x", "y")).gens()
+    >>> factored(y**2 - x**2, x * y + y**2)
+    (-x + y)/y
+    """
+    common = numerator.gcd(denominator)
+    product = sp.Integer(1)
+    for part, sign in ((numerator / common, 1), (denominator / common, -1)):
+        content, factors = part.factor()
+        product *= sp.Rational(int(content.numerator), int(content.denominator)) ** sign
+        for factor, power in factors:
+            product *= expression(factor) ** (sign * int(power))
+    return product
+
+
 def _copy(polynomial: PolyElement) -> Any:
-    return _context(tuple(map(str, polynomial.ring.symbols))).from_dict(dict(polynomial))
+    return context(tuple(map(str, polynomial.ring.symbols))).from_dict(dict(polynomial))
 
 
 def _back(polynomial: Any, ring: PolyRing) -> PolyElement:

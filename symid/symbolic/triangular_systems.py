@@ -3,21 +3,27 @@
 Minimal parameters are functions of low degree in the physical ones, and almost always some equation is linear in one of
 the remaining unknowns. `triangular_solution` solves for that unknown, substitutes it and continues. Equations that
 remain at the end have no closed-form solution by such steps.
+
+Polynomials are FLINT's. Their first generators are the unknowns; the others stand for known right-hand sides. No step
+divides by these: an equation is divided by the common factor of its coefficients instead, as in fraction-free Gaussian
+elimination.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property, reduce
 from math import prod
-
-from sympy.polys.fields import FracElement
-from sympy.polys.rings import PolyElement
+from operator import itemgetter
+from typing import Any
 
 MOST_TERMS = 400
-"""A polynomial with more terms ends the search for a closed form."""
-LARGEST = 300
-"""So does one whose coefficients have more terms in total: common divisors of such fractions take minutes."""
+"""A polynomial with more terms in the unknowns ends the search for a closed form."""
+LARGEST = 2000
+"""So does one with more terms in unknowns and right-hand sides together."""
+_MOST_PRODUCTS = 200_000
+"""Largest number of term products in a substitution."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +32,7 @@ class SolvedUnknown:
 
     unknown: int  # index of the generator
     # of the linear or quadratic equation in the unknown, by descending power; they hold unknowns solved later only
-    coefficients: tuple[PolyElement, ...]
+    coefficients: tuple[Any, ...]
 
     @property
     def branches(self) -> int:
@@ -39,7 +45,7 @@ class TriangularSolution:
     """Unknowns in the order in which they were solved, each in terms of later ones."""
 
     steps: tuple[SolvedUnknown, ...]
-    left: tuple[PolyElement, ...] = ()  # equations without closed form; empty if all is solved
+    left: tuple[Any, ...] = ()  # equations without closed form; empty if all is solved
 
     @property
     def branches(self) -> int:
@@ -48,98 +54,142 @@ class TriangularSolution:
 
 
 def triangular_solution(
-    equations: Sequence[PolyElement], unknowns: int, *, simple: bool = False
+    equations: Sequence[Any], unknowns: int, *, simple: bool = False
 ) -> TriangularSolution:
     """Solve polynomial equations for the first generators, all non-zero, as far as linear and quadratic steps go.
 
-    The right-hand sides are elements of the coefficient field. A `simple` solution has linear steps with monomial
-    leading coefficients only, which neither lose nor add solutions.
+    A `simple` solution has linear steps with monomial leading coefficients only, which neither lose nor add solutions.
 
-    >>> from sympy import QQ
-    >>> from sympy.polys.rings import PolyRing
-    >>> x, y = PolyRing(("x", "y"), QQ).gens
+    >>> from symid.symbolic.polynomials import context
+    >>> x, y = context(("x", "y")).gens()
     >>> solution = triangular_solution([x * y - 6, x + y - 5], 2)
     >>> solution.branches, [step.coefficients for step in solution.steps]
-    (2, [(1, y - 5), (1, -5, 6)])
+    (2, [(1, y - 5), (-1, 5, -6)])
     """
-    system = [_without_monomials(equation) for equation in equations]
+    system = [_Equation(_primitive(equation, unknowns), unknowns) for equation in equations]
     steps: list[SolvedUnknown] = []
     while True:
         # A constant left by a substitution is a relation between the right-hand sides and determines no unknown.
-        system = sorted({e.monic() for e in system if not e.is_ground}, key=lambda e: (len(e), str(e)))
+        different = {equation.text: equation for equation in system if equation.held}
+        system = sorted(different.values(), key=lambda e: (len(e.polynomial), e.text))
         if not system:
-            break
-        short = all(len(e) <= MOST_TERMS and _size(e) <= LARGEST for e in system)
-        choice = _next_step(system, unknowns, simple) if short else None
-        if choice is None:
-            return TriangularSolution(tuple(steps), tuple(system))
-        equation, step = choice
+            return TriangularSolution(tuple(steps))
+        choice = _next_step(system, simple) if all(equation.is_short for equation in system) else None
+        if choice is None or any(_products(e.polynomial, choice[1]) > _MOST_PRODUCTS for e in system):
+            return TriangularSolution(tuple(steps), tuple(e.polynomial for e in system))
+        solved, step = choice
         steps.append(step)
-        system = [_without_monomials(_substitute(e, step)) for e in system if e is not equation]
-    return TriangularSolution(tuple(steps))
+        system = [e if step.unknown not in e.held else e.after(step) for e in system if e is not solved]
 
 
-def _next_step(
-    system: Sequence[PolyElement], unknowns: int, simple: bool
-) -> tuple[PolyElement, SolvedUnknown] | None:
+@dataclass(frozen=True, eq=False)
+class _Equation:
+    """An equation polynomial = 0, and what is asked of it at every step."""
+
+    polynomial: Any
+    unknowns: int
+
+    @cached_property
+    def text(self) -> str:
+        return str(self.polynomial)
+
+    @cached_property
+    def held(self) -> dict[int, int]:
+        """Degrees of the unknowns in it."""
+        return {i: d for i, d in enumerate(self.polynomial.degrees()[: self.unknowns]) if d > 0}
+
+    @cached_property
+    def is_short(self) -> bool:
+        return len(self.polynomial) <= LARGEST and self._length(self.polynomial) <= MOST_TERMS
+
+    @cached_property
+    def linear(self) -> list[tuple[tuple[bool, int, int, int], SolvedUnknown]]:
+        """Cost and step of each unknown in which it is linear; the leading coefficient should be short, best known."""
+        found = []
+        for unknown in (unknown for unknown, degree in self.held.items() if degree == 1):
+            coefficients = _by_falling_power(self.polynomial, unknown)
+            leading, rest = map(self._length, coefficients)
+            is_known = not any(d > 0 for d in coefficients[0].degrees()[: self.unknowns])
+            cost = (not is_known, leading, leading + rest, len(self.polynomial))
+            found.append((cost, SolvedUnknown(unknown, coefficients)))
+        return found
+
+    def after(self, step: SolvedUnknown) -> _Equation:
+        """The equation with a step substituted."""
+        return _Equation(_primitive(_substitute(self.polynomial, step), self.unknowns), self.unknowns)
+
+    def _length(self, polynomial: Any) -> int:
+        """Number of monomials in the unknowns."""
+        return len({tuple(monomial[: self.unknowns]) for monomial in polynomial.monoms()})
+
+
+def _next_step(system: Sequence[_Equation], simple: bool) -> tuple[_Equation, SolvedUnknown] | None:
     """The simplest linear step, else a quadratic equation in a single unknown."""
-    candidates = []
-    for place, equation in enumerate(system):
-        for unknown in range(unknowns):
-            if equation.degree(unknown) == 1:
-                coefficients = _by_falling_power(equation, unknown)
-                leading = coefficients[0]
-                if simple and not leading.is_term:
-                    continue
-                size = sum(map(_size, coefficients))
-                cost = (not leading.is_ground, len(leading), sum(map(len, coefficients)), size, place)
-                candidates.append((cost, unknown, equation, coefficients))
+    candidates = [
+        ((*cost, place, step.unknown), equation, step)
+        for place, equation in enumerate(system)
+        for cost, step in equation.linear
+        if not simple or cost[1] == 1
+    ]
     if candidates:
-        _, unknown, equation, coefficients = min(candidates, key=lambda c: (c[0], c[1]))
-        return equation, SolvedUnknown(unknown, coefficients)
+        _, equation, step = min(candidates, key=itemgetter(0))
+        return equation, step
     for equation in () if simple else system:
-        held = [unknown for unknown in range(unknowns) if equation.degree(unknown) > 0]
-        if len(held) == 1 and equation.degree(held[0]) == 2:
-            return equation, SolvedUnknown(held[0], _by_falling_power(equation, held[0]))
+        if [*equation.held.values()] == [2]:
+            (unknown,) = equation.held
+            return equation, SolvedUnknown(unknown, _by_falling_power(equation.polynomial, unknown))
     return None
 
 
-def _size(equation: PolyElement) -> int:
-    """Number of terms in all coefficients; of fractions, in numerator and denominator."""
-    return sum(len(c.numer) + len(c.denom) if isinstance(c, FracElement) else 1 for c in equation.coeffs())
+def _products(equation: Any, step: SolvedUnknown) -> int:
+    """Products of terms in a substitution, roughly."""
+    power = max(0, equation.degrees()[step.unknown])
+    return int(len(equation) * max(map(len, step.coefficients)) ** power)
 
 
-def _substitute(equation: PolyElement, step: SolvedUnknown) -> PolyElement:
+def _substitute(equation: Any, step: SolvedUnknown) -> Any:
     """An equation with a linear step substituted and the denominator cleared, or reduced modulo a quadratic step."""
-    degree = equation.degree(step.unknown)
+    degree = equation.degrees()[step.unknown]
     if degree <= 0:
         return equation
-    parts = _by_falling_power(equation, step.unknown)
     if step.branches == 1:
+        parts = _by_falling_power(equation, step.unknown)
         denominator, constant = step.coefficients  # the unknown is -constant / denominator
         terms = (part * (-constant) ** (degree - i) * denominator**i for i, part in enumerate(parts))
-        return sum(terms, equation.ring.zero)
-    unknown = equation.ring.gens[step.unknown]
-    modulus = sum((c * unknown ** (2 - i) for i, c in enumerate(step.coefficients)), equation.ring.zero)
-    return equation.prem(modulus, unknown) if degree >= 2 else equation
+        return sum(terms, equation * 0)
+    unknown = equation.context().gens()[step.unknown]
+    modulus = sum((c * unknown ** (2 - i) for i, c in enumerate(step.coefficients)), equation * 0)
+    while (degree := equation.degrees()[step.unknown]) >= 2:
+        leading = _by_falling_power(equation, step.unknown)[0]
+        equation = step.coefficients[0] * equation - leading * unknown ** (degree - 2) * modulus
+    return equation
 
 
-def _by_falling_power(equation: PolyElement, unknown: int) -> tuple[PolyElement, ...]:
+def _by_falling_power(equation: Any, unknown: int) -> tuple[Any, ...]:
     """Coefficients of a polynomial in one unknown, by descending power."""
-    ring = equation.ring
-    parts: list[dict[tuple[int, ...], object]] = [{} for _ in range(equation.degree(unknown) + 1)]
+    parts: list[dict[tuple[int, ...], object]] = [{} for _ in range(equation.degrees()[unknown] + 1)]
     for monomial, value in equation.terms():
-        parts[-1 - monomial[unknown]][(*monomial[:unknown], 0, *monomial[unknown + 1 :])] = value
-    return tuple(ring.from_dict(part) for part in parts)
+        parts[-1 - int(monomial[unknown])][(*monomial[:unknown], 0, *monomial[unknown + 1 :])] = value
+    return tuple(map(equation.context().from_dict, parts))
 
 
-def _without_monomials(equation: PolyElement) -> PolyElement:
-    """The equation divided by its common monomial, since the unknowns are not zero."""
+def _over_unknowns(equation: Any, unknowns: int) -> list[Any]:
+    """Coefficients of the monomials in the unknowns, as polynomials in the right-hand sides."""
+    parts: dict[tuple[int, ...], dict[tuple[int, ...], object]] = {}
+    for monomial, value in equation.terms():
+        own = tuple(map(int, monomial[:unknowns]))
+        parts.setdefault(own, {})[(*(0,) * unknowns, *monomial[unknowns:])] = value
+    return list(map(equation.context().from_dict, parts.values()))
+
+
+def _primitive(equation: Any, unknowns: int) -> Any:
+    """The equation divided by its common monomial, since nothing in it is zero, and by what its coefficients share."""
     if not equation:
         return equation
-    shared = tuple(map(min, zip(*equation.itermonoms(), strict=True)))
-    if not any(shared):
-        return equation
-    return equation.ring.from_dict(
-        {tuple(a - b for a, b in zip(m, shared, strict=True)): c for m, c in equation.terms()}
-    )
+    equation = equation / equation.term_content()
+    if len(equation.degrees()) > unknowns:
+        parts = sorted(_over_unknowns(equation, unknowns), key=len)
+        equation = equation / reduce(
+            lambda common, part: common if common.is_constant() else common.gcd(part), parts
+        )
+    return equation / equation.leading_coefficient()

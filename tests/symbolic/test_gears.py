@@ -102,13 +102,15 @@ def test_equations_hold(shape: str, n: int, encoders: tuple[int, ...], closing: 
     assert rest_of(axis, shape, n, encoders, closing) < 1e-9
 
 
-def test_sensors_that_share_no_short_equation_have_one_each() -> None:
-    model = derive(geared("chain", 5, (0, 4)), ("q0", "q4"))
-    assert any("each sensor has its own equation" in text for text in model.assumptions)
-    columns = [{str(x) for entry in row for x in entry.free_symbols} for row in model.minimal.regressor]
-    assert not any(
-        any(n.startswith("q0") for n in row) and any(n.startswith("q4") for n in row) for row in columns
+def test_each_measured_body_has_its_equation_where_those_of_lower_order_are_too_long() -> None:
+    model = derive(geared("chain", 8, (0, 7)), ("q0", "q7"))
+    assert any("the balance of one measured body" in text for text in model.assumptions)
+    first, last = (
+        {str(x) for column in (y, *row) for x in column.free_symbols}
+        for y, row in zip(model.minimal.output, model.minimal.regressor, strict=True)
     )
+    assert any(name.startswith("T") for name in first)
+    assert not any(name.startswith("T") for name in last)  # no drive turns the last body
 
 
 def test_ratios_keep_their_names_in_short_equations() -> None:
