@@ -20,9 +20,9 @@ from typing import Any
 
 MOST_TERMS = 400
 """A polynomial with more terms in the unknowns ends the search for a closed form."""
-LARGEST = 2000
+LARGEST = 500
 """So does one with more terms in unknowns and right-hand sides together."""
-_MOST_PRODUCTS = 200_000
+_MOST_PRODUCTS = 50_000
 """Largest number of term products in a substitution."""
 
 
