@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from math import prod
-from operator import itemgetter
 from typing import Any
 
 MOST_TERMS = 400
@@ -99,45 +98,49 @@ class _Equation:
         return {i: d for i, d in enumerate(self.polynomial.degrees()[: self.unknowns]) if d > 0}
 
     @cached_property
-    def is_short(self) -> bool:
-        return len(self.polynomial) <= LARGEST and self._length(self.polynomial) <= MOST_TERMS
+    def monomials(self) -> list[tuple[int, ...]]:
+        """Its monomials in the unknowns."""
+        own = (monomial[: self.unknowns] for monomial in self.polynomial.monoms())
+        return list(dict.fromkeys(tuple(map(int, monomial)) for monomial in own))
 
     @cached_property
-    def linear(self) -> list[tuple[tuple[bool, int, int, int], SolvedUnknown]]:
-        """Cost and step of each unknown in which it is linear; the leading coefficient should be short, best known."""
+    def is_short(self) -> bool:
+        return len(self.polynomial) <= LARGEST and len(self.monomials) <= MOST_TERMS
+
+    @cached_property
+    def linear(self) -> list[tuple[bool, int, int, int, int]]:
+        """Unknowns in which it is linear, after what a step costs; its denominator should be short, best known."""
         found = []
         for unknown in (unknown for unknown, degree in self.held.items() if degree == 1):
-            coefficients = _by_falling_power(self.polynomial, unknown)
-            leading, rest = map(self._length, coefficients)
-            is_known = not any(d > 0 for d in coefficients[0].degrees()[: self.unknowns])
-            cost = (not is_known, leading, leading + rest, len(self.polynomial))
-            found.append((cost, SolvedUnknown(unknown, coefficients)))
+            leading = [monomial for monomial in self.monomials if monomial[unknown]]
+            is_known = not any(sum(monomial) > 1 for monomial in leading)
+            found.append((not is_known, len(leading), len(self.monomials), len(self.polynomial), unknown))
         return found
+
+    def step(self, unknown: int) -> SolvedUnknown:
+        """The step that solves it for an unknown."""
+        return SolvedUnknown(unknown, _by_falling_power(self.polynomial, unknown))
 
     def after(self, step: SolvedUnknown) -> _Equation:
         """The equation with a step substituted."""
         return _Equation(_primitive(_substitute(self.polynomial, step), self.unknowns), self.unknowns)
 
-    def _length(self, polynomial: Any) -> int:
-        """Number of monomials in the unknowns."""
-        return len({tuple(monomial[: self.unknowns]) for monomial in polynomial.monoms()})
-
 
 def _next_step(system: Sequence[_Equation], simple: bool) -> tuple[_Equation, SolvedUnknown] | None:
     """The simplest linear step, else a quadratic equation in a single unknown."""
     candidates = [
-        ((*cost, place, step.unknown), equation, step)
+        (*cost, place, unknown)
         for place, equation in enumerate(system)
-        for cost, step in equation.linear
+        for *cost, unknown in equation.linear
         if not simple or cost[1] == 1
     ]
     if candidates:
-        _, equation, step = min(candidates, key=itemgetter(0))
-        return equation, step
+        *_, place, unknown = min(candidates)
+        return system[place], system[place].step(unknown)
     for equation in () if simple else system:
         if [*equation.held.values()] == [2]:
             (unknown,) = equation.held
-            return equation, SolvedUnknown(unknown, _by_falling_power(equation.polynomial, unknown))
+            return equation, equation.step(unknown)
     return None
 
 
