@@ -67,6 +67,11 @@ class Sensor(Parametrised):
         raise NotImplementedError
 
     @property
+    def element(self) -> Spring | Drive | None:
+        """The element whose force is read, which must be of the axis; None of a sensor that reads something else."""
+        return None
+
+    @property
     def is_scaled(self) -> bool:
         """Whether its gain or offset is a parameter."""
         return self.gain is not None or self.offset is not None
@@ -183,6 +188,11 @@ class Force(Sensor):
     def quantity(self) -> str:
         """A force; a torque where the joint turns."""
         return "force"
+
+    @property
+    def element(self) -> Spring | Drive:
+        """The element whose force is read."""
+        return self.of
 
     @property
     def joint(self) -> Joint:

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from symid.axis.axis import Axis
 from symid.axis.elements import Between, Body, Drive, Ground, Spring
-from symid.axis.sensors import Force
 from symid.errors import SettingError, SymidError
 from symid.files import write_whole
 from symid.signal_names import is_signal_name
@@ -244,8 +243,8 @@ def _variables(axis: Axis, taken: set[str]) -> dict[object, str]:
         if count > 1:
             give(at, f"{at.first.name}_{at.second.name}")
     for sensor in axis.sensors:
-        if isinstance(sensor, Force) and sensor.of not in names:
-            give(sensor.of, sensor.of.name if isinstance(sensor.of, Spring) else "drive")
+        if (read := sensor.element) is not None and read not in names:
+            give(read, read.name if isinstance(read, Spring) else "drive")
     return names
 
 

@@ -24,7 +24,7 @@ from symid.axis.elements import (
 from symid.axis.imperfections import EncoderRipple, ForceConstantRipple, Imperfection, PayloadChange
 from symid.axis.laws import Law
 from symid.axis.laws.law import is_finite
-from symid.axis.sensors import Force, Sensor
+from symid.axis.sensors import Sensor
 from symid.axis.type_faults import ends_of, label_of, type_faults
 from symid.signal_names import is_signal_name
 from symid.units import Unit
@@ -226,14 +226,14 @@ def _sensor_faults(
             yield f"{label}: unit {sensor.unit!r} is not known: use V, A or a unit of its quantity"
         elif sensor.unit is not None and sensor.gain is None:
             yield f"{label}: unit {sensor.unit!r} needs a gain: give its {sensor.quantity} per {sensor.unit} as gain="
-        if not isinstance(sensor, Force):
+        if (read := sensor.element) is None:
             continue
         names = {e.name: e for e in elements if isinstance(e, Spring)} | {d.signal: d for d in drives}
-        name = sensor.of.name if isinstance(sensor.of, Spring) else sensor.of.signal
-        if getattr(names.get(name), "at", None) != sensor.of.at:
-            yield f"{label} reads {label_of(sensor.of)}, which is not of the axis: declare it there"
-        elif any(isinstance(e, Law) and e.in_spring and e.at == sensor.of.at for e in elements):
-            yield f"{label} reads {label_of(sensor.of)}, in whose joint a law bends it: leave the law or the sensor out"
+        name = read.name if isinstance(read, Spring) else read.signal
+        if getattr(names.get(name), "at", None) != read.at:
+            yield f"{label} reads {label_of(read)}, which is not of the axis: declare it there"
+        elif any(isinstance(e, Law) and e.in_spring and e.at == read.at for e in elements):
+            yield f"{label} reads {label_of(read)}, in whose joint a law bends it: leave the law or the sensor out"
         if any(
             drive.unit and drive.constant is None and Unit.of(drive.unit) not in _FORCES for drive in drives
         ):

@@ -245,8 +245,7 @@ class _Writer:
 
     def _force(self, sensor: Sensor, name: str, settings: str) -> list[str]:
         """Force of the actuator; MuJoCo has no sensor of a spring in a joint or tendon."""
-        drive = getattr(sensor, "of", None)
-        if isinstance(drive, Drive):
+        if isinstance(drive := sensor.element, Drive):
             return [f"<actuatorfrc {name} actuator={quoteattr(drive.command or drive.signal)}{settings}/>"]
         self.losses.append(f"{sensor.signal}: MuJoCo has no sensor of the force in a spring.")
         return []

@@ -13,12 +13,15 @@ from symid import (
     Force,
     MotionSensor,
     Position,
+    Sensor,
     Spring,
     Velocity,
     axis_source,
     derive,
     load_axis,
 )
+from symid.axis import Joint
+from symid.axis.sensors import ReadingPart
 from symid.errors import DeclarationError, SettingError
 from symid.export import c_source, mjcf
 from symid.report.figures.schematic import schematic_svg
@@ -50,6 +53,45 @@ def test_a_new_kind_is_derived_simulated_exported_and_drawn_as_the_kind_of_its_d
     first, second = (simulate(one, VALUES_2M1S, reference, controller).log for one in (new, known))
     assert np.ptp(first["v"]) > 0
     np.testing.assert_array_equal(first["v"], second["v"])
+
+
+@dataclass(frozen=True)
+class Tension(Sensor):
+    """What a belt carries, which is no quantity of symid's own sensors."""
+
+    of: Spring
+    quantity: ClassVar = "tension"
+
+    @property
+    def joint(self) -> Joint:
+        return self.of.at
+
+    @property
+    def element(self) -> Spring:
+        return self.of
+
+    @property
+    def parts(self) -> tuple[ReadingPart, ...]:
+        return Force(self.signal, self.of).parts
+
+
+def test_a_kind_of_another_quantity_is_one_class() -> None:
+    known = celled()
+    cell = next(sensor for sensor in known.sensors if isinstance(sensor, Force))
+    assert isinstance(cell.of, Spring)
+    new = replace(
+        known,
+        sensors=tuple(
+            Tension(s.signal, cell.of, noise=cell.noise) if s is cell else s for s in known.sensors
+        ),
+    )
+    assert str(new.signal_units["cell"]) == "N"
+    assert str(derive(new, ("qm", "cell"))) == str(derive(known, ("qm", "cell")))
+    assert 'id="sensor cell"' in schematic_svg(new)
+    assert mjcf(new, VALUES).text == mjcf(known, VALUES).text
+    other = Spring("other", MOTOR, stiffness="K2")
+    with pytest.raises(DeclarationError, match="sensor 't' reads Spring 'other', which is not of the axis"):
+        celled((Position("qm", MOTOR), Tension("t", other)))
 
 
 def test_an_axis_file_cannot_be_written_with_a_kind_that_symid_does_not_have() -> None:

@@ -89,7 +89,7 @@ class Record(PeriodicLog):
     def springs_read(self) -> tuple[str, ...]:
         """For each predicted sensor the place of the spring whose force it reads, or ""."""
         sensors = {sensor.signal: sensor for sensor in self.dynamics.axis.sensors}
-        springs = (getattr(sensors[name], "of", None) for name in self.readings)
+        springs = (sensors[name].element for name in self.readings)
         return tuple(place_of(spring) if isinstance(spring, Spring) else "" for spring in springs)
 
     def is_hidden(self, direction: FloatArray) -> bool:

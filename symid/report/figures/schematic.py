@@ -40,7 +40,8 @@ _NOTE, _LETTER = 0.34, 0.125
 """Height of a line of a note and width of a letter, in units of length."""
 
 
-_LINES = {"position": "-", "velocity": "--", "acceleration": ":", "force": "-."}
+_LINES = {"position": "-", "velocity": "--", "acceleration": ":"}
+"""Look of a sensor's arrow by what it reads; others are dashed and dotted."""
 
 
 @dataclass(frozen=True)
@@ -210,7 +211,7 @@ class _Drawing:
 
         The force in a spring, or of a drive, is read between its two bodies: dashed and dotted.
         """
-        style, colour = _LINES[sensor.quantity], self.palette.other
+        style, colour = _LINES.get(sensor.quantity, "-."), self.palette.other
         at = sensor.joint
         first, second = (at.on, at) if isinstance(at, Body) else (at.first, at.second)
         (start, low), (end, high) = self._foot(first.name), self._foot(second.name)
