@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symid import load_axis
+from symid import Axis, load_axis
 from symid.diagnosis import Diagnosis, diagnose
 from symid.diagnosis.experiment.design import rivals_of
 from symid.diagnosis.experiment.discrimination import Rivals
@@ -43,13 +43,13 @@ class Row:
         return self.right / self.runs
 
 
-def rivals() -> tuple[Diagnosis, Rivals]:
-    """A diagnosis that finds a delay, and the delay with its strongest rival."""
+def rivals(declared: Axis | None = None) -> tuple[Diagnosis, Rivals]:
+    """A diagnosis that finds a delay, and the delay with its strongest rival; by the rigid axis, or another one."""
     axis, values = load_axis("rigid_1m"), {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
     late = axis.with_signal("q", noise=2e-9, delay=1e-3).with_signal("F", noise=2.0)
     path = trapezoids([0.1, 0.06], [0.15, 0.2], acceleration=2.0, jerk=20.0, sampling_period=1e-3)
     log = simulate(late, values, path, tuned_cascade(plant_of(axis, values), "q")).log
-    found = diagnose(axis, log)
+    found = diagnose(declared or axis, log)
     pair = rivals_of(found)
     assert pair is not None
     return found, pair

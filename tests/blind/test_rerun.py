@@ -34,6 +34,13 @@ def test_the_true_axis_moves_as_the_independent_simulator_has_it(setting: draw.S
     assert rms(without - position) > 100 * rms(found - position)
 
 
+def test_values_estimated_from_a_noisier_force_leave_the_motion_further_off(setting: draw.Setting) -> None:
+    noisier = replace(setting, noise=setting.noise | {"F": 3 * setting.noise["F"]})
+    quiet, loud = rerun.least_of_values(setting), rerun.least_of_values(noisier)
+    assert loud == pytest.approx(3 * quiet)
+    assert quiet < setting.noise["position"]
+
+
 def test_damping_that_ends_in_the_gap_moves_as_the_independent_simulator_has_it() -> None:
     """The damping of the other simulator's spring ends where the play begins."""
     setting = replace(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.next_experiment import experiment, rivals, rows
+from symid import Position, load_axis
 from symid.diagnosis.experiment import design
 from symid.diagnosis.experiment.design import next_experiment_of
 from symid.diagnosis.experiment.discrimination import Rivals, Separation
@@ -35,6 +36,13 @@ def test_the_probability_is_how_often_the_right_cause_is_chosen(pair: Rivals) ->
     deviation = math.sqrt(row.expected * (1 - row.expected) / row.runs)
     assert 0.6 < row.expected < 0.999  # else the comparison says nothing
     assert abs(row.share - row.expected) < 3 * deviation + 1 / row.runs
+
+
+def test_it_does_not_count_on_a_sensor_that_the_log_lacks() -> None:
+    axis = load_axis("rigid_1m")
+    _, pair = rivals(replace(axis, sensors=(*axis.sensors, Position("second", axis.bodies[0]))))
+    run = simulated_experiment(pair, experiment(0.01))
+    assert [record.outputs for record in run.records] == [pair.record.outputs] * 2
 
 
 def test_a_larger_motion_tells_more_and_none_nothing(pair: Rivals) -> None:

@@ -125,7 +125,9 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
     late: dict[str, float] = {}
     for force in like.forces:
         late = with_hold(late, force, held=True, sampling_period=paths[0].sampling_period)
-    log = replace(run.log, source=trajectory.name)
+    # The axis may declare sensors that the log lacks.
+    seen = {name: run.log[name] for name in (*like.driven, *like.outputs)}
+    log = replace(run.log, signals=seen, source=trajectory.name)
     return record_of(like.dynamics, log, like.motion_hz, late), run
 
 
