@@ -119,13 +119,13 @@ class _RowFilter(NamedTuple):
     low_pass: LowPass
     filter_force: bool
     difference_order: int
-    decimation: int
+    decimation: int  # of the filter that rows pass, 1 without one
 
 
 def _row_filter(log: Log, chosen: Preparation) -> _RowFilter:
     assert chosen.cutoff_hz is not None
     low_pass = LowPass(chosen.cutoff_hz, chosen.order)
-    rest = chosen.filter_force, chosen.difference_order, chosen.decimation or 1
+    rest = chosen.filter_force, chosen.difference_order, chosen.filtered_decimation(log.sampling_period)
     return _RowFilter(log.sampling_period, low_pass, *rest)
 
 

@@ -99,8 +99,9 @@ class Sampling:
 
     @cached_property
     def row_filter(self) -> ZeroPhaseFilter | None:
-        """Filter of all rows before samples are left out."""
-        return decimation_filter(self.factor) if self.factor > 1 else None
+        """Filter of all rows before samples are left out; None if they need none."""
+        factor = self.chosen.filtered_decimation(self.period)
+        return decimation_filter(factor) if factor > 1 else None
 
     @property
     def reach(self) -> int:

@@ -21,6 +21,10 @@ _MARGIN, _HIGHEST_MARGIN = 1.5, 3.0
 _LEAST_SEGMENTS = 8
 _NOISE_SHARE = 0.005
 _FAITHFUL = 0.97
+_LOW_PASSED = 0.5
+"""Cutoff, over the Nyquist frequency of the rows, up to which rows of filtered signals need no filter of their own:
+above that frequency the low-pass leaves a 256th. A sharp filter at the cutoff lets jumps of friction at rest ring for
+ten rows (direct_2m1s with moves: 20 of 30 logs got a status for it)."""
 _BAND_ORDER = 2
 """Differences of the paper's order bound the first cutoff, whatever order is used: sharper ones are faithful five times
 as far, but noise there draws parameters of stiff parts towards zero (errors in variables; a ball screw with a scale
@@ -46,7 +50,8 @@ class Preparation:
         Whether the force passes the same filter as the motion. False is the published recipe of EMPS; it biases
         flexible models, whose regressor holds derivatives of the force.
     decimation : int, optional
-        Number of samples for each row.
+        Number of samples for each row. Rows pass MATLAB's filter first, unless all signals have passed a low-pass below
+        half of the new Nyquist frequency, as they have where it is chosen.
     trim : tuple of int, optional
         Samples left out at the beginning and at the end.
     standstill : float, optional
@@ -94,6 +99,13 @@ class Preparation:
                 raise SettingError(f"{name} is {value}: it must be at least {least:g}")
         if self.trim is not None and min(self.trim) < 0:
             raise SettingError(f"trim is {self.trim}: both numbers of samples must be 0 or more")
+
+    def filtered_decimation(self, sampling_period: float) -> int:
+        """Samples for each row if the decimation filter is needed, 1 if not."""
+        assert self.cutoff_hz is not None
+        factor = self.decimation or 1
+        is_low_passed = self.filter_force and 2 * self.cutoff_hz * sampling_period * factor <= _LOW_PASSED
+        return 1 if is_low_passed else factor
 
     def with_hold(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
         """Seconds by which the signals of a log were recorded late: as given, else as declared; a hold included."""
@@ -235,17 +247,18 @@ def cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> t
 def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Preparation:
     """Settings with everything chosen that was left open.
 
-    The cutoff is the first one of `cutoff_range`; the decimation keeps it below 0.8 of the new Nyquist frequency;
-    trimming leaves out three periods of the cutoff frequency, the time in which a Butterworth filter forgets its start
-    to a thousandth. A hold of the force is part of `late`.
+    The cutoff is the first one of `cutoff_range`; the decimation keeps it below half of the new Nyquist frequency;
+    trimming leaves out one period of the cutoff frequency and one more for each derivative, which multiplies what a
+    Butterworth filter remembers of its start: a tenth after each period. A hold of the force is part of `late`.
     """
     rate = log.sampling_frequency
     cutoff = given.cutoff_hz
     if cutoff is None:
         cutoff, *_ = cutoff_range(log, model, given.difference_order)
-    decimation = given.decimation or max(1, int(0.8 * rate / (2 * cutoff)))
-    reach = max(model.highest_derivatives.values()) * given.difference_order // 2
-    edge = min(math.ceil(3 * rate / cutoff) + reach, log.n_samples // 10)
+    decimation = given.decimation or max(1, int(_LOW_PASSED * rate / (2 * cutoff)))
+    highest = max(model.highest_derivatives.values())
+    edge = math.ceil((1 + highest) * rate / cutoff) + highest * given.difference_order // 2
+    edge = min(edge, log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
     late = given.with_hold(model, log.sampling_period)
     widening = given.widening or (widening_of(log, model, cutoff) if given.filter_force else 1.0)

@@ -133,7 +133,7 @@ def test_a_force_that_is_updated_rarely_is_a_cause_of_what_it_spoils() -> None:
 
 
 def test_a_lag_that_imitates_a_damped_mode_is_named() -> None:
-    case = draw_case(np.random.default_rng([3, 2]), "direct_2m1s")
+    case = draw_case(np.random.default_rng([3, 18]), "direct_2m1s")
     a = np.exp(-case.mode_hz / case.rate)
     signals = {**case.signals, case.force: scipy.signal.lfilter([1 - a], [1, -a], case.signals[case.force])}
     for chosen, is_named in ((case.signals, False), (signals, True)):
