@@ -39,6 +39,8 @@ _WORTH = 0.9
 """Ratio of deviations below which another cutoff is better."""
 _KNOWN = 1e-3
 """Relative deviation that is small enough: smaller ones are no improvement."""
+_SEARCHED = ("ok", "not_physical")
+"""Statuses with which other cutoffs are tried: far below a mode its mass is lost, and comes out negative by chance."""
 _FAILURES = 2
 """Consecutive cutoffs without improvement that end the search in their direction."""
 _MOST_COULOMB_ROUNDS = 6
@@ -182,7 +184,7 @@ def least_uncertain(
         enough = ((one, widened(one)) for one in others if one is not None)
         first, best = next((pair for pair in enough if pair[1].status != "too_few_rows"), (first, best))
         sizes = _relative_deviations(best)
-    if not is_open or best.status != "ok" or np.max(sizes, initial=0.0) <= CRITERIA.precise:
+    if not is_open or best.status not in _SEARCHED or np.max(sizes, initial=0.0) <= CRITERIA.precise:
         return best
     # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at
     # the first does not count: its small deviations would hold for a wrong model.

@@ -63,3 +63,14 @@ def test_a_log_with_few_rows_at_its_first_cutoff_is_estimated_at_the_one_of_the_
     assert sum(found.fit.rows) > 150
     for (name, true), deviation in zip(case.truth.items(), found.physical_deviations, strict=True):
         assert abs(found.physical_parameters[name] - true) < 3 * deviation < 0.1 * true
+
+
+def test_a_first_cutoff_far_below_the_mode_is_left_where_it_makes_a_mass_negative() -> None:
+    """Moves beside a multisine: 34 Hz where the mode is at 101 Hz, Ms = -40 times the true one."""
+    rng = np.random.default_rng([411702, 3])
+    case = draw_machine("direct_2m1s", ("q2",), rng)
+    noise = {name: draw_noise(case, name, rng) for name in case.signals}
+    case = replace(case, signals={name: with_noise(x, noise[name], rng) for name, x in case.signals.items()})
+    found = identified(case)
+    assert found.status == "ok"
+    assert abs(found.physical_parameters["Ms"] / case.truth["Ms"] - 1) < 0.03
