@@ -18,7 +18,7 @@ from symid import (
 )
 from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
-from symid.diagnosis.effects import Placed, SaturationEffect
+from symid.diagnosis.effects import PayloadChangeEffect, Placed, SaturationEffect
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.joined import joined
@@ -43,6 +43,14 @@ def test_a_limit_of_a_switched_force_is_a_gain(log: Log, is_gain: bool) -> None:
     state, weighting = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
     limit = Placed(SaturationEffect(), "actuator", (0.5 * float(np.abs(log["F"]).max()),), (1.0,))
     assert _is_a_gain(Fit(with_effects(state, weighting, (limit,)), weighting)) is is_gain
+
+
+@pytest.mark.parametrize(("change", "plausible"), [(4.0, True), (-2.0, True), (9.0, False), (-3.5, False)])
+def test_a_mass_changes_by_less_than_a_factor_of_two(change: float, plausible: bool) -> None:
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    state, _ = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
+    payload = Placed(PayloadChangeEffect(), "motor", (change, 2.0), (1.0,))
+    assert payload.effect.is_plausible(state.prediction, payload) is plausible
 
 
 def test_one_sided_friction_of_the_load_may_be_in_the_friction_of_the_motor() -> None:

@@ -40,6 +40,7 @@ _MOST_OF_MASS = 0.95
 _INSIDE = 0.99
 _MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
 _USUAL_CHANGE = 0.1
+_MOST_OF_OTHER = 2.0
 _MOMENTS_TRIED = np.linspace(0.1, 0.9, 17)
 """Times relative to the log at which the usual change is also tried."""
 _DAMPINGS = (0.01, 0.05, 0.2)
@@ -155,6 +156,13 @@ class PayloadChangeEffect(Effect):
             x: [*times, *map(float, spread)] if abs(x) == _USUAL_CHANGE else times for x in _MASS_CHANGES
         }
         return [(x * mass, t) for x in _MASS_CHANGES for t in moments[x] if first < t < last]
+
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
+        """The larger of both masses is less than twice the other: else one of them has lost its inertia."""
+        direction = prediction.bodies[placed.at].direction
+        before = float(direction @ prediction.response.plant.mass @ direction)
+        smaller, larger = sorted((before, before + placed.shape[0]))
+        return larger < _MOST_OF_OTHER * smaller
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
         return [(shape[0], float(share * record.duration)) for share in _MOMENTS]
