@@ -129,7 +129,11 @@ def drawn(seed: int, *, short: bool = False) -> Case:
     complete = _declared(kind, values, late, delay)
     known = {name: values[name] for name in complete.physical_parameters}
     nominal = {name: x * float(rng.uniform(0.9, 1.1)) for name, x in known.items()}
-    there = {EFFECTS[name] for name in (*added, lacks, *(["delay"] if delay else [])) if name != "none"}
+    # while an axis moves, dry friction that differs by direction is a constant force
+    constant = ["F0"] if "dFs" in added else []
+    there = {
+        EFFECTS[name] for name in (*added, *constant, lacks, *(["delay"] if delay else [])) if name != "none"
+    }
     value = {"late": late, "delay": delay, "none": 0.0}.get(lacks, values.get(lacks, 0.0))
     return Case(
         kind,
