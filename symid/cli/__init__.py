@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from importlib import import_module
+from typing import Any
 
 import click
 
@@ -33,6 +34,10 @@ _TRACE = "SYMID_TRACE"
 """Environment variable that shows the trace of a fault of symid itself."""
 
 
+class _UnreadError(Exception):
+    """Whoever read the output has read enough."""
+
+
 class _Commands(click.Group):
     """A group that imports a command when it is needed: `--help` and typing errors need no sympy."""
 
@@ -49,6 +54,12 @@ class _Commands(click.Group):
         command = import_module(f"symid.cli.{cmd_name}_command").command
         assert isinstance(command, click.Command)
         return command
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError as error:  # for which click would exit with 1
+            raise _UnreadError from error
 
 
 @click.group(
@@ -87,6 +98,8 @@ def _run(arguments: list[str] | None) -> int:
     except click.UsageError as error:
         hint = f" (see {error.ctx.command_path} --help)" if error.ctx else ""
         return fail(error.format_message() + hint)
+    except _UnreadError:
+        return 0
     except click.Abort:
         return fail("interrupted", 130)
     except SymidError as error:

@@ -16,6 +16,7 @@ from click import option
 from symid.axis import Axis
 from symid.cli.outputs import Output
 from symid.cli.said_options import with_options
+from symid.cli.terminal import is_closed
 from symid.errors import SettingError
 from symid.files import is_finite_number, read_json, shortened, write_whole
 from symid.units import Unit, to_si
@@ -255,7 +256,7 @@ def write_json(record: object, file: str) -> None:
     """Write a record as JSON to a file, or to standard output for ``-``; numbers that are not finite become null."""
     if file != "-":
         write_whole(file, as_json(record))
-    elif sys.stdout is None:
+    elif is_closed(sys.stdout):
         raise SettingError("--json -: standard output is closed: give a file")
     else:
         encoding = (sys.stdout.encoding or "utf-8").lower().replace("-", "")

@@ -9,7 +9,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sized
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from typing import TypeVar
+from typing import TextIO, TypeVar
 
 from symid.cli.said_options import with_options
 from symid.text import one_line, visible
@@ -65,6 +65,11 @@ def tracked(items: Iterable[Item], what: str, total: int | None = None) -> Itera
             yield item
 
 
+def is_closed(stream: TextIO | None) -> bool:
+    """Whether the parent process closed a standard stream."""
+    return stream is None or getattr(stream, "name", "") == os.devnull
+
+
 def say(text: str, *, err: bool = False, end: str = "\n") -> None:
     """Print text with settings written as options; nothing if the stream is closed."""
     stream = sys.stderr if err else sys.stdout
@@ -80,7 +85,13 @@ def fail(message: str, code: int = 2) -> int:
 
 
 def prepare_streams() -> None:
-    """Let both streams escape characters that are not in their encoding."""
+    """Let both streams escape characters that are not in their encoding, and open those that are closed on nothing.
+
+    Worker processes flush them, and a file must not get their number: what a library prints would be written into it.
+    """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - until the process ends
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

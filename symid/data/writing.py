@@ -41,7 +41,7 @@ def write_frame(frame: pl.DataFrame, file: Path, metadata: Mapping[str, str] | N
                 frame.write_parquet(unfinished, metadata=dict(metadata) if metadata else None)
             else:
                 frame.write_csv(unfinished)
-        except pl.exceptions.PolarsError as error:
+        except (pl.exceptions.PolarsError, OSError) as error:  # polars names no file
             known = (errno.ENOSPC, errno.EDQUOT, errno.EACCES)
             number = next((n for n in known if os.strerror(n) in str(error)), errno.EIO)
             raise OSError(number, first_line(error), str(file)) from error

@@ -12,6 +12,7 @@ from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Axis, length_unit
 from symid.data import Log
 from symid.simulation.forward_dynamics import plant_of
+from symid.simulation.plant import Plant
 from symid.units import Unit
 
 COHERENT = 0.6
@@ -134,7 +135,11 @@ def identified_response(
     >>> abs(identified_response(load_axis("rigid_1m"), values, "q", np.array([1 / (2 * np.pi)]), 1)).tolist()
     [0.5]
     """
-    plant = plant_of(axis, values)
+    return plant_response(plant_of(axis, values), signal, frequency, order)
+
+
+def plant_response(plant: Plant, signal: str, frequency: FloatArray, order: int) -> ComplexArray:
+    """Response of a plant with one drive, as `identified_response`."""
     s = 2j * np.pi * frequency[:, None, None]
     matrix = plant.mass * s**2 + plant.damping * s + plant.stiffness
     motion = np.linalg.solve(matrix, np.broadcast_to(plant.drive[:, None], (len(s), plant.drive.size, 1)))

@@ -11,7 +11,8 @@ import scipy
 from symid.arrays import FloatArray, IntArray
 from symid.axis import Axis
 from symid.estimation.correlation import correlation_matrix
-from symid.simulation.frequency_response import FrequencyResponse, identified_response
+from symid.simulation.forward_dynamics import forward_dynamics
+from symid.simulation.frequency_response import FrequencyResponse, plant_response
 
 _DRAWS, _SEED = 200, 0
 _MOST_PLACES = 300
@@ -61,6 +62,7 @@ def response_band(
     Examples
     --------
     >>> from symid.axis import load_axis
+    >>> from symid.simulation.frequency_response import identified_response
     >>> axis, values = load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 1.0}
     >>> f, none = np.array([1.0]), np.zeros(1)
     >>> identified = identified_response(axis, values, "q", f, 1)
@@ -81,13 +83,9 @@ def response_band(
     order = np.random.default_rng(_SEED).permuted(np.tile(np.arange(_DRAWS), (value.size, 1)), axis=1).T
     normal = scipy.special.ndtri((order + 0.5) / _DRAWS) @ factor.T
     drawn = value * np.exp(relative * normal) + alone * normal
-    ratios = np.array(
-        [
-            identified_response(axis, dict(zip(values, one, strict=True)), of.signal, frequency, of.order)
-            / centre
-            for one in drawn.tolist()
-        ]
-    )
+    dynamics = forward_dynamics(axis)
+    plants = (dynamics.at(dict(zip(values, one, strict=True))) for one in drawn.tolist())
+    ratios = np.array([plant_response(plant, of.signal, frequency, of.order) / centre for plant in plants])
     low, high = np.quantile(np.abs(ratios), _SIDES, axis=0, method="hazen")
     late, early = np.quantile(np.angle(ratios), _SIDES, axis=0, method="hazen")
     size = np.abs(centre)

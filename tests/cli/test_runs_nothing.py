@@ -12,6 +12,7 @@ import pytest
 from command_line import run
 from fleet_logs import write_log
 
+from symid.cli.terminal import is_closed, prepare_streams
 from symid.codegen import load_generated
 from symid.codegen.vetting import require_vetted, signed
 from symid.errors import GeneratedModuleError
@@ -206,6 +207,23 @@ def test_streams_of_any_kind(redirection: str, environment: dict[str, str], code
     assert "Exception ignored" not in done.stderr
     if "--json" in redirection:
         assert json.loads(done.stdout)["axis"] == "rigid_1m"
+
+
+def test_a_reader_that_has_read_enough_is_no_failure(folder: Path) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-c", "from symid.cli import main; main()", "show", "rigid_1m"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, check=False)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_a_closed_stream_can_be_flushed_as_worker_processes_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdout", None)
+    prepare_streams()
+    with sys.stdout as stream:
+        stream.flush()
+        assert is_closed(stream)
 
 
 def test_the_bare_command_prints_its_help(capsys: pytest.CaptureFixture[str]) -> None:

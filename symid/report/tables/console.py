@@ -36,6 +36,10 @@ class ReportConsole(Console):
         except MarkupError:  # a name holds such a tag
             return super().render_str(shown, markup=False, **options)
 
+    def on_broken_pipe(self) -> None:
+        """Whoever read has read enough, which is no failure; rich would exit with 1."""
+        raise BrokenPipeError
+
 
 def plain(text: str, style: str = "") -> Text:
     r"""Text of one style, its control characters written out.
