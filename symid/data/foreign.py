@@ -31,13 +31,13 @@ _WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     ("time", r"t|time|timestamp|zeit|temps|sec|ms"),
     ("acceleration", r"acc\w*|beschl\w*|ddq\w*"),
     ("velocity", r"vel\w*|speed|geschw\w*|drehzahl|v"),
-    ("force", r"torque|trq|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|fm?|tau"),
+    ("force", r"torque|trq|tcmd|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|fm?|tau"),
     ("current", r"current|cur|iq|i|strom|amps?"),
     ("voltage", r"voltage|volts?|spannung"),
     ("position", r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|encoder|scale|q\w?|x|y|z"),
 )
 _SETPOINT: Final = (
-    r"set\w*|soll\w*|\w*soll(?:wert)?|cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg"
+    r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg"
 )
 _NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 _WRITTEN: Final = {
@@ -48,6 +48,8 @@ _WRITTEN: Final = {
     "1/min": "rpm",
     "U/min": "rpm",
     "sec": "s",
+    "Arms": "A",
+    "A rms": "A",
 }
 _BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*")
 _TRAILING: Final = re.compile(

@@ -205,7 +205,10 @@ def is_number(text: str, *, comma: bool) -> bool:
 
 
 def _header(above: Sequence[str], separator: str, width: int) -> int | None:
-    """Line of the names: the upper one if there are two adjacent lines of texts above the values."""
+    """Line of the names: the upper one if there are two adjacent lines of texts above the values.
+
+    A line with a number holds a property such as the sampling time.
+    """
     nearest: int | None = None
     for place in range(len(above) - 1, max(len(above) - 3, -1), -1):
         texts = [text.strip() for text in fields(uncommented(above[place]), separator)]
@@ -215,6 +218,7 @@ def _header(above: Sequence[str], separator: str, width: int) -> int | None:
             or (separator == " " and len(texts) > width)
             or not filled
             or _numbers(above[place], separator)
+            or (nearest is not None and any(is_number(text, comma=separator != ",") for text in filled))
         ):
             break
         if len(filled) >= width - 1 or nearest is None:

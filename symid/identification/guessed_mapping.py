@@ -186,7 +186,7 @@ class _Guess:
             )
 
     def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
-        """A column for a drive's force, one of its name first, with its factor where it needs one."""
+        """A column for a drive's force, measured or else commanded, with its factor where it needs one."""
         signal, command = drive.signal, drive.command
         own = {Unit.of("A"): "current", Unit.of("V"): "voltage"}.get(unit, "force")
         found = sorted(self.free, key=lambda c: not c.header.startswith(signal))
@@ -194,13 +194,17 @@ class _Guess:
         if command and "voltage" in measured and own not in measured:
             self.take(command, measured["voltage"])
             return
-        alike = [measured[q] for q in (own, "percent", "current") if q in measured]
+        commanded = {c.quantity: c for c in reversed(found) if c.setpoint}
+        kinds = (own, "percent", "current")
+        alike = [of[q] for of in (measured, commanded) for q in kinds if q in of]
         column = self.chosen(signal, alike or self.called(signal))
         if column is None:
             self.missing.append(
                 f"no column seems to be the force {signal}: name it with `columns` {signal}=NAME"
             )
             return
+        if column.setpoint and signal not in self.named:
+            self.guesses.append(f"{signal} is a command: no column seems to be a measured force")
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
         misnamed = (

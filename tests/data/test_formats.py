@@ -133,6 +133,14 @@ def test_a_file_without_names_has_numbered_columns(tmp_path: Path) -> None:
     np.testing.assert_array_equal(log["F"], F)
 
 
+def test_a_line_of_a_property_above_the_names_is_no_line_of_names(tmp_path: Path) -> None:
+    path = tmp_path / "servo.csv"
+    path.write_text("SERVO GUIDE,Ver 10\nSampling,4.0,ms\n" + text())
+    layout = guessed_layout(path)
+    assert layout.above == 2
+    np.testing.assert_array_equal(read_log(path, expected=EXPECTED, layout=layout)["q"], Q)
+
+
 def test_compressed_text_has_lines_above_its_header(tmp_path: Path) -> None:
     path = tmp_path / "trace.csv.gz"
     above = "Trace of axis X\nrecorded today\n\n"
