@@ -14,24 +14,25 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel, model_of
 from symid.data import AnyLog
 from symid.errors import SettingError
 from symid.identification.identification_result import Identification, headline_of
 from symid.identification.identify import identify
-from symid.identification.physical import correlation_root, jacobian, negative_parameters
+from symid.identification.physical import (
+    correlation_root,
+    jacobian,
+    negative_parameters,
+    open_directions,
+)
 from symid.identification.settings import Preparation
 from symid.identification.starts import starts
 from symid.shown import Shown
 
-_RANK = 1e-9
-"""Singular value of the scaled sensitivity, relative to the largest, below which a direction is not determined."""
-_PART = 1e-6
-"""Share in an undetermined direction above which a parameter is not determined either."""
 _LEAST_PROBABILITY = 1e-3
-_AS_EXPECTED = ("ok", "no_physical_parameters", "not_physical")
+_AS_EXPECTED = ("ok", "no_physical_parameters", "not_physical", "undetermined")
 """Statuses that are accepted for a single group: other groups may determine the rest."""
 
 
@@ -192,6 +193,13 @@ def _verdict(found: SharedIdentification, loose: list[str]) -> tuple[str, str]:
     bad = next((group for group in found.groups if group.status not in _AS_EXPECTED), None)
     if bad is not None:
         return bad.status, f"{', '.join(bad.logs)}: {bad.message}"
+    pairs = zip(found.physical_units, found.parameters, np.sqrt(np.diag(found.covariance)), strict=True)
+    signed = found.groups[0].model.signed
+    if vague := [name for name, value, deviation in pairs if name not in signed and not deviation < value]:
+        return "undetermined", (
+            f"the logs do not determine {', '.join(vague)}, whose deviations exceed their values: excite them more, or "
+            "give logs whose known payloads differ more"
+        )
     if negative := negative_parameters(found.groups[0].model, found.parameters):
         return (
             "not_physical",
@@ -249,19 +257,11 @@ class _Stacked:
         scale, size = _scale(physical), len(names)
         # the structural rank, at a generic point, and the rank at the estimate, which may be lower
         generic = np.exp(np.random.default_rng(0).normal(size=size))
-        loose = _open(self.slope(generic))[1] | _open(self.slope(physical))[1]
-        axes, _ = _open(self.slope(physical))
+        loose = open_directions(self.slope(generic))[1] | open_directions(self.slope(physical))[1]
+        axes, _ = open_directions(self.slope(physical))
         covariance = np.asarray((axes.T @ axes) * np.outer(scale, scale))
         covariance[loose, :] = covariance[:, loose] = np.nan
         return covariance, [name for name, is_loose in zip(names, loose, strict=True) if is_loose]
-
-
-def _open(slope: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Determined directions of a sensitivity, scaled by their deviations, and flags of undetermined columns."""
-    _, sizes, axes = np.linalg.svd(slope, full_matrices=True)
-    sizes = np.append(sizes, np.zeros(axes.shape[0] - sizes.size))
-    determined = sizes > _RANK * sizes[0]
-    return axes[determined] / sizes[determined, None], np.any(np.abs(axes[~determined]) > _PART, axis=0)
 
 
 def _scale(physical: FloatArray) -> FloatArray:

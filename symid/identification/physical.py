@@ -14,10 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from symid.arrays import FloatArray
+from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.identification.starts import starts
 
+_RANK = 1e-9
+"""Singular value of the scaled sensitivity, relative to the largest, below which a direction is not determined."""
+_PART = 1e-6
+"""Share in an undetermined direction above which a parameter is not determined either."""
 _STEP = 1e-30
 """Complex step: the forward map is rational, so its derivative is exact to rounding."""
 
@@ -102,6 +106,27 @@ def jacobian(model: GeneratedModel, physical: FloatArray) -> FloatArray:
         shifted[i] += 1j * step
         columns.append(model.minimal_parameters(*shifted).imag / step)
     return np.stack(columns, axis=1)
+
+
+def open_directions(slope: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Determined directions of a sensitivity, scaled by their deviations, and flags of undetermined columns.
+
+    >>> open_directions(np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 2.0]]))[1].tolist()
+    [True, True, False]
+    """
+    _, sizes, axes = np.linalg.svd(slope, full_matrices=True)
+    sizes = np.append(sizes, np.zeros(axes.shape[0] - sizes.size))
+    determined = sizes > _RANK * sizes[0]
+    return axes[determined] / sizes[determined, None], np.any(np.abs(axes[~determined]) > _PART, axis=0)
+
+
+def open_by_structure(model: GeneratedModel) -> tuple[str, ...]:
+    """Parameters that no log of these signals determines, judged at a generic point of all parameters."""
+    generic = np.exp(np.random.default_rng(0).normal(size=len(model.physical_units)))
+    rows = jacobian(model, generic) * generic
+    size = np.max(np.abs(rows), axis=1, keepdims=True)
+    is_open = open_directions(rows / np.where(size > 0.0, size, 1.0))[1]
+    return tuple(name for name, it in zip(model.physical_units, is_open, strict=True) if it)
 
 
 def physical_estimates(

@@ -10,8 +10,9 @@ from symid.arrays import FloatArray
 from symid.data import central_difference_gain
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.identification_result import Identification
+from symid.identification.physical import open_by_structure
 from symid.identification.timing import Timing
-from symid.identification.verdict import Status
+from symid.identification.verdict import Status, not_by_structure
 
 _USUAL_LAG = 0.85
 """Samples by which a force may act after it is recorded, as a hold and the lag of a drive explain, for a mere note."""
@@ -78,6 +79,7 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
     if not found.physical:
         return ""
     values, deviations = found.physical[0].parameters, found.physical_deviations
+    given = dict(zip(found.model.physical_units, values, strict=True))
     restricted = found.physical[0].restricted
     held = restricted.held if restricted else {}  # a bound says what the log does not
     vague = [
@@ -90,6 +92,8 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
         and not deviation < criteria.undetermined * value
         and np.isfinite(value)
     ]
+    if vague and (lost := [name for name in open_by_structure(found.model) if np.isfinite(given[name])]):
+        return not_by_structure(lost)
     cure = "excite it more (other speeds, accelerations, frequencies), or record longer"
     return f"the log does not determine {', '.join(vague)}: {cure}" if vague else ""
 

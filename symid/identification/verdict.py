@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import CorrelatedCovariance, LeastSquares
-from symid.identification.physical import PhysicalEstimate
+from symid.identification.physical import PhysicalEstimate, open_by_structure
 
 Status = Literal[
     "ok",
@@ -76,6 +77,8 @@ def verdict(
     if not physical and len(model.physical_units) > len(names):
         few = f"{len(names)} minimal parameters do not determine {len(model.physical_units)} physical ones"
         return "no_physical_parameters", f"{few}: give what is known with `fixed`, or add a sensor"
+    if not physical and (lost := open_by_structure(model)):
+        return "no_physical_parameters", not_by_structure(lost)
     if not physical and has_start:
         return "no_physical_parameters", (
             "no single solution was found from the nominal values: give what is known with `fixed`, add a sensor, or "
@@ -94,6 +97,14 @@ def verdict(
         cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
     return "ok", ""
+
+
+def not_by_structure(names: Sequence[str]) -> str:
+    """Statement on parameters that no motion determines, and what to give."""
+    return (
+        f"these signals do not determine {', '.join(names)}, however the axis moves: give one with `fixed` or `prior`, "
+        "a payload that is `known` in each of several logs, or add a sensor"
+    )
 
 
 def certainly_negative(

@@ -12,12 +12,14 @@ from command_line import run
 
 from symid import (
     Axis,
+    Between,
     Body,
     CoulombFriction,
     Drive,
     Geared,
     Log,
     Position,
+    Spring,
     ViscousFriction,
     derive,
     identify,
@@ -75,6 +77,48 @@ def test_the_verb_takes_one_value_for_each_log() -> None:
             identify(AXIS, logs, known=wrong)
     with pytest.raises(SettingError, match="does not go with bounds="):
         identify(AXIS, logs, known={"Ml": (0.0, 12.5)}, bounds="physical")
+
+
+def gantry_log(payload: float, seed: int) -> Log:
+    """A gantry of two motors with constants of their own, 50 and 62 N/A, whose currents balance a motion, by hand."""
+    t, motions = np.arange(3000) * 1e-3, []
+    for sines in (((0.03, 0.6), (3e-3, 3.1)), ((0.03, 0.6), (3e-3, 3.1), (2e-4, 7.3))):
+        w = [(a, 2 * np.pi * f) for a, f in sines]
+        motions.append([sum(a * o**k * np.sin(o * t + k * np.pi / 2) for a, o in w) for k in range(3)])
+    (q1, v1, a1), (q2, v2, a2) = motions
+    beam = 3e5 * (q2 - q1) + 200.0 * (v2 - v1)
+    i1 = ((40.0 + payload) * a1 + 60.0 * v1 - beam) / 50.0
+    i2 = ((40.0 + payload) * a2 + 60.0 * v2 + beam) / 62.0
+    rng = np.random.default_rng(seed)
+    noisy = {"q1": q1, "q2": q2} | {
+        "i1": i1 + rng.normal(0, 0.02, t.size),
+        "i2": i2 + rng.normal(0, 0.02, t.size),
+    }
+    return Log.from_arrays(noisy, sampling_period=1e-3)
+
+
+def test_known_payloads_tell_the_constants_of_two_drives_whose_log_alone_says_none() -> None:
+    left, right = Body("left", mass="M"), Body("right", mass="M")
+    beam = Spring("beam", Between(first=left, second=right), stiffness="K", damping="D")
+    loads = [Body(f"on_{body.name}", mass="Ml", geared=Geared(to=body, ratio=1.0)) for body in (left, right)]
+    frictions = ViscousFriction(left, "Fv"), ViscousFriction(right, "Fv")
+    drives = Drive("i1", left, gain="c1", unit="A"), Drive("i2", right, gain="c2", unit="A")
+    axis = Axis(
+        "gantry",
+        (left, right, *loads, beam, *frictions),
+        drives,
+        (Position("q1", left), Position("q2", right)),
+    )
+    logs = [gantry_log(payload, seed) for payload, seed in ((0.0, 1), (12.5, 2))]
+    alone = identify(axis.with_known({"Ml": 0.0}), logs[0], measured=("q1", "q2"))
+    assert alone.status in ("undetermined", "no_physical_parameters")  # as rounding has it
+    assert (
+        "do not determine M, K, D, Fv, c1, c2, however the axis moves: give one with `fixed`" in alone.message
+    )
+    found = identify(axis, logs, measured=("q1", "q2"), known={"Ml": (0.0, 12.5)}, examine=False)
+    assert found.status == "ok", found.message
+    true = {"M": 40.0, "K": 3e5, "Fv": 60.0, "c1": 50.0, "c2": 62.0}
+    assert {name: found.physical_parameters[name] for name in true} == pytest.approx(true, rel=0.02)
 
 
 def test_deviations_are_those_of_repetitions() -> None:
