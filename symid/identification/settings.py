@@ -29,6 +29,8 @@ _BAND_ORDER = 2
 """Differences of the paper's order bound the first cutoff, whatever order is used: sharper ones are faithful five times
 as far, but noise there draws parameters of stiff parts towards zero (errors in variables; a ball screw with a scale
 lost 47 % of its table's mass at 1010 Hz, 0.03 % at 154 Hz)."""
+_PAPER_PERIODS = 3
+"""Periods of the cutoff that are trimmed at each end with the paper's differences, with which its tables are made."""
 _WIDEST = 4.0
 """Times the cutoff that motion in laws is filtered at most: from there on reversals are off by next to nothing (a mass
 on a multisine: Fv +1.6 % at 1, +0.04 % at 4, +0.03 % at 16)."""
@@ -257,7 +259,8 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
         cutoff, *_ = cutoff_range(log, model, given.difference_order)
     decimation = given.decimation or max(1, int(_LOW_PASSED * rate / (2 * cutoff)))
     highest = max(model.highest_derivatives.values())
-    edge = math.ceil((1 + highest) * rate / cutoff) + highest * given.difference_order // 2
+    periods = _PAPER_PERIODS if given.difference_order == _BAND_ORDER else 1 + highest
+    edge = math.ceil(periods * rate / cutoff) + highest * given.difference_order // 2
     edge = min(edge, log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
     late = given.with_hold(model, log.sampling_period)
