@@ -61,6 +61,16 @@ def test_what_is_declared_is_identified_and_not_found(element: Imperfection) -> 
             assert off < 4 * change.reidentified_std + 0.02 * abs(change.nominal)
 
 
+def test_a_declared_coefficient_of_friction_stays_possible() -> None:
+    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
+    log = machine(RIGID, VALUES, 1)  # whose noise speaks for a coefficient below 0
+    declared = RIGID.with_effect(LoadDependentFriction(MOTOR, 0.05))
+    found = diagnose(declared, log, nominal=nominal, held=True, controller=LOOP, library=())
+    values = {change.name: change.reidentified for change in found.parameters}
+    assert 0 <= values["load_dependent_friction.mu"] < 1e-4
+    assert values["M"] == pytest.approx(VALUES["M"], rel=1e-3)
+
+
 def test_a_declared_limit_is_identified() -> None:
     nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
     log = machine(RIGID.with_effect(ForceLimit(110.0)), VALUES, 1)

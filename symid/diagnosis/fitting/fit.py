@@ -11,7 +11,8 @@ import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Axis, Spring
-from symid.diagnosis.effects import Placed
+from symid.diagnosis.effects import Key, Placed
+from symid.diagnosis.fitting.bounds import beyond_bounds, moved_to_bounds
 from symid.diagnosis.fitting.cross_validation import Blocks, blocks_of, log_likelihood
 from symid.diagnosis.fitting.sensitivity import derivatives
 from symid.diagnosis.fitting.state import State, evaluated, leveled
@@ -235,6 +236,31 @@ def masses_and_stiffnesses(axis: Axis) -> list[str]:
 
 
 def _searched(fit: Fit, free: BoolArray | None) -> Fit | None:
+    """The next step of a fit, with declared effects within the bounds of machines; None if no step lowers the cost.
+
+    Where a step leaves a bound, the effect goes to its bound and the other values take a step again (active set).
+    """
+    found = _stepped(fit, free)
+    if found is None or not (outside := beyond_bounds(found.state)):
+        return found
+    held = _held(fit, free, outside)
+    placed = moved_to_bounds(fit.state, found.state.placed, outside)
+    bound = Fit(evaluated(fit.state, fit.weighting, fit.parameters, placed), fit.weighting)
+    after = _stepped(bound, held) or bound
+    return after if after.cost < fit.cost else _stepped(fit, held)
+
+
+def _held(fit: Fit, free: BoolArray | None, keys: set[Key]) -> BoolArray:
+    """The values that may change, without those of some effects."""
+    moves = np.ones(len(fit.columns), dtype=bool) if free is None else free.copy()
+    at = len(fit.state.prediction.record.dynamics.parameters)
+    for item in fit.state.placed:
+        moves[at : at + item.n_free] &= item.key not in keys
+        at += item.n_free
+    return moves
+
+
+def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
     """The least damped Levenberg-Marquardt step that lowers the cost; None if no step lowers it noticeably.
 
     Damping restrains only directions to which the rows are hardly sensitive, such as a stiffness and the mass on it in
