@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core.dispatcher import Dispatcher
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function of numbers and arrays as machine code, which is compiled at the first call.
 
     Machine code is kept beside the module, or in the user's cache if that cannot be written; where neither can,
-    each process compiles again.
+    each process compiles again. It is made for the sources that it comes from: after a change it is compiled again.
 
     Examples
     --------
     >>> compiled(lambda x: x * x)(3.0)
     9.0
     """
+    function.__qualname__ += f"_{_fingerprint(function)}"  # a part of the name under which code is kept
     try:
         kept: Any = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # no place that can be written
@@ -35,3 +39,18 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 
     files._load_index = load_if_readable
     return kept  # type: ignore[no-any-return]
+
+
+def _fingerprint(function: Callable[..., Any]) -> str:
+    """Of the module of a function, and of the compiled functions and constants that it takes from others.
+
+    Numba asks for changes of the function's file only, though machine code contains what it calls.
+    """
+    source = Path(function.__code__.co_filename)
+    digest = hashlib.sha256(source.read_bytes() if source.is_file() else b"")
+    for name, value in sorted(function.__globals__.items()):
+        if isinstance(value, Dispatcher) and value.py_func.__module__ != function.__module__:
+            digest.update(f"{name} {value.py_func.__qualname__}".encode())
+        elif isinstance(value, int | float) and not name.startswith("__"):
+            digest.update(f"{name} {value!r}".encode())
+    return digest.hexdigest()[:12]

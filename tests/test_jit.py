@@ -30,3 +30,17 @@ def test_code_kept_for_a_record_that_is_gone_is_compiled_again(tmp_path: Path) -
     assert run(tmp_path, "Old") == "3.0\n"
     assert list((tmp_path / "__pycache__").glob("*.nbi"))
     assert run(tmp_path, "New", "+ 1.0") == "4.0\n"
+
+
+def test_code_is_compiled_again_when_what_it_calls_has_changed(tmp_path: Path) -> None:
+    module = "{imported}\nfrom symid.jit import compiled\n\n@compiled\ndef {name}(x):\n    return {value}\n"
+    calling = module.format(imported="from called import scaled", name="moved", value="scaled(x)")
+    (tmp_path / "calling.py").write_text(calling, encoding="utf-8")
+    command = [sys.executable, "-c", "import calling; print(calling.moved(3))"]
+    for factor, expected in ((2, "6\n"), (5, "15\n")):
+        called = module.format(imported="", name="scaled", value=f"{factor} * x")
+        (tmp_path / "called.py").write_text(called, encoding="utf-8")
+        assert (
+            subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+            == expected
+        )
