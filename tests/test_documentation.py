@@ -1,14 +1,19 @@
 """The code in README and docs runs, block after block of a page; links lead somewhere; no effect lacks its entry."""
 
+import contextlib
+import io
 import re
 from pathlib import Path
 
 import pytest
+from command_line import follows
 
 from symid.diagnosis import LIBRARY
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
+BLOCK = re.compile(r"```python\n(.*?)```\n(?:\n```text\n(.*?)```)?", re.DOTALL)
+"""Code, and what it prints, if that stands below it."""
 CATALOGUE = ROOT / "docs" / "effects" / "index.md"
 
 
@@ -17,11 +22,16 @@ def name_of(page: Path) -> str:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_code_of_a_page_runs(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_code_of_a_page_runs_and_prints_what_stands_below_it(
+    page: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(ROOT)
     namespace: dict[str, object] = {"__name__": "page"}
-    for block in re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
-        exec(compile(block, page.name, "exec"), namespace)
+    for block, printed in BLOCK.findall(page.read_text(encoding="utf-8")):
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said):
+            exec(compile(block, page.name, "exec"), namespace)
+        assert not printed or follows(said.getvalue(), printed), f"{block} prints {said.getvalue()}"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)

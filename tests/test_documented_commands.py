@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-from command_line import run
+from command_line import follows, run
 from fleet_logs import write_log
 
 import symid
@@ -132,15 +132,6 @@ def test_commands_of_a_page_run(page: str, tmp_path: Path, monkeypatch: pytest.M
         assert code == int(stale), f"{command.text}: {said.getvalue()}"
         if command.printed is not None and command.arguments[0] not in CHANGING:
             assert follows(said.getvalue(), command.printed), f"{command.text} prints {said.getvalue()}"
-
-
-def follows(said: str, printed: str) -> bool:
-    """Whether a text is what a page prints, lines wrapped anew and ``...`` for anything."""
-    parts = [
-        r"\s+".join(map(re.escape, part.split()))
-        for part in re.split(r"^\.\.\.$", printed, flags=re.MULTILINE)
-    ]
-    return re.fullmatch(r"\s*" + r"[\s\S]*".join(parts) + r"\s*", said.strip()) is not None
 
 
 def test_every_page_with_commands_is_run() -> None:
