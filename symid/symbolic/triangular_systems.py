@@ -63,9 +63,9 @@ def triangular_solution(
     >>> x, y = context(("x", "y")).gens()
     >>> solution = triangular_solution([x * y - 6, x + y - 5], 2)
     >>> solution.branches, [step.coefficients for step in solution.steps]
-    (2, [(1, y - 5), (-1, 5, -6)])
+    (2, [(1, y - 5), (1, -5, 6)])
     """
-    system = [_Equation(_primitive(equation, unknowns), unknowns) for equation in equations]
+    system = [_HeldEquation(_primitive(equation, unknowns), unknowns) for equation in equations]
     steps: list[SolvedUnknown] = []
     while True:
         # A constant left by a substitution is a relation between the right-hand sides and determines no unknown.
@@ -82,7 +82,7 @@ def triangular_solution(
 
 
 @dataclass(frozen=True, eq=False)
-class _Equation:
+class _HeldEquation:
     """An equation polynomial = 0, and what is asked of it at every step."""
 
     polynomial: Any
@@ -121,12 +121,12 @@ class _Equation:
         """The step that solves it for an unknown."""
         return SolvedUnknown(unknown, _by_falling_power(self.polynomial, unknown))
 
-    def after(self, step: SolvedUnknown) -> _Equation:
+    def after(self, step: SolvedUnknown) -> _HeldEquation:
         """The equation with a step substituted."""
-        return _Equation(_primitive(_substitute(self.polynomial, step), self.unknowns), self.unknowns)
+        return _HeldEquation(_primitive(_substitute(self.polynomial, step), self.unknowns), self.unknowns)
 
 
-def _next_step(system: Sequence[_Equation], simple: bool) -> tuple[_Equation, SolvedUnknown] | None:
+def _next_step(system: Sequence[_HeldEquation], simple: bool) -> tuple[_HeldEquation, SolvedUnknown] | None:
     """The simplest linear step, else a quadratic equation in a single unknown."""
     candidates = [
         (*cost, place, unknown)
