@@ -29,10 +29,6 @@ _BAND_ORDER = 2
 """Differences of the paper's order bound the first cutoff, whatever order is used: sharper ones are faithful five times
 as far, but noise there draws parameters of stiff parts towards zero (errors in variables; a ball screw with a scale
 lost 47 % of its table's mass at 1010 Hz, 0.03 % at 154 Hz)."""
-_FILTERED = 0.8
-"""Cutoff, over the Nyquist frequency of the rows, where these pass a filter of their own."""
-_AT_REST = 0.01
-"""Share of the travel of a signal within which it rests."""
 _PAPER_PERIODS = 3
 """Periods of the cutoff that are trimmed at each end with the paper's differences, with which its tables are made."""
 _WIDEST = 4.0
@@ -250,35 +246,18 @@ def cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> t
     return float(f"{first:.3g}"), min(_HIGHEST_MARGIN * coherent, highest), highest
 
 
-def _rests_at_ends(log: AnyLog, model: GeneratedModel, span: int) -> bool:
-    """Whether all motion rests in the first and last `span` samples.
-
-    Otherwise low-passes begin with errors that rows without a filter of their own show for long: of 24 logs of a sine
-    that began in motion 11 were not `ok`, with the filter none.
-    """
-    span = min(span, log.n_samples)
-    ends = log.window(0, span), log.window(log.n_samples - span, log.n_samples)
-    moving = (name for name, order in model.highest_derivatives.items() if order)
-    return all(
-        max(np.ptp(end[name]) for end in ends) < _AT_REST * np.ptp(spread_excerpts(log, name))
-        for name in moving
-    )
-
-
 def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Preparation:
     """Settings with everything chosen that was left open.
 
-    The cutoff is the first one of `cutoff_range`. The decimation keeps it below half of the new Nyquist frequency, or
-    below 0.8 of it with a filter of the rows if the motion does not begin and end at rest. Trimming leaves out one
-    period of the cutoff frequency and one more for each derivative, which multiplies what a Butterworth filter
-    remembers of its start: a tenth after each period. A hold of the force is part of `late`.
+    The cutoff is the first one of `cutoff_range`; the decimation keeps it below half of the new Nyquist frequency;
+    trimming leaves out one period of the cutoff frequency and one more for each derivative, which multiplies what a
+    Butterworth filter remembers of its start: a tenth after each period. A hold of the force is part of `late`.
     """
     rate = log.sampling_frequency
     cutoff = given.cutoff_hz
     if cutoff is None:
         cutoff, *_ = cutoff_range(log, model, given.difference_order)
-    of_nyquist = _LOW_PASSED if _rests_at_ends(log, model, math.ceil(rate / cutoff)) else _FILTERED
-    decimation = given.decimation or max(1, int(of_nyquist * rate / (2 * cutoff)))
+    decimation = given.decimation or max(1, int(_LOW_PASSED * rate / (2 * cutoff)))
     highest = max(model.highest_derivatives.values())
     periods = _PAPER_PERIODS if given.difference_order == _BAND_ORDER else 1 + highest
     edge = math.ceil(periods * rate / cutoff) + highest * given.difference_order // 2

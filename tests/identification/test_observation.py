@@ -122,14 +122,3 @@ def test_the_chosen_cutoff_scales_with_the_sampling_rate_and_is_said() -> None:
 def test_impossible_settings_are_refused_by_name(setting: dict[str, float], word: str) -> None:
     with pytest.raises(SettingError, match=word):
         observe(load_generated("rigid_1m"), rigid_log(), Preparation(**setting))
-
-
-@pytest.mark.parametrize("rate", [6.0, 7.0, 9.0, 14.0])
-def test_a_sine_that_begins_in_motion_is_ok(rate: float) -> None:
-    t = np.arange(4000) / 1000
-    q, v, a = np.sin(rate * t), rate * np.cos(rate * t), -(rate**2) * np.sin(rate * t)
-    force = MASS * a + VISCOUS * v + COULOMB * np.sign(v)
-    force += 0.05 * np.random.default_rng(0).standard_normal(t.size)
-    found = identify("rigid_1m", Log.from_arrays({"q": q, "F": force}, sampling_period=1e-3))
-    assert found.status == "ok"
-    assert found.physical_parameters["Fs"] == pytest.approx(COULOMB, abs=4 * found.physical_deviations[2])
