@@ -17,7 +17,7 @@ from symid.errors import SettingError
 def recorded(seed: int = 0) -> Log:
     """M = 5 kg, Fv = 1 N s/m, Fs = 2 N by hand, with a little noise."""
     t = np.arange(4000) / 1000
-    q, v, a = np.sin(9 * t), 9 * np.cos(9 * t), -81 * np.sin(9 * t)
+    q, v, a = np.sin(10 * t), 10 * np.cos(10 * t), -100 * np.sin(10 * t)
     noise = 0.05 * np.random.default_rng(seed).standard_normal(t.size)
     force = 5 * a + v + 2 * np.sign(v) + noise
     return Log.from_arrays({"q": q, "F": force}, sampling_period=1e-3, source="a<b>\x1b.csv")
