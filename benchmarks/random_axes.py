@@ -250,7 +250,8 @@ def outcome(seed: int, n: int) -> tuple[str, str]:
     X = model.minimal_parameters(*(drawn.values[name] for name in model.physical_units))
     size = (np.abs(W) @ np.abs(X) + np.abs(y)).max(axis=1)
     relative = float(np.max(np.abs(W @ X - y).max(axis=1) / size))
-    said = f"{seconds:.1f} s, {peak():.0f} MB, relative error {relative:.1g}, {n} bodies, measured {', '.join(measured)}"
+    cost = f"{seconds:.1f} s, {peak():.0f} MB"
+    said = f"{cost}, relative error {relative:.1g}, {n} bodies, measured {', '.join(measured)}"
     if not relative < TOLERANCE:
         return "differs", said
     return "too long" if seconds > LONGEST else "agrees", said
