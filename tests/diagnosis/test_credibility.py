@@ -18,7 +18,8 @@ from symid import (
 )
 from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
-from symid.diagnosis.effects import PayloadChangeEffect, Placed, SaturationEffect
+from symid.diagnosis.effects import FlexibleModeEffect, PayloadChangeEffect, Placed, SaturationEffect
+from symid.diagnosis.effects.forces import PeriodicDisturbanceEffect
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.joined import joined
@@ -51,6 +52,26 @@ def test_a_mass_changes_by_less_than_a_factor_of_two(change: float, plausible: b
     state, _ = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
     payload = Placed(PayloadChangeEffect(), "motor", (change, 2.0), (1.0,))
     assert payload.effect.is_plausible(state.prediction, payload) is plausible
+
+
+@pytest.mark.parametrize(("hertz", "plausible"), [(20.0, False), (20.6, True), (27.0, True)])
+def test_a_mode_that_rings_is_no_disturbance(hertz: float, plausible: bool) -> None:
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    state, weighting = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
+    mode = Placed(FlexibleModeEffect(), "motor", (20.0, 0.005), (2.0,))
+    with_mode = with_effects(state, weighting, (mode,)).prediction
+    wave = Placed(PeriodicDisturbanceEffect(), "motor", (hertz,), (0.1, 0.0))
+    assert wave.effect.is_plausible(state.prediction, wave)
+    assert wave.effect.is_plausible(with_mode, wave) is plausible
+
+
+def test_a_mode_of_any_frequency_is_among_those_that_are_tried() -> None:
+    """Its resonance overlaps with one of theirs, or it would not be seen."""
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    state, _ = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
+    tried = FlexibleModeEffect().shapes(state.prediction, "motor", lambda _: np.zeros(0))
+    narrow = np.array([f for f, d in tried if d < 0.02])
+    assert all(np.abs(narrow / hertz - 1).min() < 0.01 for hertz in np.geomspace(3.0, 20.0, 40))
 
 
 def test_one_sided_friction_of_the_load_may_be_in_the_friction_of_the_motor() -> None:

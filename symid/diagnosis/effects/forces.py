@@ -32,7 +32,8 @@ _PERIODS_OF_MODE = 3.0  # least periods of a mode within a log
 _LOWEST_MODES = (0.5, 3.0)
 """Range of the lowest frequency sought, Hz: below it, a mode looks like a weight or a spring."""
 _SHARE_OF_MOTION = 0.9
-_MODES_APART = 1.09
+_MODES_APART = 1.5
+"""Steps of the frequency of a mode, relative to its damping ratio: half the width of its resonance is 2."""
 _MOST_DAMPING = 0.3  # damping ratio from which on a mode, beside a delay, looks like a lag
 # Half of the squared acceleration must be more than 25 % off the mode: a single sine does not tell mode from inertia.
 _NEAR_MODE, _AT_MODE = 0.25, 0.5
@@ -47,6 +48,10 @@ _DAMPINGS = (0.01, 0.05, 0.2)
 _LINE = 3.0  # amplitude of a spectral line relative to its neighbourhood
 _NEIGHBOURS = 8
 _FAST = 0.1
+_AROUND_MODE = 0.25
+"""Neighbourhood of a frequency in which a mode is sought, relative to it."""
+_PEAK = 3.0
+"""Gain at a mode relative to the median of its neighbourhood: a damping ratio below some 5 %."""
 _FEWEST_CYCLES = 4.0  # of a disturbance within a log; with fewer, it is any slow course
 _HARMONICS = 5
 """Cycles of a disturbance per cycle of the motion up to which it may be a harmonic of the motion."""
@@ -67,10 +72,11 @@ class PeriodicDisturbanceEffect(JointEffect):
     per_log = True
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """A spectral line of the motion is not a disturbance: a force that repeats with the motion belongs to it."""
-        if placed.shape[0] * prediction.record.duration < _FEWEST_CYCLES:
+        """Neither a line of the motion, which repeats, nor a mode of the axis, which rings, is a disturbance."""
+        frequency = placed.shape[0]
+        if frequency * prediction.record.duration < _FEWEST_CYCLES or is_mode(prediction, frequency):
             return False
-        return not is_line_of_motion(prediction, placed.shape[0], math.hypot(*placed.amplitudes))
+        return not is_line_of_motion(prediction, frequency, math.hypot(*placed.amplitudes))
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         response = -prediction.response.of_force(prediction.joints[place].direction)
@@ -92,6 +98,18 @@ class PeriodicDisturbanceEffect(JointEffect):
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force = str(joint_units(prediction, place)[0])
         return force, force, "Hz"
+
+
+def is_mode(prediction: Prediction, frequency: float) -> bool:
+    """Whether hidden bodies resonate at a frequency: apparent inertias of the drives peak there."""
+    hertz, response = prediction.record.omega / (2 * math.pi), prediction.response
+    near = np.abs(hertz - frequency) < _AROUND_MODE * frequency
+    if np.count_nonzero(near) < _NEIGHBOURS:
+        return False
+    at = int(np.argmin(np.abs(hertz[near] - frequency)))
+    inertias = response.of_positions[:, : prediction.record.n_drives, near] / hertz[near] ** 2
+    gains = np.abs(inertias).reshape(-1, np.count_nonzero(near))
+    return bool(np.any(gains[:, at] > _PEAK * np.median(gains, axis=1)))
 
 
 def is_line_of_motion(prediction: Prediction, frequency: float, amplitude: float) -> bool:
@@ -244,8 +262,9 @@ class FlexibleModeEffect(LinearEffect):
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         lowest, highest = _modes_seen(prediction.record)
-        count = 1 + math.ceil(max(math.log(highest / lowest), 0.0) / math.log(_MODES_APART))
-        return [(float(f), d) for f in np.geomspace(lowest, highest, count) for d in _DAMPINGS]
+        octaves = max(math.log(highest / lowest), 0.0)
+        counts = {d: 1 + math.ceil(octaves / (_MODES_APART * d)) for d in _DAMPINGS}
+        return [(float(f), d) for d, n in counts.items() for f in np.geomspace(lowest, highest, n)]
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
         lowest, highest = _modes_seen(prediction.record)

@@ -33,17 +33,24 @@ def forward_selection(
 
     The model before re-identification, `nominal`, is another start where unmodelled effects led the parameters astray.
     """
-    fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
-    nominal = nominal and replace(nominal, state=replace(nominal.state, bounds=fit.state.bounds))
+    fit, nominal = _with_least_inertia(fit, nominal)
+    first = _selection_step(fit, library, nominal).with_acceptable()
+    if nominal is not None and (better := _restarted(first)) is not None:
+        # Once only: each restart weights the errors anew, and two solutions might replace each other for ever.
+        fit, nominal = _with_least_inertia(better, nominal)
+        first = _selection_step(fit, library, nominal).with_acceptable()
     # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and
     # presliding friction may be all friction or a part of it. Where one of them comes first, both searches are run to
     # their end, and the better prediction of blocks left out decides.
-    first = _selection_step(fit, library, nominal).with_acceptable()
-    if nominal is not None and (better := _restarted(first)) is not None:
-        return forward_selection(better, library, nominal)
     begun = (first, *first.other_timing(), *first.whole_before_part())
     branches = [_continued(fit, step, library) for step in begun]
     return max(branches, key=lambda steps: _predicts(steps, fit.weighting))
+
+
+def _with_least_inertia(fit: Fit, nominal: Fit | None) -> tuple[Fit, Fit | None]:
+    """Both models with bounds that keep the axis from losing its inertia."""
+    fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
+    return fit, nominal and replace(nominal, state=replace(nominal.state, bounds=fit.state.bounds))
 
 
 def _restarted(step: SelectionStep) -> Fit | None:
