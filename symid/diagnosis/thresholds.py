@@ -141,6 +141,13 @@ class Thresholds:
     # drawn cases: effects that took a third of the gap were right more often than not)
     covered: float = 0.3
     covered_width: float = 0.1
+    # share of the gap that effects may leave and be taken for the causes without a look at laws of other shapes
+    hardly_left: float = 0.02
+    # outdone, outdone_width: share of the error above the noise that a law of any shape leaves in the place of the
+    # first effect and is then as probable as it, and the width of that bound in its logarithm (drawn cases: right
+    # effects 0.8 or more, laws that the library lacks 0.02 and 0.36)
+    outdone: float = 0.5
+    outdone_width: float = 0.13
     # nearly_all, nearly_width: the same of a gap hardly above the floor, whose level is not known better: only a
     # cause takes all of it away (exact axes whose encoder noise passes through a controller)
     nearly_all: float = 0.8

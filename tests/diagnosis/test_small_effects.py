@@ -1,11 +1,15 @@
 """A small effect beside a large one is found where it takes away much of what is left."""
 
+import math
+
 import numpy as np
 import pytest
 
 from symid import Cogging, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import Diagnosis, diagnose
+from symid.diagnosis.selection.backward import _beside_all, _chain, _members
+from symid.diagnosis.selection.lack_of_fit import lack_of_fit
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = load_axis("rigid_1m")
@@ -43,3 +47,23 @@ def test_a_small_effect_that_takes_away_most_of_a_clear_rest_is_found(found: Dia
 def test_beside_the_first_effect_the_second_is_left(found: Diagnosis) -> None:
     left = found.effects[0].gap_after.rms ** 2 - found.gap.explained.rms**2
     assert left == pytest.approx(2.0**2 / 2, rel=0.2)  # of a sine; a part of it lies above the band
+
+
+def test_no_law_of_any_shape_outdoes_the_right_effect_that_leaves_another_one(found: Diagnosis) -> None:
+    first, whole = found.search[0].before, found.search[0].confirmed[0].fit
+    assert whole.state.placed[-1].key == ("quadratic_drag", "motor")
+    assert not lack_of_fit(first, whole).outdoes
+
+
+def test_the_last_effect_of_an_order_is_also_fitted_from_the_values_of_the_whole_model(
+    found: Diagnosis,
+) -> None:
+    accepted = [step for step in found.search if step.accepts]
+    first, whole = accepted[0].before, accepted[-1].confirmed[0].fit
+    drag, cogging = members = _members(accepted)
+    start = _beside_all(whole, first, members)
+    assert start.placed is cogging.placed
+    assert start.placed_state().prediction.parameters == whole.state.prediction.parameters
+    found_again = _chain([drag, cogging], first, math.inf, justified=True, whole=whole)
+    assert found_again is not None
+    assert found_again[-1].confirmed[0].fit.mean_square == pytest.approx(whole.mean_square, rel=1e-2)

@@ -22,6 +22,7 @@ from symid.diagnosis.findings.wording import next_experiment
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection.evidence import Errors, Outcome, Verdict, is_there, outcome, probabilities
+from symid.diagnosis.selection.lack_of_fit import LackOfFit, lack_of_fit
 from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -45,13 +46,14 @@ def concluded(
     comparison, fits = comparison.with_effects(upheld).of_largest, fits[: 1 + upheld]
     gaps, found = _gaps(comparison), maps(comparison)
     share = comparison.unexplained_of_all
-    chances = outcome(steps, upheld, _errors(gaps, share, comparison.is_stationary, fits[0]))
+    shapeless = _shapeless(gaps, share, fits)
+    chances = outcome(steps, upheld, _errors(gaps, share, comparison.is_stationary, fits[0], shapeless.share))
     verdict = _verdict(chances, gaps, share, damaged.fatal)
     accepted = [step for step in steps if step.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
         gaps, found = _gaps(comparison), maps(comparison)
-    effects = _effects(comparison, accepted, fits, chances)
+    effects = _effects(comparison, accepted, fits, chances, shapeless)
     alternatives = _alternatives(comparison, steps[0], chances)
     axis = comparison.record.dynamics.axis
     parameters = _parameters(fits, nominal)
@@ -95,7 +97,14 @@ def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
     )
 
 
-def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit) -> Errors:
+def _shapeless(gaps: Sequence[Gap], share: float, fits: Sequence[Fit]) -> LackOfFit:
+    """The best law of any shape in the place of the first effect; none where the effects leave hardly anything."""
+    left = any(gap.explained.rms > THRESHOLDS.noise_alone * gap.noise_floor.rms for gap in gaps)
+    tested = left and share > THRESHOLDS.hardly_left and len(fits) > 1
+    return lack_of_fit(fits[0], fits[-1]) if tested else LackOfFit()
+
+
+def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, shapeless: float) -> Errors:
     """Errors for the verdict; with several forces, the largest multiples of the noise."""
 
     def largest(levels: Iterable[Level]) -> float:
@@ -110,6 +119,7 @@ def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit) -> 
         stationary,
         gaps[0].reidentified.relative,
         others=float(np.sqrt(plain.squares[len(gaps) :].max(initial=0.0))),
+        shapeless=shapeless,
     )
 
 
@@ -131,7 +141,11 @@ def _verdict(chances: Outcome, gaps: Sequence[Gap], share: float, damaged: Seque
 
 
 def _effects(
-    comparison: Comparison, accepted: Sequence[SelectionStep], fits: Sequence[Fit], chances: Outcome
+    comparison: Comparison,
+    accepted: Sequence[SelectionStep],
+    fits: Sequence[Fit],
+    chances: Outcome,
+    shapeless: LackOfFit,
 ) -> tuple[FoundEffect, ...]:
     last, known = fits[-1], len(fits[0].state.placed)
     values = effect_values(last)[known:]
@@ -149,11 +163,13 @@ def _effects(
                 effect=best[0],
                 at=best[1],
                 probability=there * chance[best],
+                probability_with_ties=there * math.fsum(chance[key] for key in (best, *rivals)),
                 parameters=values[i],
                 gap_after=felt.level(i + 2),
                 removes=comparison.removed(i + 1, i + 2),
                 indistinguishable_from=tuple(rivals),
                 signal=comparison.record.forces[felt.drive],
+                outdone_by=shapeless.of if i == 0 and shapeless.outdoes else "",
             )
         )
     return tuple(found)

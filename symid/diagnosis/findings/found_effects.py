@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from symid.diagnosis.findings.gap import Level, Removed
 
@@ -28,6 +30,8 @@ class FoundEffect:
         Names of the effect and of its place.
     probability : float
         Among everything considered at its step.
+    probability_with_ties : float
+        That it, or one of `indistinguishable_from`, is right: one effect at either of two places, for instance.
     parameters : mapping of str to EffectParameter
         Its parameters, SI.
     gap_after : Level
@@ -38,16 +42,30 @@ class FoundEffect:
         Effects and places that this log does not distinguish from it.
     signal : str
         Force whose error `gap_after` is; with several drives, the one that shows the effect most.
+    outdone_by : str
+        Quantity a law of which, of any shape, explains clearly more in the place of the first effect: the library may
+        lack the law. Empty if there is none.
     """
 
     effect: str
     at: str
     probability: float
+    probability_with_ties: float
     parameters: Mapping[str, EffectParameter]
     gap_after: Level
     removes: Removed
     indistinguishable_from: tuple[tuple[str, str], ...]
     signal: str = ""
+    outdone_by: str = ""
+
+    def at_most(self, probability: float) -> FoundEffect:
+        """The effect with no higher a probability; it keeps its share of that with its ties."""
+        share = min(1.0, probability / max(self.probability, np.finfo(float).tiny))
+        return replace(
+            self,
+            probability=share * self.probability,
+            probability_with_ties=share * self.probability_with_ties,
+        )
 
 
 @dataclass(frozen=True)

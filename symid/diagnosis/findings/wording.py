@@ -67,6 +67,10 @@ def sentence(found: Diagnosis) -> str:
     text = f"The model {_lacking(found.effects)}: {with_them}, the {falls} from {before} to {left}"
     if found.verdict == "partly":
         text += f"; {100 * gap.unexplained_share:.0f} % of the excess stays unexplained"
+    if quantity := found.effects[0].outdone_by:
+        text += (
+            f"; a law of the {quantity} of another shape explains clearly more, which the library may lack"
+        )
     return f"{text}.{of_motion(found)}"
 
 
@@ -74,7 +78,7 @@ def _lacking(effects: Sequence[FoundEffect]) -> str:
     """Words for the missing effects, and for those indistinguishable from the first."""
     first, *further = (spoken(effect.effect, effect.at) for effect in effects)
     doubt = effects[0].indistinguishable_from
-    lacks = "lacks" if doubt or effects[0].probability > _LIKELY else "may lack"
+    lacks = "lacks" if effects[0].probability_with_ties > _LIKELY else "may lack"
     if doubt:
         *others_like_it, last = (spoken(*key) for key in doubt)
         rest = ", ".join(others_like_it)

@@ -67,7 +67,7 @@ def _contradicted(found: Diagnosis, motion: SimulatedMotion) -> Diagnosis:
     errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
     steps = zip(found.effects, errors[:-1], errors[1:], strict=True)
     effects = tuple(
-        replace(effect, probability=min(effect.probability, THRESHOLDS.unlikely))
+        effect.at_most(THRESHOLDS.unlikely)
         if min(after, errors[-1]) > THRESHOLDS.worse_motion * before
         else effect
         for effect, before, after in steps

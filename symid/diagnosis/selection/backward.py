@@ -99,7 +99,7 @@ def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionSte
     """Steps with one effect moved to the front, fitted again; unchanged if one of them then explains nothing."""
     members, whole = _members(steps), steps[-1].confirmed[0].fit
     order = [members[at], *members[:at], *members[at + 1 :]]
-    chain = _chain(order, steps[0].before, math.inf, justified=True) or ()
+    chain = _chain(order, steps[0].before, math.inf, justified=True, whole=whole) or ()
     other = tuple(step.fitted_on() for step in chain)
     as_good = other and other[-1].confirmed[0].fit.mean_square < THRESHOLDS.as_good * whole.mean_square
     return other if as_good else tuple(steps)
@@ -231,18 +231,23 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
 
 
 def _chain(
-    members: Sequence[Member], first: Fit, most: float, *, justified: bool = False
+    members: Sequence[Member], first: Fit, most: float, *, justified: bool = False, whole: Fit | None = None
 ) -> tuple[SelectionStep, ...] | None:
     """Steps fitted again in an order; None if one is then not justified, or the error reaches `most`.
 
     Effects that are `justified` beside each other keep their evidence, whatever each removes at its position; those
-    that are not credible after the first are left out.
+    that are not credible after the first are left out. The last one is also fitted from the values of the `whole`
+    model, as effects on hidden motion have many minima.
     """
     chain: list[SelectionStep] = []
     before = first
     for i, member in enumerate(members):
         later = [other.placed for other in members[i + 1 :]]
-        found = confirmed_from(before, Start.of(before, member.placed), beside=later)
+        starts = [Start.of(before, member.placed)]
+        if whole is not None and not later and len(chain) == i:
+            starts.append(_beside_all(whole, first, members))
+        tried = (confirmed_from(before, start, beside=later) for start in starts)
+        found = max((own for own in tried if own is not None), key=lambda own: own.gain, default=None)
         if found is None and justified and i:
             continue
         if found is None:
@@ -258,6 +263,13 @@ def _chain(
         chain.append(step)
         before = found.fit.after(before)
     return tuple(chain) if chain and before.mean_square < most else None
+
+
+def _beside_all(whole: Fit, first: Fit, members: Sequence[Member]) -> Start:
+    """The last of some effects beside the others, with the values of the whole model."""
+    *others, last = (member.placed for member in members)
+    placed = (*first.state.placed, *others)
+    return Start(with_effects(whole.state, whole.weighting, placed), whole.weighting, last)
 
 
 def _without(whole: Fit, at: int) -> Start:

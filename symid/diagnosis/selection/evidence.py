@@ -149,6 +149,8 @@ class Errors:
     relative: float = math.inf
     # largest error of the re-identified model in a reading that it predicts, in multiples of its noise
     others: float = 0.0
+    # share of the error above the noise that a law of any shape leaves in the place of the first effect
+    shapeless: float = math.inf
 
     @property
     def largest(self) -> float:
@@ -166,7 +168,7 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
     if errors.largest < (THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white):
         there *= _covers(errors)  # some effect always explains a part of noise, or of errors at reversals
     holds = there * (1 - _in_vain(errors))
-    causes = holds * _covers(errors)
+    causes = holds * _covers(errors) * (1 - _is_outdone(errors))
     good = 1.0
     if errors.nominal is not None:
         worse = errors.nominal / min(errors.reidentified, errors.nominal)
@@ -200,6 +202,12 @@ def _covers(errors: Errors) -> float:
     if errors.explained <= THRESHOLDS.noise_alone:
         return 1.0
     return _logistic((1 - errors.left - THRESHOLDS.covered) / THRESHOLDS.covered_width)
+
+
+def _is_outdone(errors: Errors) -> float:
+    """Probability that the first effect has not the shape of the true law, which the library then lacks."""
+    share = max(errors.shapeless, np.finfo(float).tiny)
+    return _logistic((math.log(THRESHOLDS.outdone) - math.log(share)) / THRESHOLDS.outdone_width)
 
 
 def _in_vain(errors: Errors) -> float:

@@ -237,6 +237,8 @@ def _effects_table(record: dict[str, Any]) -> TextTable:
         values = found["parameters"].items()
         parameters = ", ".join(f"{n} {with_deviation(p['value'], p['std'])} {p['unit']}" for n, p in values)
         others = ", ".join(f"{words(o['effect'])} at {o['at']}" for o in found["indistinguishable_from"])
+        if others:
+            others += f" (one of them: {probability(found['probability_with_ties'])})"
         sizes = (removes(found["removes"]), times(found["gap_after"]["rms"], floor))
         certainty = probability(found["probability"])
         table.add(words(found["effect"]), found["at"], certainty, *sizes, parameters, others)

@@ -1,0 +1,53 @@
+"""A law without a given shape, against which laws of the library are tested."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.effects.effect import JointEffect, Shape, joint_units, sampled
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction
+
+_KNOTS = 24
+_RANK = 1e-3
+
+
+class ShapelessLaw(JointEffect):
+    """A piecewise linear function of one quantity, one in either direction; of the position also times the velocity."""
+
+    def __init__(self, of: str) -> None:
+        self.name, self.of = f"law_of_{of}", of
+        kinds = ("even", "odd", "viscous") if of == "position" else ("even", "odd")
+        self.amplitudes = tuple(f"{kind}{k}" for kind in kinds for k in range(_KNOTS))
+
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+        if self.of == "position":
+            hats, direction = self._hats(prediction, joint.q), np.sign(joint.v)
+            functions = np.concatenate([hats, hats * direction, hats * joint.v])
+        else:
+            signed = joint.v if self.of == "velocity" else joint.a
+            hats = self._hats(prediction, np.abs(signed))
+            functions = np.concatenate([hats, hats * np.sign(signed)])
+        # Inertia and friction of the axis are such functions too. They are taken out, or a large mass and its opposite
+        # here would fit with the small difference of how the two are computed.
+        of_axis = np.stack([joint.a, joint.v, np.sign(joint.v)])
+        inside = prediction.record.in_log
+        shares = np.linalg.lstsq(of_axis[:, inside].T, functions[:, inside].T, rcond=None)[0]
+        return sampled(prediction, *_independent(functions - shares.T @ of_axis, inside), joint=joint)
+
+    def _hats(self, prediction: Prediction, x: FloatArray) -> FloatArray:
+        """Functions of a quantity on the fine grid that are 1 at a knot and 0 at the others, of shape (n_knots, n)."""
+        inside = x[prediction.record.in_log]
+        knots = np.linspace(inside.min(), inside.max(), _KNOTS)
+        return np.stack([np.interp(x, knots, unit) for unit in np.eye(_KNOTS)])
+
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        return (str(joint_units(prediction, place)[0]),) * len(self.amplitudes)
+
+
+def _independent(functions: FloatArray, inside: BoolArray) -> FloatArray:
+    """Combinations of functions that are orthogonal within the log; zero in place of dependent ones."""
+    left, sizes, _ = np.linalg.svd(functions[:, inside], full_matrices=False)
+    weights = np.divide(1.0, sizes, out=np.zeros_like(sizes), where=sizes > _RANK * sizes[0])
+    return np.asarray((left * weights).T @ functions)

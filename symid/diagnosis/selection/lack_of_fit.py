@@ -1,0 +1,84 @@
+"""Lack-of-fit test of the effect found first: a law of any shape in its place must not explain clearly more.
+
+The library holds laws of a given shape: a friction that varies as a wave along the stroke, a gain that bends with the
+square of the force. A machine may have another law of the same quantity. The best effect of the library then takes away
+most of the gap and is still not the cause. What shows it is a law without a shape, a piecewise linear function of the
+position, velocity or acceleration, in either direction of motion: in the place of the right effect it explains no
+more, in the place of a wrong one much more, on blocks that are left out of the fit (compare the classical lack-of-fit
+test against a saturated model, N. R. Draper and H. Smith, Applied Regression Analysis, 1998).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.effects.shapeless_law import ShapelessLaw
+from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.thresholds import THRESHOLDS
+from symid.errors import SettingError
+
+_ITERATIONS = 2
+_ROWS_PER_VALUE = 10.0
+"""Least number of independent rows for each value of a law without a shape."""
+_LAWS = tuple(ShapelessLaw(of) for of in ("position", "velocity", "acceleration"))
+
+
+@dataclass(frozen=True)
+class LackOfFit:
+    """The best law without a shape in the place of the first effect."""
+
+    of: str = ""  # quantity of which it is a law; empty if there is none
+    # cross-validated mean square above the noise that the model leaves with it, relative to that with the effect
+    share: float = math.inf
+
+    @property
+    def outdoes(self) -> bool:
+        """Whether it explains clearly more than the effect: the library may lack the law."""
+        return self.share < THRESHOLDS.outdone
+
+
+def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
+    """The best law without a shape in the place of the first effect of a model; none where rows are too few for one.
+
+    Parameters
+    ----------
+    first, whole : Fit
+        The re-identified model, and the one with all effects.
+    """
+    placed = list(whole.state.placed)
+    item = placed.pop(len(first.state.placed))
+    own = _excess(whole)
+    if own <= 0:
+        return LackOfFit()
+    before = replace(whole, state=with_effects(whole.state, whole.weighting, tuple(placed)))
+    found = (LackOfFit(law.of, _excess(fit) / own) for law, fit in _in_place_of(item, before))
+    return min(found, key=lambda one: one.share, default=LackOfFit())
+
+
+def _in_place_of(item: Placed, before: Fit) -> Iterator[tuple[ShapelessLaw, Fit]]:
+    """A model without an effect, with each law without a shape in its place."""
+    prediction = before.state.prediction
+    places = [item.at] if item.at in prediction.joints else sorted(prediction.record.driven_bodies)
+    for place in places:
+        for law in _LAWS:
+            if before.n_rows < _ROWS_PER_VALUE * len(law.amplitudes):
+                continue
+            nothing = Placed(law, place, (), (0.0,) * len(law.amplitudes))
+            state = with_effects(before.state, before.weighting, (*before.state.placed, nothing))
+            try:
+                yield law, fitted(state, before.weighting, _ITERATIONS).after(before)
+            except (SettingError, np.linalg.LinAlgError, OverflowError):
+                continue
+
+
+def _excess(fit: Fit) -> float:
+    """Cross-validated mean square above the noise, mean of the outputs."""
+    floor = fit.state.prediction.noise_through(fit.weighting.density)
+    squares = fit.blocks.squares.sum(axis=1) / int(fit.weighting.kept.sum())
+    return float(np.mean(squares / floor)) - 1.0

@@ -1,0 +1,41 @@
+"""A law that the library lacks takes no name of the library with confidence."""
+
+import numpy as np
+import pytest
+
+from symid import load_axis
+from symid.data import Log
+from symid.diagnosis import diagnose
+from symid.diagnosis.selection.evidence import Errors, _is_outdone
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+RIGID = load_axis("rigid_1m")
+VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+PERIOD = 1e-3
+
+
+def log_with_a_force_of_the_acceleration(seed: int) -> Log:
+    """A slide whose drive needs 4 N s^4/m^2 times a |a| more, which no effect of the library does."""
+    speeds = [0.3, 0.7, 1.0] if seed % 2 else [0.4, 0.6, 0.9]
+    reference = trapezoids(0.4, speeds, acceleration=5.0, jerk=100.0, dwell=0.1, sampling_period=PERIOD)
+    run = simulate(RIGID, VALUES, reference, tuned_cascade(plant_of(RIGID, VALUES), "q"), seed=seed).log
+    acceleration = np.gradient(np.gradient(run["q"], PERIOD), PERIOD)
+    noise = np.random.default_rng(seed).standard_normal((2, acceleration.size))
+    force = run["F"] + 4.0 * acceleration * np.abs(acceleration) + 0.3 * noise[0]
+    return Log.from_arrays({"q": run["q"] + 1e-7 * noise[1], "F": force}, sampling_period=PERIOD)
+
+
+def test_an_effect_that_a_law_of_another_shape_outdoes_is_no_certain_cause() -> None:
+    logs = [log_with_a_force_of_the_acceleration(seed) for seed in (1, 2)]
+    found = diagnose(RIGID, logs[0], validation=logs[1], nominal=VALUES, held=True)
+    assert found.effects[0].outdone_by == "acceleration"
+    assert found.effects[0].probability < 0.1
+    assert found.probabilities["unexplained"] > 0.5
+    assert "a law of the acceleration of another shape explains clearly more" in found.sentence
+    assert "may lack" in found.sentence
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_the_probability_of_an_effect_falls_with_what_another_shape_leaves(share: float) -> None:
+    assert _is_outdone(Errors(None, 50.0, 10.0, 0.1, shapeless=share)) > 0.95
+    assert _is_outdone(Errors(None, 50.0, 10.0, 0.1, shapeless=1.0)) < 0.05
