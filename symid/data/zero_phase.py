@@ -110,6 +110,20 @@ class ZeroPhaseFilter:
             return self.padding
         return self.padding + math.ceil(math.log(_FORGOTTEN) / math.log(min(slowest, _SLOWEST)))
 
+    def transients(self, places: FloatArray) -> FloatArray:
+        """Real and imaginary parts of powers of the poles, shape (n_places, n_poles), at samples from an end.
+
+        What the signal is taken to be beyond an end adds a sum of these columns to the filtered signal.
+
+        >>> from symid.data.sections import butterworth
+        >>> ZeroPhaseFilter(butterworth(1, 0.25), 3).transients(np.arange(3.0))[:, 0].round(3).tolist()
+        [1.0, 0.414, 0.172]
+        """
+        poles = np.concatenate([np.roots(section[3:]) for section in self.sections])
+        poles = poles[(poles.imag >= 0.0) & (poles != 0.0)]
+        powers = poles ** places[:, None]
+        return np.concatenate((powers.real, powers.imag[:, poles.imag > 0.0]), axis=1)
+
     @cached_property
     def _settled(self) -> FloatArray:
         return settled_states(self.sections)

@@ -21,6 +21,7 @@ from symid.data import (
 )
 from symid.errors import SettingError
 from symid.identification.coulomb import more_columns, sample_friction, take_off
+from symid.identification.filter_ends import leave_out_spoiled
 from symid.identification.noise import coefficients
 from symid.identification.sampling import (
     STANDSTILL_SHARE,
@@ -140,6 +141,11 @@ def observe(
     places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
     time = log.start + log.sampling_period * places
     W = W.transpose(0, 2, 1)
+    if chosen.filter_force and sampling.row_filter is None:
+        ends = places, log.n_samples - 1 - places
+        leave_out_spoiled(
+            LowPass(chosen.cutoff_hz, chosen.order), log.sampling_frequency, (W, y, usable), ends
+        )
     return Observation(W[..., :p], y, usable, time, chosen, W if friction else None)
 
 

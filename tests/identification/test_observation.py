@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from symid import Log, Preparation, compiled, derive, identify, load_axis, load_generated
+from symid.data import LowPass
 from symid.errors import SettingError
 from symid.identification import observe
+from symid.identification.filter_ends import leave_out_spoiled
 
 MASS, VISCOUS, COULOMB = 5.0, 3.0, 2.0
 RATE = 4000.0
@@ -122,3 +124,31 @@ def test_the_chosen_cutoff_scales_with_the_sampling_rate_and_is_said() -> None:
 def test_impossible_settings_are_refused_by_name(setting: dict[str, float], word: str) -> None:
     with pytest.raises(SettingError, match=word):
         observe(load_generated("rigid_1m"), rigid_log(), Preparation(**setting))
+
+
+@pytest.mark.parametrize("rate", [6.0, 11.0, 13.5, 15.4])
+def test_a_sine_that_begins_in_motion_is_ok(rate: float) -> None:
+    """Transients of the filter, 180 times the noise in the first row, were taken for delays, drift and changes."""
+    t = np.arange(4000) / 1000
+    q, v, a = np.sin(rate * t), rate * np.cos(rate * t), -(rate**2) * np.sin(rate * t)
+    force = MASS * a + VISCOUS * v + COULOMB * np.sign(v)
+    force += 0.05 * np.random.default_rng(0).standard_normal(t.size)
+    found = identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": force}, sampling_period=1e-3))
+    assert found.status == "ok"
+    errors = np.array([*found.physical_parameters.values()]) - [MASS, VISCOUS, COULOMB]
+    assert np.all(np.abs(errors) < 4 * found.physical_deviations)
+
+
+@pytest.mark.parametrize(("size", "left_out"), [(0.0, 0), (2.0, 0), (1e3, 20)])
+def test_rows_with_a_transient_of_the_filter_are_left_out(size: float, left_out: int) -> None:
+    """Size is that of the transient in the first row, over the noise."""
+    low_pass, rng = LowPass(20.0), np.random.default_rng(1)
+    places = np.arange(100.0, 4000.0, 10.0)
+    W, noise = rng.standard_normal((1, places.size, 3)), rng.standard_normal((1, places.size))
+    poles = low_pass.zero_phase(1000.0).transients(places - places[0])
+    usable = np.ones_like(noise, dtype=bool)
+    leave_out_spoiled(
+        low_pass, 1000.0, (W, W @ np.ones(3) + noise + size * poles[:, 1], usable), (places, 4e3 - places)
+    )
+    assert np.argmax(usable) == pytest.approx(left_out, abs=3)
+    assert usable[0, left_out + 3 :].all()
