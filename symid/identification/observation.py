@@ -29,6 +29,7 @@ from symid.identification.sampling import (
     Sampling,
     filtered,
     linear_part,
+    low_pass_of,
     sample_into,
     sampled,
     sampling_of,
@@ -142,10 +143,8 @@ def observe(
     time = log.start + log.sampling_period * places
     W = W.transpose(0, 2, 1)
     if chosen.filter_force and sampling.row_filter is None:
-        ends = places, log.n_samples - 1 - places
-        leave_out_spoiled(
-            LowPass(chosen.cutoff_hz, chosen.order), log.sampling_frequency, (W, y, usable), ends
-        )
+        rate, ends = log.sampling_frequency, (places, log.n_samples - 1 - places)
+        leave_out_spoiled(low_pass_of(chosen, 1.0, rate), rate, (W, y, usable), ends)
     return Observation(W[..., :p], y, usable, time, chosen, W if friction else None)
 
 
