@@ -36,7 +36,7 @@ from symid.diagnosis.selection.backward import (
     without,
 )
 from symid.diagnosis.selection.forward import forward_selection
-from symid.diagnosis.selection.held import HELD, is_held, shows_hold
+from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, shows_hold
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.identification.axis_logs import require_changing
@@ -201,7 +201,7 @@ def _diagnosed(
     begun = Fit(state, weighting)
     base = replace(fitted_axis(state, weighting), nominal=dict(nominal or {}))
     unknown = recorded.may_be_held(axis)
-    if unknown and shows_hold(base):
+    if unknown and (shows_hold(base) or (nominal and nominal_shows_hold(begun, base))):
         return _with_hold(axis, runs, nominal, recorded, library)
     before = begun if len(data.record.dynamics.bodies) > 1 else None
     steps: Sequence[SelectionStep] = backward_elimination(forward_selection(base, library, before), library)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from symid.diagnosis.findings.shares import closed_fraction
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.record import record_of
 from symid.diagnosis.prediction.weighting import autoregression
+from symid.diagnosis.selection import evidence
 from symid.diagnosis.selection.evidence import Errors, outcome
 from symid.simulation import forward_dynamics
 
@@ -122,3 +124,14 @@ def test_an_error_of_a_thousandth_of_the_force_is_no_gap_however_quiet_the_senso
     loud = Errors(3.0, 3.0, 3.0, float("nan"), relative=0.02)
     assert outcome((), 0, loud).verdict == "unexplained"
     assert outcome((), 0, replace(loud, relative=0.001)).verdict == "no_gap"
+
+
+def test_effects_below_noise_and_a_thousandth_of_the_force_are_no_cause() -> None:
+    """Instants of reversals that are known to a fraction of a sample look like an effect on a quiet log."""
+    step = SimpleNamespace(accepts=True)
+    small = Errors(200.0, 1.42, 1.03, 0.06, relative=0.00075)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evidence, "is_there", lambda _: 1.0)
+        patch.setattr(evidence, "_is_likeliest", lambda *_: True)
+        assert outcome((step,), 1, small).verdict == "parameters"  # type: ignore[arg-type]  # of a step it is all
+        assert outcome((step,), 1, replace(small, relative=0.01)).verdict == "effect"  # type: ignore[arg-type]

@@ -165,6 +165,10 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
     there = is_there(steps[0]) if steps else 0.0
     if not upheld or errors.largest <= THRESHOLDS.noise_alone or not _is_likeliest(steps, upheld):
         there = min(there, THRESHOLDS.unlikely)
+    if errors.largest < THRESHOLDS.white and errors.relative < THRESHOLDS.negligible:
+        there = min(
+            there, THRESHOLDS.unlikely
+        )  # neither the noise nor the force shows more than the rounding of a model
     if errors.largest < (THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white):
         there *= _covers(errors)  # some effect always explains a part of noise, or of errors at reversals
     holds = there * (1 - _in_vain(errors))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from symid.diagnosis.effects import LATE_FORCES, DelayEffect, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
+from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -32,6 +33,24 @@ def shows_hold(fit: Fit) -> bool:
             return False
         fit = found.fit
     return all(_is_half_a_sample(item, period) for item in fit.state.placed[n_before:])
+
+
+def nominal_shows_hold(begun: Fit, base: Fit) -> bool:
+    """Whether nominal values leave as little as re-identified ones once every force acts half a sample late.
+
+    Re-identified values may take up half a sample, the damping of a spring for instance. Where the nominal ones, of
+    which none is fitted, need nothing but the hold, it is the hold.
+    """
+    if any(item.effect.name in LATE_FORCES for item in begun.state.placed):
+        return False
+    prediction = begun.state.prediction
+    half = prediction.record.log.sampling_period / 2
+    holds = (Placed(DelayEffect(), place, (half,), (1.0,)) for place in DelayEffect().places(prediction))
+    state = with_effects(begun.state, begun.weighting, (*begun.state.placed, *holds))
+    good = (
+        THRESHOLDS.nominal_is_good**2 * Fit(base.state.weighted(begun.weighting), begun.weighting).mean_square
+    )
+    return Fit(state, begun.weighting).mean_square < good < begun.mean_square
 
 
 def is_held(fit: Fit) -> bool:
