@@ -98,9 +98,13 @@ def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
 
 
 def _shapeless(gaps: Sequence[Gap], share: float, fits: Sequence[Fit]) -> LackOfFit:
-    """The best law of any shape in the place of the first effect; none where the effects leave hardly anything."""
-    left = any(gap.explained.rms > THRESHOLDS.noise_alone * gap.noise_floor.rms for gap in gaps)
-    tested = left and share > THRESHOLDS.hardly_left and len(fits) > 1
+    """The best law of any shape in the place of the first effect; none where the effects leave hardly anything.
+
+    None either where the motion repeats: what repeats with it is then a law of the position, whatever it is.
+    """
+    clear = any(gap.explained.rms**2 > THRESHOLDS.clear_gap * gap.noise_floor.rms**2 for gap in gaps)
+    repeats = any(gap.not_repeated is not None for gap in gaps)
+    tested = clear and share > THRESHOLDS.hardly_left and len(fits) > 1 and not repeats
     return lack_of_fit(fits[0], fits[-1]) if tested else LackOfFit()
 
 

@@ -95,8 +95,13 @@ def _predicts(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
 
 
 def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> SelectionStep:
-    """Fit the best candidates, and more of them at higher cost as long as none explains the error."""
+    """Fit the best candidates, and more of them at higher cost as long as none explains the error.
+
+    Where every output errs less than its noise, none is fitted: there is nothing to explain.
+    """
     found = screened(fit, library)
+    if float(fit.squares.max()) < THRESHOLDS.noise:
+        return SelectionStep(fit.released(), (), tuple(found))
     confirmed: dict[Key, Confirmed] = {}
     tried: dict[Key, Placed] = {}
     for stage in _stages(fit, found, library, nominal, confirmed, tried):

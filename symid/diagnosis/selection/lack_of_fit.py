@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -44,37 +44,49 @@ class LackOfFit:
 
 
 def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
-    """The best law without a shape in the place of the first effect of a model; none where rows are too few for one.
+    """The best law without a shape that takes over what the first effect explains; none if rows are too few for one.
 
     Parameters
     ----------
     first, whole : Fit
         The re-identified model, and the one with all effects.
     """
-    placed = list(whole.state.placed)
-    item = placed.pop(len(first.state.placed))
-    own = _excess(whole)
+    known, own = len(first.state.placed), _excess(whole)
+    item = whole.state.placed[known]
+    # What refines the effect would take its place, as presliding friction takes that of Coulomb friction.
+    others = tuple(x for x in whole.state.placed if x is not item and not x.contains(item.key))
     if own <= 0:
         return LackOfFit()
-    before = replace(whole, state=with_effects(whole.state, whole.weighting, tuple(placed)))
-    found = (LackOfFit(law.of, _excess(fit) / own) for law, fit in _in_place_of(item, before))
-    return min(found, key=lambda one: one.share, default=LackOfFit())
+    found = ((law, fit) for law in _laws(item, whole) if (fit := _with(whole, (*others, law))) is not None)
+    law, best = min(found, key=lambda pair: _excess(pair[1]), default=(None, whole))
+    share = _excess(best) / own
+    if law is None or share >= THRESHOLDS.outdone:
+        return LackOfFit(share=share)
+    without, both = _with(whole, others), _with(whole, (*whole.state.placed, law))
+    if without is None or both is None:
+        return LackOfFit()
+    # Where much else is missing, a law may explain more of that. The effect is then as good beside the law.
+    kept = (_excess(best) - _excess(both)) / max(_excess(without) - own, np.finfo(float).tiny)
+    assert isinstance(law.effect, ShapelessLaw)
+    return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in else LackOfFit()
 
 
-def _in_place_of(item: Placed, before: Fit) -> Iterator[tuple[ShapelessLaw, Fit]]:
-    """A model without an effect, with each law without a shape in its place."""
-    prediction = before.state.prediction
+def _laws(item: Placed, fit: Fit) -> Iterator[Placed]:
+    """Laws without a shape at the place of an effect, or at the drives for one elsewhere, as far as rows suffice."""
+    prediction = fit.state.prediction
     places = [item.at] if item.at in prediction.joints else sorted(prediction.record.driven_bodies)
     for place in places:
         for law in _LAWS:
-            if before.n_rows < _ROWS_PER_VALUE * len(law.amplitudes):
-                continue
-            nothing = Placed(law, place, (), (0.0,) * len(law.amplitudes))
-            state = with_effects(before.state, before.weighting, (*before.state.placed, nothing))
-            try:
-                yield law, fitted(state, before.weighting, _ITERATIONS).after(before)
-            except (SettingError, np.linalg.LinAlgError, OverflowError):
-                continue
+            if fit.n_rows >= _ROWS_PER_VALUE * len(law.amplitudes):
+                yield Placed(law, place, (), (0.0,) * len(law.amplitudes))
+
+
+def _with(whole: Fit, placed: tuple[Placed, ...]) -> Fit | None:
+    """A model with other effects, fitted from its values; None if that fails."""
+    try:
+        return fitted(with_effects(whole.state, whole.weighting, placed), whole.weighting, _ITERATIONS)
+    except (SettingError, np.linalg.LinAlgError, OverflowError):
+        return None
 
 
 def _excess(fit: Fit) -> float:
