@@ -8,7 +8,7 @@ import hashlib
 import os
 import time
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,15 @@ from symid.fleet.kept_factors import packed
 from symid.fleet.plan import FleetAxis
 from symid.fleet.row import FACTORS, Row, Value, finite, time_text, trouble, with_deviations
 from symid.fleet.worker_limits import TooLongError
-from symid.identification import Constraints, Identification, identify, measured_signals, open_axis_log
+from symid.identification import (
+    Constraints,
+    Identification,
+    identify,
+    measured_signals,
+    misses_steps,
+    open_axis_log,
+    with_force_steps,
+)
 from symid.text import visible
 
 
@@ -165,7 +173,25 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
         loop = ClosedLoop.with_gains(axis.axis, settings.controller, settings.rate_hz)
         return identify_by_instruments(model, _whole(log), loop, **given)
     method: Any = settings.method
-    return identify(model, log, method=method, ddof=settings.ddof, **given)
+    if not misses_steps(axis.axis, model, settings.preparation):
+        return identify(model, log, method=method, ddof=settings.ddof, **given)
+    from symid.simulation import plant_of
+
+    again = partial(
+        identify,
+        model,
+        method=method,
+        ddof=settings.ddof,
+        nominal=settings.nominal,
+        constraints=given["constraints"],
+    )
+    return with_force_steps(
+        [log],
+        again,
+        lambda values: plant_of(axis.axis, values).feedthrough,
+        preparation=settings.preparation,
+        examine=settings.examine,
+    )
 
 
 def _columns_of(found: Identification) -> dict[str, Value]:

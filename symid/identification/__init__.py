@@ -5,6 +5,7 @@ from symid.identification.bias import Bias, bias_of
 from symid.identification.constraints import Constraints
 from symid.identification.contradiction import judged, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
+from symid.identification.force_steps import misses_steps, with_force_steps
 from symid.identification.guessed_mapping import guessed_mapping, stated_period
 from symid.identification.identification_result import Identification
 from symid.identification.identify import distrusted, found_from, identify
@@ -40,6 +41,7 @@ __all__ = [
     "identify_with_known",
     "judged",
     "measured_signals",
+    "misses_steps",
     "observe",
     "open_axis_log",
     "physical_estimates",
@@ -48,4 +50,5 @@ __all__ = [
     "read_mapping",
     "stated_period",
     "with_fixed",
+    "with_force_steps",
 ]

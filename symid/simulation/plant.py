@@ -151,6 +151,21 @@ class Plant:
         """Highest natural frequency, Hz; 0 without springs."""
         return max(self.natural_frequencies, default=0.0)
 
+    @property
+    def feedthrough(self) -> dict[str, FloatArray]:
+        """Acceleration that each accelerometer reads at once per unit of each drive's force, of shape (n_drives,).
+
+        Examples
+        --------
+        >>> from symid.axis import load_axis
+        >>> from symid.simulation import plant_of
+        >>> paper = {"Ms": 4000.0, "Fvs": 0.0, "Ks": 1e9, "Mm": 500.0, "Fvm": 0.0, "Fsm": 0.0}
+        >>> {name: d.tolist() for name, d in plant_of(load_axis("direct_2m1s"), paper).feedthrough.items()}
+        {'ddq1': [-0.00025], 'ddq2': [0.00225]}
+        """
+        at_once = np.linalg.solve(self.mass, self.drives)
+        return {name: one.motion[2] @ at_once for name, one in self.sensors.items() if one.motion[2].any()}
+
     def follows(self, readings: Mapping[str, tuple[float, float]]) -> FloatArray:
         """State in which position sensors read given values and speeds, with the springs in equilibrium.
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overload
 
 from symid.axis import Axis
 from symid.codegen import as_generated, model_of
 from symid.data import AnyLog, Log
-from symid.errors import SettingError
+from symid.errors import SettingError, SymidError
 from symid.identification import (
     Constraints,
     Identification,
@@ -17,7 +18,9 @@ from symid.identification import (
     SharedIdentification,
     identify_with_known,
     measured_signals,
+    misses_steps,
     with_fixed,
+    with_force_steps,
 )
 from symid.identification import identify as identify_model
 from symid.identification.axis_logs import require_changing
@@ -178,7 +181,29 @@ def identify(
         from symid.simulation import ClosedLoop
 
         return identify_by_instruments(model, _whole(runs), loop or ClosedLoop(axis_of(axis)), **settings)
-    return identify_model(model, runs, method=method, ddof=ddof, **settings)
+    again = partial(
+        identify_model, model, method=method, ddof=ddof, nominal=nominal, constraints=settings["constraints"]
+    )
+    declaration = _declaration(axis)
+    if declaration is None or not misses_steps(declaration, model, preparation):
+        return again(runs, preparation=preparation, examine=examine)
+    from symid.simulation import plant_of  # takes half a second to load
+
+    return with_force_steps(
+        runs,
+        again,
+        lambda values: plant_of(declaration, values).feedthrough,
+        preparation=preparation,
+        examine=examine,
+    )
+
+
+def _declaration(axis: AnyAxis) -> Axis | None:
+    """The declaration of an axis; None of a generated model whose axis file is elsewhere."""
+    try:
+        return axis_of(axis)
+    except SymidError:
+        return None
 
 
 def _require_possible(method: str, given: Mapping[str, object]) -> None:
