@@ -195,6 +195,23 @@ def sample_by_sample() -> None:
         print(f"  {name:40} {path.n_samples / time_taken:10.0f} steps/s")
 
 
+def dry_structure() -> None:
+    """Speed with dry friction at motor and structure, whose joints turn every few samples under a noisy encoder."""
+    from symid import CoulombFriction, load_axis
+    from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+    base = load_axis("direct_2m1s")
+    axis = base.with_effect(CoulombFriction(base.bodies[0], "Fss"))
+    values = {**CASES[1].values, "Fss": 60.0}
+    path = trapezoids([0.05], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=1 / FINE)
+    print(f"\ndirect_2m1s with dry friction of the structure, {path.n_samples} samples at {FINE:g} Hz")
+    for noise in (0.0, 2e-7):
+        noisy = axis.with_signal("q2", noise=noise)
+        controller = tuned_cascade(plant_of(noisy, values), "q2", bandwidth_hz=10.0)
+        (taken,) = seconds({"": partial(simulate, noisy, values, path, controller)}).values()
+        print(f"  encoder noise {1e6 * noise:g} um: {path.duration / taken:6.1f} times real time")
+
+
 def has_mujoco() -> bool:
     """Whether MuJoCo is installed."""
     return importlib.util.find_spec("mujoco") is not None
@@ -210,6 +227,7 @@ def main() -> None:
     for case in CASES:
         beside_mujoco(case)
     sample_by_sample()
+    dry_structure()
 
 
 if __name__ == "__main__":

@@ -22,10 +22,10 @@ from symid.simulation.flow import ORDER
 from symid.simulation.mode import StickSlipMode, StickSlipModes
 from symid.simulation.plant import Plant
 
-_MOST_EVENTS = 100
+MOST_EVENTS = 100
 """Most events in one step; the rest of the step ignores further ones (Zeno behaviour)."""
 _POWERS = np.arange(ORDER)
-_MOST_TRIALS, _SHARP = 100, 2.3e-16
+MOST_TRIALS, SHARP = 100, 2.3e-16
 """Most Newton iterations for an event, and the change, relative to the step, at which they end."""
 
 
@@ -60,6 +60,15 @@ class Engine:
         self._modes = StickSlipModes(self.plant)
         self.mode = self._modes.of(self._modes.start(self.state))
 
+    @property
+    def impulses(self) -> list[FloatArray]:
+        """For each law the change of velocities by an impulse in its joint that changes its own velocity by 1."""
+        return self._modes.impulses
+
+    def mode_of(self, signs: tuple[float, ...]) -> StickSlipMode:
+        """The mode with these signs of all laws."""
+        return self._modes.of(signs)
+
     def advance(self, forces: float | Sequence[float] | FloatArray, duration: float) -> None:
         """Advance by a duration under a constant drive force, or one for each drive."""
         drives = np.atleast_1d(forces)
@@ -69,7 +78,7 @@ class Engine:
         drive = self.plant.drives @ drives
         self._release(drive)
         left, events = duration, 0
-        while left > 0 and events < _MOST_EVENTS:
+        while left > 0 and events < MOST_EVENTS:
             made, is_event = self._until_event(drive, left)
             left, events = left - made, events + is_event
         if left > 0:
@@ -177,14 +186,14 @@ def _first_zero(series: FloatArray, end: float) -> float:
         return 0.0
     # Newton's method from the end; a step that leaves the bracket [low, high] of the zero is replaced by bisection.
     low, high, time = 0.0, end, end
-    for _ in range(_MOST_TRIALS):
+    for _ in range(MOST_TRIALS):
         value = slope = 0.0
         for coefficient in coefficients:
             slope = slope * time + value
             value = value * time + coefficient
         low, high = (time, high) if value > 0 else (low, time)
         change = -value / slope if slope < 0 else low + high
-        if abs(change) <= _SHARP * end:
+        if abs(change) <= SHARP * end:
             break
         time = time + change if low < time + change < high else (low + high) / 2
     return time

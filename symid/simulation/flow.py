@@ -67,7 +67,7 @@ class Flow:
 
     def series(self, state: FloatArray, force: FloatArray) -> FloatArray:
         """Taylor series of the state in time over `reach`, of shape (terms, 2 n); exact to rounding up to 1."""
-        return np.asarray(self._series @ np.concatenate([state, force]))
+        return np.asarray(self.terms @ np.concatenate([state, force]))
 
     def _transition(self, duration: float) -> tuple[FloatArray, FloatArray]:
         """Matrices of state and force over a duration, by scaling and squaring of the Taylor series.
@@ -75,7 +75,7 @@ class Flow:
         SciPy's matrix exponential takes milliseconds for matrices of this size, which its library shares among threads.
         """
         doublings = max(math.ceil(math.log2(duration / self.reach)), 0) if duration > 0 else 0
-        whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(ORDER), self._series, 1)
+        whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(ORDER), self.terms, 1)
         size = len(whole)
         transition, gain = whole[:, :size], whole[:, size:]
         for _ in range(doublings):
@@ -83,7 +83,7 @@ class Flow:
         return transition, gain
 
     @cached_property
-    def _series(self) -> FloatArray:
+    def terms(self) -> FloatArray:
         """Terms of the exponential over `reach`, of shape (terms, 2 n, 3 n)."""
         n = len(self.acceleration_rows)
         generator = np.zeros((3 * n, 3 * n))

@@ -115,7 +115,7 @@ class StickSlipModes:
         self.can_hold = tuple(law.can_hold for law in plant.laws)
         self._line = lru_cache(maxsize=None)(lambda j, sign: _line(plant.laws[j], sign))
         shapes = [np.linalg.solve(plant.mass, law.direction) for law in plant.laws]
-        self._impulses = [s / (law.direction @ s) for s, law in zip(shapes, plant.laws, strict=True)]
+        self.impulses = [s / (law.direction @ s) for s, law in zip(shapes, plant.laws, strict=True)]
         self.of = lru_cache(maxsize=256)(self._of)
         self._flow = lru_cache(maxsize=64)(self._make_flow)
 
@@ -130,7 +130,7 @@ class StickSlipModes:
     def at_rest(self, state: FloatArray, joint: int) -> FloatArray:
         """Set a joint's velocity to exactly zero by an impulse in the joint; rounding has left a residue."""
         direction, n = self.plant.laws[joint].direction, len(self.plant.bodies)
-        velocities = state[n:] - self._impulses[joint] * (direction @ state[n:])
+        velocities = state[n:] - self.impulses[joint] * (direction @ state[n:])
         return np.concatenate([state[:n], velocities])
 
     def _of(self, signs: tuple[float, ...]) -> StickSlipMode:

@@ -1,26 +1,77 @@
-"""Samples of a loop within one stick-slip mode, compiled; imported when a simulation runs, as Numba takes 0.3 s.
+"""Samples of a loop, compiled; imported when a simulation runs, as Numba takes 0.3 s.
 
-The arguments `law`, `channels`, `laws`, `mode` and `record` are records of `loop`, `loop_numbers` and `sensor_channel`.
+The arguments `law`, `channels`, `laws`, `mode`, `modes` and `record` are records of `loop`, `loop_numbers`,
+`mode_table` and `sensor_channel`.
 """
 
 import numpy as np
 
 from symid.jit import compiled
-from symid.simulation.evaluation import built_up, evaluate
+from symid.simulation.evaluation import built_up
+from symid.simulation.law_values import law_value, program_value, slide
+from symid.simulation.mode_views import numbers_of
 from symid.simulation.plant import JUST_MOVING
+from symid.simulation.stick_slip import UNKNOWN, acceleration, pass_events
 
 _RUNAWAY = 1e150
 """Displacement or speed at which the axis runs away."""
 
 
 @compiled
-def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, after):  # type: ignore[no-untyped-def]
-    """Advance from sample `begin` to `end`, or to a sample with an event; return how many samples were made.
+def advance(begin, end, ask, law, given, channels, laws, modes, current, record, memory, after):  # type: ignore[no-untyped-def]
+    """Advance from sample `begin` to `end`, or to a sample that is left to the engine; return how many were made.
+
+    `current[0]` is the stick-slip mode, as its place in the table `modes`. Where a force exceeds the limit of its
+    linear law, `ask(k)` has the controllers write the forces to the record and their state to `after`; it returns 0,
+    or 1 to stop. `memory`, the state of the controllers, and `laws.memories` are left as after the last sample made.
+    """
+    k = begin
+    while True:
+        mode = numbers_of(modes, current[0])
+        _limit(record.states[k], laws, mode)
+        made, goes_on = _in_mode(k, end, ask, law, given, channels, laws, mode, record, memory, after)
+        k += made
+        if k == end or not goes_on:
+            return k - begin
+        known = _events(k, current[0], channels, laws, modes, mode.is_accelerated, record)
+        if known == UNKNOWN:
+            return k - begin
+        current[0] = known
+        memory[:] = after
+        k += 1
+        if k == end:
+            return k - begin
+
+
+@compiled
+def _events(k, current, channels, laws, modes, is_accelerated, record):  # type: ignore[no-untyped-def]
+    """Make sample k, in which events happen, under its recorded forces; return the mode after it, or `UNKNOWN`."""
+    states, accelerations, forces, between = record
+    n, state = len(modes.drives), states[k].copy()
+    drive, rates = np.zeros(n), np.zeros(n)
+    _product(modes.drives, forces[k], drive)
+    if laws.any_timed:
+        _set_moment(k, forces, channels, laws)
+    for piece in range(modes.durations.size):
+        current = pass_events(current, state, drive, modes.durations[piece], laws, modes.events)
+        if current != UNKNOWN and is_accelerated:
+            current = acceleration(current, state, drive, laws, modes.events, rates)
+        if current == UNKNOWN:
+            return UNKNOWN
+        states[k + 1], accelerations[k + 1] = state, rates
+        for i in range(len(between)):
+            if channels.pieces[i] == piece:
+                between[i, k] = _exact(channels.between, i, k + 1, states, accelerations)
+    _remember(state, laws)
+    return current
+
+
+@compiled
+def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, after):  # type: ignore[no-untyped-def]
+    """Advance as long as the stick-slip mode holds; return how many samples were made, and whether to go on.
 
     The force that a controller sends passes the gains and limits of its drive, then lags and delays, which are linear.
-    Varying laws act over each piece of a sample with their force at its middle. Where a force exceeds the limit of its
-    linear law, `ask(k)` has the controllers write the forces to the record and their state to `after`; it returns 0, or
-    1 to stop. `memory`, the state of the controllers, and `laws.memories` are left as after the last sample made.
+    Varying laws act over each piece of a sample with their force at its middle.
     """
     # Numba counts references at each access to a field: the fields used by all samples are read once, here.
     (states, accelerations, forces, between), (law_after, law_sent, law_acting, limits) = record, law
@@ -44,7 +95,7 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
             value = _taken(k - 1 - ages[i], places[i], rows, i, states, accelerations, between)
             if misread[i] >= 0:
                 laws.arguments[0] = value
-                value = _value(misread[i], laws)
+                value = program_value(misread[i], laws)
             value += noise[k, i]
             readings[i] = steps[i] * np.rint(value / steps[i]) if steps[i] > 0 else value
             inputs[n_known - ages.size + i] = readings[i]
@@ -55,18 +106,17 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
             forces[k, i] = given[k, i] + _dot(law_sent, i, inputs)
             asked |= not abs(forces[k, i]) <= limits[i]
         if asked and ask(k):
-            return k - begin
+            return k - begin, False
         if not asked:
             for i in range(n_drives):
                 inputs[n_known + i] = _bent(i, forces[k, i], laws)
             for i in range(n_drives):
                 forces[k, i] = _dot(law_acting, i, inputs)
             _product(law_after, inputs, after)
-        # If the mode does not hold over the whole sample, the sample is left to the engine, which locates the event.
+        # Where the mode does not hold over the whole sample, events happen in it.
         z[n_state : n_state + n_drives] = forces[k]
         if is_timed:
-            load = forces[k, 0] if forces.shape[1] == 1 else np.abs(forces[k]).sum()
-            laws.arguments[2], laws.arguments[3] = load, (k + 0.5) * channels.period
+            _set_moment(k, forces, channels, laws)
             _hold(z, laws, mode)
         for piece in range(len(ends)):
             if n_varying:
@@ -74,7 +124,7 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
             else:
                 is_smooth = _moves(begins[piece], ends[piece], held, z, out)
             if not is_smooth:
-                return k - begin
+                return k - begin, True
             z[:n_state] = states[k + 1] = out[:n_state]
             if is_accelerated:
                 if n_varying:
@@ -83,14 +133,28 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
             for i in range(len(between)):
                 if channels.pieces[i] == piece:
                     between[i, k] = _exact(channels.between, i, k + 1, states, accelerations)
-        for i in range(n_remembered):
-            q = _slide(laws.slides, i, z)
-            laws.memories[i, 1], laws.memories[i, 0] = (
-                built_up(laws.memories[i, 1], q - laws.memories[i, 0], laws.reaches[i]),
-                q,
-            )
+        if n_remembered:
+            _remember(z, laws)
         memory[:] = after
-    return end - begin
+    return end - begin, True
+
+
+@compiled
+def _remember(state, laws):  # type: ignore[no-untyped-def]
+    """Update the memories of laws at the end of a sample."""
+    for i in range(laws.reaches.size):
+        q = slide(laws.slides, i, state)
+        laws.memories[i, 1], laws.memories[i, 0] = (
+            built_up(laws.memories[i, 1], q - laws.memories[i, 0], laws.reaches[i]),
+            q,
+        )
+
+
+@compiled
+def _set_moment(k, forces, channels, laws):  # type: ignore[no-untyped-def]
+    """Set load and time on which laws depend."""
+    load = forces[k, 0] if forces.shape[1] == 1 else np.abs(forces[k]).sum()
+    laws.arguments[2], laws.arguments[3] = load, (k + 0.5) * channels.period
 
 
 @compiled
@@ -117,7 +181,7 @@ def _bent(drive, force, laws):  # type: ignore[no-untyped-def]
     """Force after the gains and limits of a drive."""
     for bend in range(laws.bends[drive], laws.bends[drive + 1]):
         laws.arguments[2] = force
-        force = _value(bend, laws)
+        force = program_value(bend, laws)
     return force
 
 
@@ -191,14 +255,24 @@ def _goes_on(out, n_state, limits):  # type: ignore[no-untyped-def]
 
 
 @compiled
+def _limit(state, laws, mode):  # type: ignore[no-untyped-def]
+    """Forces that stuck joints can hold at a state."""
+    for i in range(mode.stuck.size):
+        j = mode.stuck[i]
+        q = slide(laws.directions, j, state)
+        mode.limits[i, 0] = law_value(j, q, -JUST_MOVING, laws)
+        mode.limits[i, 1] = law_value(j, q, JUST_MOVING, laws)
+
+
+@compiled
 def _hold(z, laws, mode):  # type: ignore[no-untyped-def]
     """Forces that stuck joints can hold in this sample, where they depend on more than the motion."""
     for i in range(mode.stuck.size):
         j = mode.stuck[i]
         if laws.timed[j]:
-            q = _slide(laws.directions, j, z)
-            mode.limits[i, 0] = _law(j, q, -JUST_MOVING, laws)
-            mode.limits[i, 1] = _law(j, q, JUST_MOVING, laws)
+            q = slide(laws.directions, j, z)
+            mode.limits[i, 0] = law_value(j, q, -JUST_MOVING, laws)
+            mode.limits[i, 1] = law_value(j, q, JUST_MOVING, laws)
 
 
 @compiled
@@ -211,31 +285,4 @@ def _act(state, z, laws, mode):  # type: ignore[no-untyped-def]
             v += laws.directions[j, b] * state[n + b]
         if sign != 0:
             v = sign * max(sign * v, JUST_MOVING)
-        z[first + i] = _law(j, _slide(laws.directions, j, state), v, laws)
-
-
-@compiled
-def _slide(directions, j, state):  # type: ignore[no-untyped-def]
-    q = 0.0
-    for b in range(directions.shape[1]):
-        q += directions[j, b] * state[b]
-    return q
-
-
-@compiled
-def _law(j, q, v, laws):  # type: ignore[no-untyped-def]
-    """Force of all laws of a joint."""
-    total = 0.0
-    for term in range(laws.terms[j], laws.terms[j + 1]):
-        laws.arguments[0], laws.arguments[1] = q, v
-        if laws.remembers[term] >= 0:
-            m = laws.remembers[term]
-            laws.arguments[4] = built_up(laws.memories[m, 1], q - laws.memories[m, 0], laws.reaches[m])
-        total += laws.parameters[term] * _value(term, laws)
-    return total
-
-
-@compiled
-def _value(program, laws):  # type: ignore[no-untyped-def]
-    begin, end = laws.ends[program], laws.ends[program + 1]
-    return evaluate(laws.operations[begin:end], laws.operands[begin:end], laws.arguments, laws.stack)
+        z[first + i] = law_value(j, slide(laws.directions, j, state), v, laws)

@@ -1,13 +1,13 @@
 """The course of a simulation: the compiled loop, and the engine for samples with an event.
 
-The compiled loop stops before a sample in which a joint sticks or slips, or the force of a drive reaches its limit.
-The controllers' own laws then compute the force of this sample, and the engine locates the event exactly.
+The compiled loop asks the controllers' own laws where the force of a drive reaches its limit. It passes events in which
+joints stick, slip or reverse as long as it knows the stick-slip mode after them; before a mode that has not been met
+yet it stops, and the engine makes the sample.
 """
 
 from __future__ import annotations
 
 import ctypes
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,8 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.simulation.engine import Engine
 from symid.simulation.loop import Loop, LoopLaw, runaway
-from symid.simulation.loop_numbers import ChannelNumbers, LawNumbers, ModeNumbers
+from symid.simulation.loop_numbers import ChannelNumbers, LawNumbers
+from symid.simulation.mode_table import KnownModes
 from symid.simulation.sensor_channel import MotionRecord
 
 
@@ -36,9 +37,10 @@ class SimulationRun:
         self._ask = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)(self._answer)
         self._laws = LawNumbers.of(loop)
         self._channels = ChannelNumbers.of(loop, first_program=self._laws.parameters.size)
-        self._numbers = lru_cache(maxsize=64)(lambda mode: ModeNumbers.of(mode, loop))
         if loop.is_accelerated and not after:
             record.accelerations[0] = self._engine.acceleration(np.zeros(loop.n_drives))
+        self._known = KnownModes(loop, self._engine)
+        self._current = np.zeros(1, dtype=np.int64)
 
     def advance(self, end: int) -> None:
         """Advance until `end` samples are made; SettingError if the axis runs away."""
@@ -50,9 +52,8 @@ class SimulationRun:
 
     def _advance(self, end: int, law: LoopLaw) -> None:
         """Advance to the next event and over it, or to `end`."""
-        mode = self._engine.mode
-        numbers, memory = self._numbers(mode), self._states if self.loop.law else self._after
-        numbers.limits[:] = mode.limits(self.record.states[self._made])
+        table, memory = self._known.table, self._states if self.loop.law else self._after
+        table.events.wanted[:] = self._known.modes[self._current[0]].signs
         self._made += self._compiled.advance(
             self._made,
             end,
@@ -61,7 +62,8 @@ class SimulationRun:
             self.loop.given,
             self._channels,
             self._laws,
-            numbers,
+            table,
+            self._current,
             self.record,
             memory,
             self._after,
@@ -73,10 +75,13 @@ class SimulationRun:
                 self._answer(self._made)
             if self._error is not None:
                 raise self._error
+            self._engine.mode = self._known.modes[self._current[0]]
             try:
                 self._event()
             except OverflowError as error:  # of a law's expression
                 raise runaway(self.loop.trajectories[0].time[self._made]) from error
+            self._known.place_of(table.events.wanted)
+            self._current[0] = self._known.place(self._engine.mode)
 
     def _answer(self, k: int) -> int:
         """Set the forces of a sample by the controllers' own laws; return 0, or 1 for an error, which is stored."""

@@ -1,0 +1,212 @@
+"""Samples in which joints stick, slip or reverse, compiled: what `Engine` does, by the numbers of all modes met so far.
+
+`Engine` is the reference; both locate events as roots of the same Taylor series. A mode that has not been met yet is
+left to the engine.
+"""
+
+import numpy as np
+
+from symid.jit import compiled
+from symid.simulation.engine import MOST_EVENTS, MOST_TRIALS, SHARP
+from symid.simulation.law_values import law_value
+from symid.simulation.mode_table import SLIDING, STUCK, VARYING
+from symid.simulation.plant import JUST_MOVING
+
+UNKNOWN = -1
+"""In place of a mode: the next one is not in the table, its signs are in `wanted`; or there are too many events."""
+
+
+@compiled
+def pass_events(current, state, drive, duration, laws, modes):  # type: ignore[no-untyped-def]
+    """Advance a state over a duration under a generalised drive force; return the mode at its end, or `UNKNOWN`."""
+    current, left = _release(current, state, drive, laws, modes), duration
+    for _ in range(MOST_EVENTS):
+        if current < 0 or left <= 0:
+            return current
+        current, made = _until_event(current, state, drive, left, laws, modes)
+        left -= made
+    return current if left <= 0 else UNKNOWN
+
+
+@compiled
+def acceleration(current, state, drive, laws, modes, out):  # type: ignore[no-untyped-def]
+    """Write the accelerations under a generalised drive force to `out`; return the mode then, or `UNKNOWN`."""
+    current = _release(current, state, drive, laws, modes)
+    if current >= 0:
+        n = drive.size
+        z = _with_force(current, state, drive, laws, modes)
+        for i in range(n):
+            out[i] = 0.0
+            for j in range(3 * n):
+                out[i] += modes.rates[current, i, j] * z[j]
+    return current
+
+
+@compiled
+def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[no-untyped-def]
+    """Advance to the next event, at most by a duration; return the mode after it and the time advanced."""
+    n, n_laws, reach = drive.size, len(modes.directions), modes.reach[current]
+    made = min(duration, reach)
+    whole = made / reach
+    z = _with_force(current, state, drive, laws, modes)
+    terms = _series(modes.series[current], z)
+    if modes.kinds[current].max() >= VARYING:
+        middle = _with_force(current, _at(terms, whole / 2), drive, laws, modes)
+        z[2 * n :] = middle[2 * n :]
+        terms = _series(modes.series[current], z)
+    end = _at(terms, whole)
+    first, joint, sign = np.inf, -1, 0.0
+    polynomial = np.zeros(len(terms))
+    for j in range(n_laws):
+        if modes.kinds[current, j] & SLIDING:
+            towards = modes.signs[current, j]
+            if towards * _along(modes.directions, j, end, n) >= 0:
+                continue
+            side = 0.0
+            for k in range(len(terms)):
+                polynomial[k] = towards * _along(modes.directions, j, terms[k], n)
+        elif modes.kinds[current, j] & STUCK:
+            excess = _excess(current, j, end, z, laws, modes)
+            if excess == 0:
+                continue
+            side, held = 1.0 if excess > 0 else -1.0, modes.holding[current]
+            for k in range(len(terms)):
+                polynomial[k] = -side * _along(held, j, terms[k], 0)
+            limit = law_value(j, _along(modes.directions, j, state, 0), side * JUST_MOVING, laws)
+            for i in range(2 * n, 3 * n):
+                limit -= held[j, i] * z[i]
+            polynomial[0] += side * limit
+        else:
+            continue
+        time = _first_zero(polynomial, whole)
+        if time < first:
+            first, joint, sign = time, j, side
+    if joint < 0:
+        state[:] = end
+        return current, made
+    state[:] = _at(terms, first)
+    if sign == 0:
+        residue = _along(modes.directions, joint, state, n)
+        for i in range(n):
+            state[n + i] -= modes.impulses[joint, i] * residue
+    current = _changed(current, joint, sign, modes)
+    if current >= 0:
+        current = _release(current, state, drive, laws, modes)
+    return current, first * reach
+
+
+@compiled
+def _release(current, state, drive, laws, modes):  # type: ignore[no-untyped-def]
+    """The mode after all joints were released that their laws cannot hold, the largest excess first."""
+    n_laws = len(modes.directions)
+    for _ in range(n_laws + 1):
+        z, worst, largest = _with_force(current, state, drive, laws, modes), -1, 0.0
+        for j in range(n_laws):
+            if modes.kinds[current, j] & STUCK:
+                excess = _excess(current, j, state, z, laws, modes)
+                if abs(excess) > abs(largest):
+                    worst, largest = j, excess
+        if worst < 0:
+            break
+        current = _changed(current, worst, 1.0 if largest > 0 else -1.0, modes)
+        if current == UNKNOWN:
+            break
+    return current
+
+
+@compiled
+def _changed(current, joint, sign, modes):  # type: ignore[no-untyped-def]
+    """The mode in which one joint has another sign; `UNKNOWN` if it is not in the table."""
+    for j in range(modes.wanted.size):
+        modes.wanted[j] = sign if j == joint else modes.signs[current, j]
+    for m in range(len(modes.signs)):
+        same = True
+        for j in range(modes.wanted.size):
+            same &= modes.signs[m, j] == modes.wanted[j]
+        if same:
+            return m
+    return UNKNOWN
+
+
+@compiled
+def _with_force(current, state, drive, laws, modes):  # type: ignore[no-untyped-def]
+    """The state, then all generalised forces at it but those that hold joints."""
+    n = drive.size
+    z = np.empty(3 * n)
+    z[: 2 * n] = state
+    for i in range(n):
+        z[2 * n + i] = drive[i] + modes.constant[current, i]
+    for j in range(len(modes.directions)):
+        if modes.kinds[current, j] & VARYING:
+            v, sign = _along(modes.directions, j, state, n), modes.signs[current, j]
+            if sign != 0:
+                v = sign * max(sign * v, JUST_MOVING)
+            force = law_value(j, _along(modes.directions, j, state, 0), v, laws)
+            for i in range(n):
+                z[2 * n + i] -= modes.directions[j, i] * force
+    return z
+
+
+@compiled
+def _series(series, z):  # type: ignore[no-untyped-def]
+    """Taylor series of the state in time over the reach of its mode, of shape (terms, 2 n)."""
+    terms = np.zeros(series.shape[:2])
+    for k in range(len(series)):
+        for i in range(series.shape[1]):
+            for j in range(z.size):
+                terms[k, i] += series[k, i, j] * z[j]
+    return terms
+
+
+@compiled
+def _at(terms, time):  # type: ignore[no-untyped-def]
+    """Value of a Taylor series."""
+    value = terms[-1].copy()
+    for k in range(len(terms) - 2, -1, -1):
+        for i in range(value.size):
+            value[i] = value[i] * time + terms[k, i]
+    return value
+
+
+@compiled
+def _along(rows, j, values, first):  # type: ignore[no-untyped-def]
+    """Product of a row with numbers from the place `first` on."""
+    total = 0.0
+    for i in range(min(rows.shape[1], values.size - first)):
+        total += rows[j, i] * values[first + i]
+    return total
+
+
+@compiled
+def _excess(current, joint, state, z, laws, modes):  # type: ignore[no-untyped-def]
+    """Excess of the force on a stuck joint over the range that its law can hold, at a state under the forces of z."""
+    n, held = modes.directions.shape[1], modes.holding[current]
+    needed = _along(held, joint, state, 0)
+    for i in range(2 * n, 3 * n):
+        needed += held[joint, i] * z[i]
+    q = _along(modes.directions, joint, state, 0)
+    over = needed - law_value(joint, q, JUST_MOVING, laws)
+    under = needed - law_value(joint, q, -JUST_MOVING, laws)
+    return max(over, 0.0) + min(under, 0.0)
+
+
+@compiled
+def _first_zero(polynomial, end):  # type: ignore[no-untyped-def]
+    """Zero of a polynomial that is negative at `end`, by Newton's method within a bracket; 0 if it starts negative."""
+    if polynomial[0] <= 0:
+        return 0.0
+    low, high, time = 0.0, end, end
+    for _ in range(MOST_TRIALS):
+        value = slope = 0.0
+        for k in range(polynomial.size - 1, -1, -1):
+            slope = slope * time + value
+            value = value * time + polynomial[k]
+        if value > 0:
+            low = time
+        else:
+            high = time
+        change = -value / slope if slope < 0 else low + high
+        if abs(change) <= SHARP * end:
+            break
+        time = time + change if low < time + change < high else (low + high) / 2
+    return time
