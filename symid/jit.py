@@ -22,11 +22,23 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     >>> compiled(lambda x: x * x)(3.0)
     9.0
     """
+    return _compiled(function)
+
+
+def inner(function: Callable[..., Any]) -> Callable[..., Any]:
+    """As `compiled`, for a function that compiled code alone calls.
+
+    It has no entry from Python, which for records of many arrays takes longer to compile than the function itself.
+    """
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def _compiled(function: Callable[..., Any], **options: bool) -> Callable[..., Any]:
     function.__qualname__ += f"_{_fingerprint(function)}"  # a part of the name under which code is kept
     try:
-        kept: Any = numba.njit(cache=True, error_model="numpy")(function)
+        kept: Any = numba.njit(cache=True, error_model="numpy", **options)(function)
     except RuntimeError:  # no place that can be written
-        return numba.njit(error_model="numpy")(function)
+        return numba.njit(error_model="numpy", **options)(function)
     # Kept by another version of symid, code may be for records that are no longer there: it is compiled again.
     files = kept._cache._cache_file
     load = files._load_index

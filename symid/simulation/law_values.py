@@ -1,10 +1,10 @@
 """Values of laws and of other formulas in a simulation, compiled."""
 
-from symid.jit import compiled
+from symid.jit import inner
 from symid.simulation.evaluation import built_up, evaluate
 
 
-@compiled
+@inner
 def slide(directions, j, state):  # type: ignore[no-untyped-def]  # compiled for arrays
     """Displacement in a joint."""
     q = 0.0
@@ -13,7 +13,7 @@ def slide(directions, j, state):  # type: ignore[no-untyped-def]  # compiled for
     return q
 
 
-@compiled
+@inner
 def law_value(j, q, v, laws):  # type: ignore[no-untyped-def]
     """Force of all laws of a joint."""
     total = 0.0
@@ -26,7 +26,7 @@ def law_value(j, q, v, laws):  # type: ignore[no-untyped-def]
     return total
 
 
-@compiled
+@inner
 def program_value(program, laws):  # type: ignore[no-untyped-def]  # compiled for arrays
     """Value of a formula for the arguments that are set."""
     begin, end = laws.ends[program], laws.ends[program + 1]

@@ -85,15 +85,15 @@ class KnownModes:
         for rows, mode in zip(holding, modes, strict=True):
             rows[list(mode.flow.stuck)] = mode.flow.holding_rows
         events = EventNumbers(
-            signs=np.array([mode.signs for mode in modes]).reshape(-1, n_laws),
-            kinds=np.array([_kinds(mode) for mode in modes], dtype=np.int64).reshape(-1, n_laws),
+            signs=np.array([mode.signs for mode in modes]).reshape(len(modes), n_laws),
+            kinds=np.array([_kinds(mode) for mode in modes], dtype=np.int64).reshape(len(modes), n_laws),
             reach=np.array([mode.flow.reach for mode in modes]),
             series=np.array([mode.flow.terms for mode in modes]),
             constant=np.array([mode.constant for mode in modes]),
             holding=holding,
             rates=np.array([mode.flow.acceleration_rows for mode in modes]),
-            directions=np.array([law.direction for law in plant.laws]).reshape(-1, n),
-            impulses=np.array(self._engine.impulses).reshape(-1, n),
+            directions=np.array([law.direction for law in plant.laws]).reshape(n_laws, n),
+            impulses=np.array(self._engine.impulses).reshape(n_laws, n),
             wanted=np.zeros(n_laws),
         )
         return ModeTable(

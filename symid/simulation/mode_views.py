@@ -1,10 +1,10 @@
 """The numbers of one mode as views of the table of all modes, compiled."""
 
-from symid.jit import compiled
+from symid.jit import inner
 from symid.simulation.loop_numbers import ModeNumbers
 
 
-@compiled
+@inner
 def numbers_of(modes, m):  # type: ignore[no-untyped-def]  # compiled for arrays
     """Numbers of mode m of a table, as `ModeNumbers`; they share its memory."""
     n_stuck, n_sliding, n_varying = modes.counts[m]

@@ -6,7 +6,7 @@ The arguments `law`, `channels`, `laws`, `mode`, `modes` and `record` are record
 
 import numpy as np
 
-from symid.jit import compiled
+from symid.jit import compiled, inner
 from symid.simulation.evaluation import built_up
 from symid.simulation.law_values import law_value, program_value, slide
 from symid.simulation.mode_views import numbers_of
@@ -43,7 +43,7 @@ def advance(begin, end, ask, law, given, channels, laws, modes, current, record,
             return k - begin
 
 
-@compiled
+@inner
 def _events(k, current, channels, laws, modes, is_accelerated, record):  # type: ignore[no-untyped-def]
     """Make sample k, in which events happen, under its recorded forces; return the mode after it, or `UNKNOWN`."""
     states, accelerations, forces, between = record
@@ -58,7 +58,11 @@ def _events(k, current, channels, laws, modes, is_accelerated, record):  # type:
             current = acceleration(current, state, drive, laws, modes.events, rates)
         if current == UNKNOWN:
             return UNKNOWN
-        states[k + 1], accelerations[k + 1] = state, rates
+        for i in range(2 * n):
+            if not abs(state[i]) < _RUNAWAY:
+                return UNKNOWN  # the engine says what happens
+        for i in range(n):
+            states[k + 1, i], states[k + 1, n + i], accelerations[k + 1, i] = state[i], state[n + i], rates[i]
         for i in range(len(between)):
             if channels.pieces[i] == piece:
                 between[i, k] = _exact(channels.between, i, k + 1, states, accelerations)
@@ -66,7 +70,7 @@ def _events(k, current, channels, laws, modes, is_accelerated, record):  # type:
     return current
 
 
-@compiled
+@inner
 def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, after):  # type: ignore[no-untyped-def]
     """Advance as long as the stick-slip mode holds; return how many samples were made, and whether to go on.
 
@@ -139,7 +143,7 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
     return end - begin, True
 
 
-@compiled
+@inner
 def _remember(state, laws):  # type: ignore[no-untyped-def]
     """Update the memories of laws at the end of a sample."""
     for i in range(laws.reaches.size):
@@ -150,7 +154,7 @@ def _remember(state, laws):  # type: ignore[no-untyped-def]
         )
 
 
-@compiled
+@inner
 def _set_moment(k, forces, channels, laws):  # type: ignore[no-untyped-def]
     """Set load and time on which laws depend."""
     load = forces[k, 0] if forces.shape[1] == 1 else np.abs(forces[k]).sum()
@@ -168,7 +172,7 @@ def recursion(matrix, start, inputs):  # type: ignore[no-untyped-def]
     return states
 
 
-@compiled
+@inner
 def _dot(rows, i, values):  # type: ignore[no-untyped-def]
     total = 0.0
     for j in range(values.size):
@@ -176,7 +180,7 @@ def _dot(rows, i, values):  # type: ignore[no-untyped-def]
     return total
 
 
-@compiled
+@inner
 def _bent(drive, force, laws):  # type: ignore[no-untyped-def]
     """Force after the gains and limits of a drive."""
     for bend in range(laws.bends[drive], laws.bends[drive + 1]):
@@ -185,7 +189,7 @@ def _bent(drive, force, laws):  # type: ignore[no-untyped-def]
     return force
 
 
-@compiled
+@inner
 def _taken(interval, place, rows, i, states, accelerations, between):  # type: ignore[no-untyped-def]
     """Exact value that a sensor takes in an interval between samples; before the first one, the value at the start."""
     if place >= 0 and interval >= 0:
@@ -193,7 +197,7 @@ def _taken(interval, place, rows, i, states, accelerations, between):  # type: i
     return _exact(rows, i, max(interval + 1, 0), states, accelerations)
 
 
-@compiled
+@inner
 def _exact(rows, i, k, states, accelerations):  # type: ignore[no-untyped-def]
     """Exact reading of a sensor at a sample."""
     value, n = 0.0, states.shape[1]
@@ -204,13 +208,13 @@ def _exact(rows, i, k, states, accelerations):  # type: ignore[no-untyped-def]
     return value
 
 
-@compiled
+@inner
 def _product(matrix, z, out):  # type: ignore[no-untyped-def]
     for i in range(len(matrix)):
         out[i] = _dot(matrix, i, z)
 
 
-@compiled
+@inner
 def _moves(begin, end, held, z, out):  # type: ignore[no-untyped-def]
     """Write the motion over a piece of a sample to `out`; return whether the stick-slip mode held."""
     if len(held):
@@ -221,7 +225,7 @@ def _moves(begin, end, held, z, out):  # type: ignore[no-untyped-def]
     return _goes_on(out, len(begin) - len(held), held)
 
 
-@compiled
+@inner
 def _bends(piece, z, out, laws, mode):  # type: ignore[no-untyped-def]
     """As `_moves` with varying laws, whose force at the middle of the piece acts (exponential midpoint rule)."""
     n_state = 2 * laws.directions.shape[1]
@@ -234,7 +238,7 @@ def _bends(piece, z, out, laws, mode):  # type: ignore[no-untyped-def]
     return _goes_on(out, n_state, mode.limits)
 
 
-@compiled
+@inner
 def _holds(out, first, limits):  # type: ignore[no-untyped-def]
     for i in range(len(limits)):  # noqa: SIM110  numba compiles no generator
         if not limits[i, 0] <= out[first + i] <= limits[i, 1]:
@@ -242,7 +246,7 @@ def _holds(out, first, limits):  # type: ignore[no-untyped-def]
     return True
 
 
-@compiled
+@inner
 def _goes_on(out, n_state, limits):  # type: ignore[no-untyped-def]
     """Whether stuck joints hold, sliding ones keep their direction, and the axis does not run away."""
     for i in range(n_state):
@@ -254,7 +258,7 @@ def _goes_on(out, n_state, limits):  # type: ignore[no-untyped-def]
     return _holds(out, n_state, limits)
 
 
-@compiled
+@inner
 def _limit(state, laws, mode):  # type: ignore[no-untyped-def]
     """Forces that stuck joints can hold at a state."""
     for i in range(mode.stuck.size):
@@ -264,7 +268,7 @@ def _limit(state, laws, mode):  # type: ignore[no-untyped-def]
         mode.limits[i, 1] = law_value(j, q, JUST_MOVING, laws)
 
 
-@compiled
+@inner
 def _hold(z, laws, mode):  # type: ignore[no-untyped-def]
     """Forces that stuck joints can hold in this sample, where they depend on more than the motion."""
     for i in range(mode.stuck.size):
@@ -275,7 +279,7 @@ def _hold(z, laws, mode):  # type: ignore[no-untyped-def]
             mode.limits[i, 1] = law_value(j, q, JUST_MOVING, laws)
 
 
-@compiled
+@inner
 def _act(state, z, laws, mode):  # type: ignore[no-untyped-def]
     """Write the forces that varying laws have at a state to z."""
     n, first = laws.directions.shape[1], z.size - 1 - mode.varying.size

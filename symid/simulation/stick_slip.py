@@ -6,7 +6,7 @@ left to the engine.
 
 import numpy as np
 
-from symid.jit import compiled
+from symid.jit import inner
 from symid.simulation.engine import MOST_EVENTS, MOST_TRIALS, SHARP
 from symid.simulation.law_values import law_value
 from symid.simulation.mode_table import SLIDING, STUCK, VARYING
@@ -16,7 +16,7 @@ UNKNOWN = -1
 """In place of a mode: the next one is not in the table, its signs are in `wanted`; or there are too many events."""
 
 
-@compiled
+@inner
 def pass_events(current, state, drive, duration, laws, modes):  # type: ignore[no-untyped-def]
     """Advance a state over a duration under a generalised drive force; return the mode at its end, or `UNKNOWN`."""
     current, left = _release(current, state, drive, laws, modes), duration
@@ -28,7 +28,7 @@ def pass_events(current, state, drive, duration, laws, modes):  # type: ignore[n
     return current if left <= 0 else UNKNOWN
 
 
-@compiled
+@inner
 def acceleration(current, state, drive, laws, modes, out):  # type: ignore[no-untyped-def]
     """Write the accelerations under a generalised drive force to `out`; return the mode then, or `UNKNOWN`."""
     current = _release(current, state, drive, laws, modes)
@@ -42,7 +42,7 @@ def acceleration(current, state, drive, laws, modes, out):  # type: ignore[no-un
     return current
 
 
-@compiled
+@inner
 def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[no-untyped-def]
     """Advance to the next event, at most by a duration; return the mode after it and the time advanced."""
     n, n_laws, reach = drive.size, len(modes.directions), modes.reach[current]
@@ -50,12 +50,13 @@ def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[
     whole = made / reach
     z = _with_force(current, state, drive, laws, modes)
     terms = _series(modes.series[current], z)
-    if modes.kinds[current].max() >= VARYING:
+    if _varies(modes.kinds, current):
         middle = _with_force(current, _at(terms, whole / 2), drive, laws, modes)
-        z[2 * n :] = middle[2 * n :]
+        for i in range(2 * n, 3 * n):
+            z[i] = middle[i]
         terms = _series(modes.series[current], z)
     end = _at(terms, whole)
-    first, joint, sign = np.inf, -1, 0.0
+    first, joint, sign = whole, -1, 0.0
     polynomial = np.zeros(len(terms))
     for j in range(n_laws):
         if modes.kinds[current, j] & SLIDING:
@@ -79,12 +80,13 @@ def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[
         else:
             continue
         time = _first_zero(polynomial, whole)
-        if time < first:
+        if joint < 0 or time < first:
             first, joint, sign = time, j, side
+    end = _at(terms, first)
+    for i in range(2 * n):
+        state[i] = end[i]
     if joint < 0:
-        state[:] = end
         return current, made
-    state[:] = _at(terms, first)
     if sign == 0:
         residue = _along(modes.directions, joint, state, n)
         for i in range(n):
@@ -95,7 +97,7 @@ def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[
     return current, first * reach
 
 
-@compiled
+@inner
 def _release(current, state, drive, laws, modes):  # type: ignore[no-untyped-def]
     """The mode after all joints were released that their laws cannot hold, the largest excess first."""
     n_laws = len(modes.directions)
@@ -114,7 +116,7 @@ def _release(current, state, drive, laws, modes):  # type: ignore[no-untyped-def
     return current
 
 
-@compiled
+@inner
 def _changed(current, joint, sign, modes):  # type: ignore[no-untyped-def]
     """The mode in which one joint has another sign; `UNKNOWN` if it is not in the table."""
     for j in range(modes.wanted.size):
@@ -128,12 +130,13 @@ def _changed(current, joint, sign, modes):  # type: ignore[no-untyped-def]
     return UNKNOWN
 
 
-@compiled
+@inner
 def _with_force(current, state, drive, laws, modes):  # type: ignore[no-untyped-def]
     """The state, then all generalised forces at it but those that hold joints."""
     n = drive.size
     z = np.empty(3 * n)
-    z[: 2 * n] = state
+    for i in range(2 * n):
+        z[i] = state[i]
     for i in range(n):
         z[2 * n + i] = drive[i] + modes.constant[current, i]
     for j in range(len(modes.directions)):
@@ -147,10 +150,19 @@ def _with_force(current, state, drive, laws, modes):  # type: ignore[no-untyped-
     return z
 
 
-@compiled
+@inner
+def _varies(kinds, current):  # type: ignore[no-untyped-def]
+    """Whether a law of a mode is not affine."""
+    for j in range(kinds.shape[1]):  # noqa: SIM110  numba compiles no generator
+        if kinds[current, j] >= VARYING:
+            return True
+    return False
+
+
+@inner
 def _series(series, z):  # type: ignore[no-untyped-def]
     """Taylor series of the state in time over the reach of its mode, of shape (terms, 2 n)."""
-    terms = np.zeros(series.shape[:2])
+    terms = np.zeros((series.shape[0], series.shape[1]))
     for k in range(len(series)):
         for i in range(series.shape[1]):
             for j in range(z.size):
@@ -158,17 +170,17 @@ def _series(series, z):  # type: ignore[no-untyped-def]
     return terms
 
 
-@compiled
+@inner
 def _at(terms, time):  # type: ignore[no-untyped-def]
     """Value of a Taylor series."""
-    value = terms[-1].copy()
-    for k in range(len(terms) - 2, -1, -1):
+    value = np.zeros(terms.shape[1])
+    for k in range(len(terms) - 1, -1, -1):
         for i in range(value.size):
             value[i] = value[i] * time + terms[k, i]
     return value
 
 
-@compiled
+@inner
 def _along(rows, j, values, first):  # type: ignore[no-untyped-def]
     """Product of a row with numbers from the place `first` on."""
     total = 0.0
@@ -177,7 +189,7 @@ def _along(rows, j, values, first):  # type: ignore[no-untyped-def]
     return total
 
 
-@compiled
+@inner
 def _excess(current, joint, state, z, laws, modes):  # type: ignore[no-untyped-def]
     """Excess of the force on a stuck joint over the range that its law can hold, at a state under the forces of z."""
     n, held = modes.directions.shape[1], modes.holding[current]
@@ -190,7 +202,7 @@ def _excess(current, joint, state, z, laws, modes):  # type: ignore[no-untyped-d
     return max(over, 0.0) + min(under, 0.0)
 
 
-@compiled
+@inner
 def _first_zero(polynomial, end):  # type: ignore[no-untyped-def]
     """Zero of a polynomial that is negative at `end`, by Newton's method within a bracket; 0 if it starts negative."""
     if polynomial[0] <= 0:
