@@ -35,10 +35,11 @@ def inner(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _compiled(function: Callable[..., Any], **options: bool) -> Callable[..., Any]:
     function.__qualname__ += f"_{_fingerprint(function)}"  # a part of the name under which code is kept
+    njit: Any = numba.njit  # whose annotations do not know all options
     try:
-        kept: Any = numba.njit(cache=True, error_model="numpy", **options)(function)
+        kept = njit(cache=True, error_model="numpy", **options)(function)
     except RuntimeError:  # no place that can be written
-        return numba.njit(error_model="numpy", **options)(function)
+        return njit(error_model="numpy", **options)(function)  # type: ignore[no-any-return]
     # Kept by another version of symid, code may be for records that are no longer there: it is compiled again.
     files = kept._cache._cache_file
     load = files._load_index
