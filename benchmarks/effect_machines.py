@@ -34,6 +34,7 @@ from symid import (
     PreslidingFriction,
     QuadraticDrag,
     Spring,
+    SpringDamping,
     StiffnessNonlinearity,
     StribeckFriction,
     Unbalance,
@@ -53,6 +54,7 @@ ELASTIC = Axis(
     RIGID.drive,
     (*SENSORS, Position("ql", LOAD, noise=1e-7)),
 )
+UNDAMPED = replace(ELASTIC, elements=(*RIGID.elements, LOAD, Spring("coupling", COUPLING, "K")))
 TABLE = Body("table", inertia="J")
 TURNING = Axis(
     "turning",
@@ -118,6 +120,7 @@ KINDS = (
     Kind("force_constant_ripple", ForceConstantRipple(MOTOR, 0.06, -0.03, pitch=0.024)),
     Kind("encoder_ripple", EncoderRipple("q", 3e-6, 2e-6, pitch=0.01)),
     Kind("stiffness_nonlinearity", StiffnessNonlinearity(COUPLING, "k3"), {"k3": 1.5e13}, ELASTIC),
+    Kind("spring_damping", SpringDamping(COUPLING, "C"), {}, UNDAMPED),
     Kind("backlash", Backlash(COUPLING, "Kb", gap=1e-4), {"Kb": 6e5}, ELASTIC),
     Kind("weight", Unbalance(TABLE, "Gs", "Gc"), {"Gs": 60.0, "Gc": -30.0}, TURNING, size=10.0),
 )

@@ -23,7 +23,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import symid
-from symid import Axis, Body, CoulombFriction, Drive, Log, Position, ViscousFriction
+from symid import Axis, Body, CoulombFriction, Drive, Log, Position, Spring, ViscousFriction
 from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.diagnose import Recorded, data_of
@@ -42,6 +42,8 @@ from .diagnosis.other_machines import Loop, Recorder, run
 
 FOLDER = Path(__file__).parents[1] / "docs" / "effects"
 READING = "ql"
+DAMPING = "damping"
+"""What a model lacks whose spring is declared without it."""
 """Further reading of the ball screw."""
 SEED, RATIO = 7, 50.0
 LATE = 0.25e-3
@@ -103,6 +105,7 @@ SIGNATURES = {
     "payload_change": Signature("motor", ("time", "acceleration"), {"time": 6.0}),
     "backlash": Signature("transmission", ("spring", "frequency"), shaken=True),
     "stiffness_nonlinearity": Signature("transmission", ("spring", "frequency"), shaken=True),
+    "spring_damping": Signature(READING, ("part of the time", "velocity"), lacking=DAMPING),
     "flexible_mode": Signature(
         "motor", ("frequency", "time"), {"frequency": 30.0, "damping": 0.02}, shaken=True
     ),
@@ -177,7 +180,7 @@ def log_with(effect: str, signature: Signature) -> tuple[Log, dict[str, float]]:
         hidden, _ = draw.tamed(machine, (draw.sized(machine, shaped, RATIO)[0],))
     run = draw.simulate(machine, hidden, "identification", disturbed=False)
     readings = draw.measured(machine, run.readings, "identification")
-    if signature.at == READING:
+    if signature.at == READING and not signature.lacking:
         readings[READING] = np.roll(readings[READING], round(LATE * gap.RATE))
     force = symid.load_axis(signature.axis).drive.signal
     signals = {force if name == "F" else name: values for name, values in readings.items()}
@@ -187,6 +190,9 @@ def log_with(effect: str, signature: Signature) -> tuple[Log, dict[str, float]]:
 def model(signature: Signature) -> Axis:
     """The plain axis, without the law that it lacks."""
     axis = symid.load_axis(signature.axis)
+    if signature.lacking == DAMPING:
+        undamped = (replace(e, damping=None) if isinstance(e, Spring) else e for e in axis.elements)
+        return replace(axis, elements=tuple(undamped))
     kept = tuple(e for e in axis.elements if type(e).__name__ != signature.lacking)
     return replace(axis, elements=kept)
 
@@ -214,7 +220,7 @@ def residual_of(effect: str) -> Residual:
     record = data_of(axis, (joined([log]), None), Recorded({}, held=None)).record
     start = {name: true[name] for name in axis.physical_parameters}
     begun = first_state(record, start)
-    base = Fit(*begun) if signature.at == READING else fitted_axis(*begun)
+    base = Fit(*begun) if effect == "sensor_delay" else fitted_axis(*begun)
     comparison = compared(record, None, [base], None)
     signals = signals_of(comparison)
     time, rate = signals.time, 1 / (signals.time[1] - signals.time[0])

@@ -1,6 +1,7 @@
 """Laws of effects: forces by hand, faults of their numbers, and their parameters back from simulated logs."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from symid import (
     Position,
     Preparation,
     Spring,
+    SpringDamping,
     StribeckFriction,
     ViscousFriction,
     compiled,
@@ -129,6 +131,16 @@ def test_a_stiffness_needs_no_sensor_and_is_that_of_a_spring() -> None:
     assert [p.function for p in from_law.minimal.parameters] == [
         p.function for p in from_spring.minimal.parameters
     ]
+
+
+def test_damping_of_a_spring_is_that_of_its_declaration() -> None:
+    axis = load_axis("ballscrew_2m1s")
+    (spring,) = (element for element in axis.elements if isinstance(element, Spring))
+    others = tuple(element for element in axis.elements if element is not spring)
+    apart = replace(axis, elements=(*others, replace(spring, damping=None), SpringDamping(spring.at, "Ft")))
+    assert {str(p.function) for p in derive(apart, ("qm",)).minimal.parameters} == {
+        str(p.function) for p in derive(axis, ("qm",)).minimal.parameters
+    }
 
 
 def test_an_asymmetry_beside_friction_is_asymmetric_friction() -> None:

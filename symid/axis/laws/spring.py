@@ -8,7 +8,7 @@ from typing import ClassVar
 from symid.axis.elements import Parameter
 from symid.axis.laws.law import Hypothesis, Law, ShapeParameter, Term
 
-__all__ = ["Backlash", "GapDamping", "StiffnessNonlinearity"]
+__all__ = ["Backlash", "GapDamping", "SpringDamping", "StiffnessNonlinearity"]
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,33 @@ class StiffnessNonlinearity(Law):
     hypotheses: ClassVar = (Hypothesis("stiffness_nonlinearity", ("k3",)),)
     in_spring: ClassVar = True
     advice: ClassVar = "accelerate at several levels up to the limit"
+
+
+@dataclass(frozen=True)
+class SpringDamping(Law):
+    """Damping of a spring that is declared without it: Fd v, beside a `Spring` in the same joint.
+
+    In a declaration, ``Spring(..., damping="Fd")`` is the same.
+
+    Parameters
+    ----------
+    damping : str
+        Parameter Fd in N s/m or N m s/rad.
+
+    Examples
+    --------
+    >>> from symid import Between, Body, SpringDamping
+    >>> motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+    >>> SpringDamping(Between(first=motor, second=load), "Fd").terms()[0].expression
+    'v'
+    """
+
+    damping: Parameter
+    formula: ClassVar = (Term("damping", "v", 1, 1),)
+    hypotheses: ClassVar = (Hypothesis("spring_damping", ("Fd",)),)
+    in_spring: ClassVar = True
+    once: ClassVar = True
+    advice: ClassVar = "sweep slowly over the resonance, at two amplitudes"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,19 @@ from itertools import product
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import Body, Hypothesis, Law, PendulumWeight, ShapeParameter, Term, laws
+from symid.axis import (
+    Body,
+    Damper,
+    Hypothesis,
+    Law,
+    PendulumWeight,
+    ShapeParameter,
+    Spring,
+    SpringDamping,
+    Term,
+    ViscousFriction,
+    laws,
+)
 from symid.axis.elements import Joint as Place
 from symid.diagnosis.effects.effect import (
     JointEffect,
@@ -24,7 +36,7 @@ from symid.diagnosis.effects.effect import (
 )
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
-from symid.diagnosis.prediction.places import place_named
+from symid.diagnosis.prediction.places import place_named, place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.simulation.law_code import has_jumps, law_code, level_code
 from symid.simulation.law_functions import array_function
@@ -72,7 +84,8 @@ class LawEffect(JointEffect):
     def places(self, prediction: Prediction) -> Iterable[str]:
         """Springs for a law in a spring; else bodies in whose joint neither the law nor its like is declared."""
         if self.law.in_spring:
-            return tuple(prediction.springs)
+            damped = damped_springs(prediction) if self.law.once else set()
+            return [name for name in prediction.springs if name not in damped]
         taken: set[str] = set(prediction.springs) if any(t.expression == "q" for t in self.formula) else set()
         taken = taken.union(*(joints_with(prediction, each) for each in self.laws if each.once))
         taken = taken.union(*(joints_with(prediction, each) for each in self.hypothesis.without))
@@ -197,6 +210,9 @@ class LinearLawEffect(LinearEffect, LawEffect):
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> None:
         return None
 
+    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        return ()
+
 
 @dataclass(frozen=True, eq=False)
 class LawFunctions:
@@ -265,6 +281,15 @@ def joints_with(prediction: Prediction, kind: type[Law | PendulumWeight]) -> set
     found = (e for e in prediction.axis.elements if isinstance(e, kind))
     places = (e.body if isinstance(e, PendulumWeight) else e.at for e in found)
     return {place.name for place in places if isinstance(place, Body)}
+
+
+def damped_springs(prediction: Prediction) -> set[str]:
+    """Places of springs in whose joint damping or viscous friction is declared, or whose force a sensor reads."""
+    elements = prediction.axis.elements
+    damped = [e.at for e in elements if isinstance(e, Damper | ViscousFriction | SpringDamping)]
+    springs = (e for e in elements if isinstance(e, Spring))
+    read = prediction.record.springs_read
+    return {place_of(e) for e in springs if e.damping is not None or e.at in damped} | {*read}
 
 
 def _scale(number: ShapeParameter, joint: Joint) -> float:

@@ -22,6 +22,7 @@ from symid.diagnosis.prediction.prediction import Prediction
 
 _LEAST_PITCH = 1e-3  # shortest pitch along a straight stroke, m
 _MOST_WAVES = 150  # largest number of periods per turn: slots and pole pairs of a motor, teeth of a gear
+_MOST_BINS = 2**20  # along the stroke, 8 for the shortest pitch: memory does not grow without bound
 _SPEEDS_OF_ENERGY = 48
 _WAVES_OF_ENERGY = 400
 _LEAST_STROKE = 5e-3
@@ -160,7 +161,7 @@ def repeating_pitches(
     inside = prediction.record.in_log
     weight = np.ones_like(joint.q) if carrier is None else carrier
     turns = str(length_unit(prediction.axis.drives[0].at)) == "rad"
-    least = 2 * math.pi / _MOST_WAVES if turns else _LEAST_PITCH
+    least = max(2 * math.pi / _MOST_WAVES if turns else _LEAST_PITCH, 8 * (high - low) / _MOST_BINS)
     n = max(256, math.ceil(8 * (high - low) / least))
     place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
     along = np.bincount(place, weights=(matched_filter(response) * weight)[inside], minlength=n)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.diagnosis.findings.gap import Level, Removed
+from symid.diagnosis.thresholds import THRESHOLDS
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,11 @@ class ParameterChange:
     explained: float
     explained_std: float
     absorbed: bool
+
+    @property
+    def is_negative(self) -> bool:
+        """Whether its value is below zero by more than three of its deviations."""
+        return self.explained + THRESHOLDS.absorbed_deviations * self.explained_std < 0
 
     @property
     def is_determined(self) -> bool:

@@ -54,6 +54,10 @@ def sentence(found: Diagnosis) -> str:
         if gap.reidentified.rms > THRESHOLDS.white * gap.noise_floor.rms:
             rest = "nothing in the library explains the rest, which wanders alike however the axis moves"
             return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
+        if impossible := of_impossible(found):
+            return (
+                f"Parameter values were off: re-identified, the model leaves {before}{nominal}.{impossible}"
+            )
         values = "The structure is right and only parameter values were off"
         return f"{values}: re-identified, the model leaves {before}{nominal}."
     if found.verdict == "recording":
@@ -71,7 +75,20 @@ def sentence(found: Diagnosis) -> str:
         text += (
             f"; a law of the {quantity} of another shape explains clearly more, which the library may lack"
         )
-    return f"{text}.{of_motion(found)}"
+    return f"{text}.{of_motion(found)}{of_impossible(found)}"
+
+
+def of_impossible(found: Diagnosis) -> str:
+    """Sentence on values that no machine has, such as negative friction; empty if there are none."""
+    signed = found.axis.signed_parameters
+    values = [p for p in found.parameters if p.is_negative and p.name not in signed]
+    if not values:
+        return ""
+    listed = _listed([f"{p.name} = {p.explained:.3g} {p.unit}" for p in values])
+    return (
+        f" No machine has {listed}: something else is missing that hardly shows in this log, such as damping of a "
+        "spring."
+    )
 
 
 def _lacking(effects: Sequence[FoundEffect]) -> str:
