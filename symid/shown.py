@@ -51,7 +51,8 @@ class Shown:
         ----------
         **settings
             ``palette``: ``LIGHT`` or ``DARK`` of `symid.report.figures.colours`. Of an identification also ``axis`` and
-            ``runs``, its declaration and its logs, for the residual over the motion and the frequency response.
+            ``runs``, its declaration and its logs, for the residual over the motion and the frequency response, where
+            it was made from a generated model and does not keep them.
 
         Raises
         ------

@@ -96,6 +96,21 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
     return "\n\n".join(block for block in blocks if block) + "\n"
 
 
+def declared_lines(axis: Axis) -> list[str]:
+    """The declaration of each element, drive and sensor as an axis file writes it, bodies by their names.
+
+    >>> from symid.axis import load_axis
+    >>> declared_lines(load_axis("rigid_1m"))[:2]
+    ['Body("motor", mass="M")', 'ViscousFriction(motor, "Fv")']
+    """
+    variables = _variables(axis, set())
+    values = (*axis.elements, *axis.drives, *axis.sensors)
+    return [
+        _call(value, {other: name for other, name in variables.items() if other is not value}).written("", 0)
+        for value in values
+    ]
+
+
 def axis_path(file: str | Path) -> Path:
     """Path of an axis file to be written; SettingError if its name cannot be that of an axis."""
     path = Path(file)

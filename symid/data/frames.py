@@ -18,9 +18,9 @@ from symid.errors import LogError
 from symid.units import Unit, to_si
 
 if TYPE_CHECKING:
-    from narwhals.stable.v2.typing import IntoDataFrame
+    from narwhals.stable.v2.typing import IntoFrame
 
-Frame: TypeAlias = "IntoDataFrame | Mapping[str, npt.ArrayLike]"
+Frame: TypeAlias = "IntoFrame | Mapping[str, npt.ArrayLike]"
 """A data frame of pandas, polars, pyarrow or another library that narwhals knows, or columns by name."""
 
 SOURCE: Final = Path("frame")
@@ -32,8 +32,8 @@ _CONTEXTS: Final = tuple(map(Unit.of, ("rad", "rad/s", "rad/s^2", "m/s^2")))
 def table_of(frame: Frame) -> Table:
     """A data frame, or arrays by name, as a table; a column of moments or durations is seconds from its first value.
 
-    An index of pandas that is called ``t``, or holds moments, is the column ``t``. LogError if columns differ in
-    length, or it is not a frame.
+    An index of pandas that has a name is a column, and one that holds moments the column ``t``. A lazy frame is
+    collected. LogError if columns differ in length, or it is not a frame.
 
     >>> table = table_of({"t": [0.0, 0.1], "q [mm]": [1, 2]})
     >>> table.headers, table.read([1])[0].tolist()
@@ -104,16 +104,15 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
         return {str(name): np.asarray(values) for name, values in frame.items()}
     given: Any = frame
     index = getattr(given, "index", None)
-    of_times = getattr(index, "name", None) == TIME or getattr(getattr(index, "dtype", None), "kind", "") in (
-        "m",
-        "M",
-    )
-    if of_times and TIME not in getattr(given, "columns", ()):
-        given = given.rename_axis(TIME).reset_index()
+    of_moments = getattr(getattr(index, "dtype", None), "kind", "") in ("m", "M")
+    named = TIME if of_moments else getattr(index, "name", None)
+    if named is not None and named not in getattr(given, "columns", ()):
+        given = given.rename_axis(named).reset_index()
     import narwhals.stable.v2 as nw  # only frames need it
 
     try:
-        native = nw.from_native(given, eager_only=True)
+        read = nw.from_native(given)
+        native = read.collect() if isinstance(read, nw.LazyFrame) else read
     except TypeError as error:
         raise LogError(
             f"{type(frame).__name__} is not a log: give a Log, the path of a file, a data frame of pandas, polars or "

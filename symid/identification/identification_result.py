@@ -9,6 +9,7 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
+from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
@@ -97,6 +98,10 @@ class Identification(EstimatedParameters, Shown):
         Expected error of the minimal parameters; None if that was not examined.
     scatter : array of shape (n_minimal, n_minimal), optional
         Covariance of the minimal parameters by their scatter between segments of the logs; None if not examined.
+    axis : Axis, optional
+        The declared axis, where `symid.identify` was given it; with it figures and pages show the motion.
+    runs : tuple of Log
+        Then its logs; of one that does not fit into memory, the first block.
     """
 
     model: GeneratedModel
@@ -112,6 +117,8 @@ class Identification(EstimatedParameters, Shown):
     timing: Timing | None = None
     bias: Bias | None = None
     scatter: FloatArray | None = None
+    axis: Axis | None = None
+    runs: tuple[Log, ...] = ()
 
     @property
     def headline(self) -> str:

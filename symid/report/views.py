@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import textwrap
+from collections.abc import Iterable
 from functools import singledispatch
 from pathlib import Path
 from typing import Any
@@ -10,15 +12,16 @@ from typing import Any
 from rich.console import Console
 
 from symid import __version__
-from symid.axis import Axis
+from symid.axis import Axis, load_axis
+from symid.axis.source import declared_lines
 from symid.data import Log
 from symid.diagnosis import Diagnosis
 from symid.errors import SettingError
 from symid.files import write_whole
 from symid.fleet import Batch, review_fleet, summary_of
-from symid.identification import Identification, SharedIdentification
+from symid.identification import Identification, SharedIdentification, read_axis_log
 from symid.output_error import OutputErrorIdentification
-from symid.report.figures.drawn import Drawn, svg_of
+from symid.report.figures.drawn import Drawn, wide_and_narrow
 from symid.report.figures.identification_figure import identification_figure
 from symid.report.figures.overviews import batch_figure, diagnosis_figure, log_figure
 from symid.report.figures.schematic import schematic
@@ -44,7 +47,8 @@ from symid.symbolic import DerivedModel
 from symid.tuning import TotalTuning, Tuning
 
 _WIDTH = 120
-_PRE = '<pre style="line-height:1.3;overflow-x:auto">{code}</pre>'
+_PRE = '<pre tabindex="0" style="line-height:1.3;overflow-x:auto">{code}</pre>'
+"""Text that scrolls, also by the keyboard."""
 
 
 @singledispatch
@@ -56,10 +60,8 @@ def show(found: object, console: Console) -> None:
 @show.register
 def _(axis: Axis, console: Console) -> None:
     console.print(f"[bold]{axis.name}[/bold]")
-    for element in axis.elements:
-        console.print(f"    {element!r}", markup=False)
-    for signal in (*axis.drives, *axis.sensors):
-        console.print(f"    {signal!r}", markup=False)
+    for declared in declared_lines(axis):
+        console.print(textwrap.indent(declared, "    "), markup=False)
     units = (f"{name} [{unit}]" for name, unit in axis.physical_parameters.items())
     console.print(f"parameters: {', '.join(units)}", markup=False)
 
@@ -111,10 +113,8 @@ def figure(found: object, **settings: Any) -> Drawn:
     raise SettingError(f"a {type(found).__name__} cannot be drawn")
 
 
-figure.register(Axis, schematic)
 figure.register(Log, log_figure)
-figure.register(DerivedModel, lambda model, **settings: schematic(model.axis, **settings))
-figure.register(Identification, identification_figure)
+figure.register(DerivedModel, lambda model, **settings: figure(model.axis, **settings))
 figure.register(OutputErrorIdentification, identification_figure)
 figure.register(Tuning, tuning_figure)
 figure.register(TotalTuning, total_tuning_figure)
@@ -122,12 +122,27 @@ figure.register(Batch, batch_figure)
 figure.register(Diagnosis, diagnosis_figure)
 
 
+@figure.register
+def _(axis: Axis, *, narrow: bool = False, **settings: Any) -> Drawn:  # narrow as it is
+    return schematic(axis, **settings)
+
+
+@figure.register
+def _(
+    found: Identification, *, axis: Axis | str | None = None, runs: Iterable[Any] = (), **settings: Any
+) -> Drawn:
+    declared = load_axis(axis) if isinstance(axis, str) else axis
+    known = declared or found.axis
+    logs = [run if known is None or isinstance(run, Log) else read_axis_log(known, run) for run in runs]
+    return identification_figure(found, axis=declared, runs=logs, **settings)
+
+
 @singledispatch
 def write_page(found: Shown, path: str | Path) -> Path:
     """Write a page with text and figure of a result, and return its path."""
-    page, name = html_path(path), f"{type(found).__name__} {found.headline}"
+    page, name = html_path(path), found.headline
     template = page_templates().get_template("result.html")
-    drawn = svg_of(figure(found), name)
+    drawn = wide_and_narrow(lambda narrow: figure(found, narrow=narrow), "plot")
     write_whole(page, template.render(name=name, text=as_html(found), drawn=drawn, version=__version__))
     return page
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overload
 
 from symid.axis import Axis
-from symid.codegen import as_generated, model_of
+from symid.codegen import GeneratedModel, as_generated, model_of
 from symid.data import AnyLog, Log
 from symid.errors import SettingError, SymidError
 from symid.identification import (
@@ -180,11 +180,31 @@ def identify(
         from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
         from symid.simulation import ClosedLoop
 
-        return identify_by_instruments(model, _whole(runs), loop or ClosedLoop(axis_of(axis)), **settings)
-    again = partial(
-        identify_model, model, method=method, ddof=ddof, nominal=nominal, constraints=settings["constraints"]
-    )
-    declaration = _declaration(axis)
+        found = identify_by_instruments(model, _whole(runs), loop or ClosedLoop(axis_of(axis)), **settings)
+    else:
+        again = partial(
+            identify_model,
+            model,
+            method=method,
+            ddof=ddof,
+            nominal=nominal,
+            constraints=settings["constraints"],
+        )
+        found = _by_rows(again, _declaration(axis), model, runs, preparation, examine)
+    if isinstance(axis, GeneratedModel):  # its axis is a name, whose declaration may be another one
+        return found
+    return replace(found, axis=axis_of(axis), runs=tuple(_first_block(run) for run in runs))
+
+
+def _by_rows(
+    again: Callable[..., Identification],
+    declaration: Axis | None,
+    model: GeneratedModel,
+    runs: Sequence[AnyLog],
+    preparation: Preparation | None,
+    examine: bool,
+) -> Identification:
+    """Least squares, with the steps of a held force where sensors miss them."""
     if declaration is None or not misses_steps(declaration, model, preparation):
         return again(runs, preparation=preparation, examine=examine)
     from symid.simulation import plant_of  # takes half a second to load
@@ -204,6 +224,11 @@ def _declaration(axis: AnyAxis) -> Axis | None:
         return axis_of(axis)
     except SymidError:
         return None
+
+
+def _first_block(run: AnyLog) -> Log:
+    """A log, or what of a long one fits into memory."""
+    return run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples))
 
 
 def _require_possible(method: str, given: Mapping[str, object]) -> None:

@@ -111,6 +111,60 @@ def test_mistakes_are_one_line(
     assert said.count("\n") == 1
 
 
+def test_the_page_holds_both_results_side_by_side(folder: Path) -> None:
+    residual = {"F": {"rms": 0.25, "unit": "N"}}
+    first = {
+        "axis": "rigid_1m",
+        "log": ["a<b.csv"],
+        "measured": ["q"],
+        "physical": {"M": {"value": 4.0, "std": 0.1, "unit": "kg"}, "Fv": {"value": 0.0, "unit": "N*s/m"}},
+        "residual": residual,
+        "validation": {"residual": residual},
+    }
+    gap = {
+        "signal": "F",
+        "unit": "N",
+        "nominal": None,
+        "explained": {"rms": 0.75},
+        "reidentified": {"rms": 1.5},
+    }
+    effect = {"effect": "stribeck_friction", "at": "motor"}
+    other = {"M": 5.0, "more": 1}
+    second = {"axis": "rigid_1m", "verdict": "effect", "gap": gap, "effects": [effect], "parameters": other}
+    Path("a.json").write_text(json.dumps(first))
+    Path("b.json").write_text(json.dumps(second))
+    assert run("compare", "a.json", "b.json", "--report", "page.html", "--json", "out.json") == 0
+    record = json.loads(Path("out.json").read_text())
+    assert record["errors"]["rms of the residual of F on the validation"] == {
+        "a": 0.25,
+        "b": None,
+        "unit": "N",
+    }
+    assert record["errors"]["error of F, with the effects found"] == {"a": None, "b": 0.75, "unit": "N"}
+    page = Path("page.html").read_text(encoding="utf-8")
+    assert "A and B differ in M" in page
+    assert "stribeck friction at motor" in page
+    assert "a&lt;b.csv" in page
+    assert "Only in A: Fv" in page
+    assert "Only in B: more" in page
+    assert page.count("<svg ") == 2  # for a desk and for a phone
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "sentence"),
+    [
+        ({"value": 1.0, "std": 0.1}, {"value": 1.2, "std": 0.1}, "A and B do not differ"),
+        (1.0, 2.0, "whether they differ is not known"),
+        ({"value": 0.0, "std": 0.1}, {"value": 1.2, "std": 0.1}, "A and B differ in M"),
+    ],
+)
+def test_the_page_begins_with_a_sentence(first: object, second: object, sentence: str, folder: Path) -> None:
+    for name, entry in (("a.json", first), ("b.json", second)):
+        Path(name).write_text(json.dumps({"M": entry}))
+    assert run("compare", "a.json", "b.json", "--report", "page.html") == 0
+    assert sentence in Path("page.html").read_text(encoding="utf-8")
+
+
 def test_results_that_are_compared_are_not_overwritten(folder: Path) -> None:
     Path("a.json").write_text('{"M": 1}')
     assert run("compare", "a.json", "a.json", "--json", "a.json") == 2

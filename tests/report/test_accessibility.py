@@ -13,9 +13,11 @@ from fleet_example import fleet_example
 
 from symid import Log, identify, load_axis
 from symid.fleet import review_fleet
+from symid.report.pages.comparison_page import write_comparison_html
 from symid.report.pages.diagnosis_page import write_html
 from symid.report.pages.fleet_page import write_fleet_html
 from symid.report.pages.identification_page import write_identification_html
+from symid.report.tables.result_comparison import comparison_record, values_of
 
 pytestmark = pytest.mark.browser
 
@@ -33,10 +35,19 @@ def identification_page(file: Path) -> None:
     write_identification_html(identify(load_axis("rigid_1m"), log), file)
 
 
-PAGES: dict[str, Callable[[Path], None]] = {
+def comparison_page(file: Path) -> None:
+    values = (
+        values_of({"M": {"value": m, "std": 0.1}, "Fv": {"value": 1.0, "std": 0.3}}, f"{m}") for m in (4, 5)
+    )
+    write_comparison_html(comparison_record(*values), file)
+
+
+PAGES: dict[str, Callable[[Path], object]] = {
     "diagnosis": lambda file: write_html(diagnosis_example(), file),
     "fleet": lambda file: write_fleet_html(review_fleet(fleet_example()), file),
     "identification": identification_page,
+    "comparison": comparison_page,
+    "axis": lambda file: load_axis("direct_3m2s").report(file),
 }
 
 

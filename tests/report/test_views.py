@@ -77,6 +77,33 @@ def test_notebooks_are_shown_the_text_of_the_summary_escaped(kind: str) -> None:
     assert "\x1b" not in page.text
 
 
+def test_an_axis_is_shown_as_its_file_declares_it() -> None:
+    said = results()["axis"].summary()
+    assert 'ViscousFriction(motor, "Fv")' in said
+    assert "inertia=None" not in said
+
+
+def test_an_identification_shows_the_motion_of_its_logs(tmp_path: Path) -> None:
+    found = results()["identification"]
+    labels = [axes.get_xlabel() for axes in found.plot().axes]
+    assert "velocity of q [m/s]" in labels
+    page = found.report(tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "Nothing was simulated" not in page
+    assert "Fit of q simulated" in page
+    of_model = symid.identify(symid.load_generated("rigid_1m", ("q",)), recorded())  # which names its axis only
+    drawn = of_model.plot(axis="rigid_1m", runs=[recorded().to_frame()])
+    assert [axes.get_xlabel() for axes in drawn.axes] == labels
+
+
+def test_scales_are_labelled_by_plain_numbers() -> None:
+    for kind in ("identification", "tuning"):
+        figure = results()[kind].plot()
+        figure.canvas.draw()
+        ticks = [text.get_text() for axes in figure.axes for text in axes.get_xticklabels(which="both")]
+        assert not any("$" in tick for tick in ticks)
+        assert any(tick in ("1", "10", "100") for tick in ticks)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_figures_are_drawn_and_shown_by_notebooks(kind: str) -> None:
     figure = results()[kind].plot()

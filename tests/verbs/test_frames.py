@@ -49,6 +49,19 @@ def test_an_index_of_moments_is_the_clock_whatever_its_name() -> None:
         assert (list(log.signals), log.sampling_period) == (["q"], pytest.approx(0.005))
 
 
+def test_an_index_with_a_name_is_a_column() -> None:
+    frame = pd.DataFrame({"q": np.sin(T)}, index=pd.Index(1e3 * T, name="t [ms]"))
+    assert symid.Log.from_frame(frame).sampling_period == pytest.approx(T[1])
+    frame.index = pd.Index(T, name="timestamps")
+    log = symid.Log.from_frame(frame, columns={"t": "timestamps"})
+    assert list(log.signals) == ["q"]
+
+
+def test_a_lazy_frame_is_collected() -> None:
+    log = symid.Log.from_frame(pl.DataFrame(COLUMNS).lazy())
+    assert log.to_frame().equals(symid.Log.from_frame(COLUMNS).to_frame())
+
+
 @pytest.mark.parametrize(("scale", "unit"), [(1e3, "ms"), (1e6, "us"), (1e9, "ns")])
 def test_times_without_a_unit_are_never_taken_for_seconds(scale: float, unit: str) -> None:
     frame = {**COLUMNS, "t": scale * T}

@@ -12,14 +12,18 @@ from symid.report.figures.drawn import Drawn
 
 
 def correlation_figure(
-    parts: Sequence[tuple[str, Correlation, Correlation]], palette: Palette = LIGHT
+    parts: Sequence[tuple[str, Correlation, Correlation]], palette: Palette = LIGHT, *, narrow: bool = False
 ) -> Drawn | None:
-    """Auto- and cross-correlation of each part, by its title, with their bands; None where there are no parts."""
+    """Auto- and cross-correlation of each part, by its title, with their bands; None where there are no parts.
+
+    Both stand side by side, or below each other if `narrow`.
+    """
     if not parts:
         return None
     with mpl.rc_context(palette.style):
-        figure = Drawn(figsize=(11, 2.6 * len(parts)), layout="constrained")
-        rows = figure.subplots(len(parts), 2, squeeze=False)
+        width, across = (4.2, 1) if narrow else (11.0, 2)
+        figure = Drawn(figsize=(width, 2.6 * len(parts) * 2 / across), layout="constrained")
+        rows = figure.subplots(len(parts) * 2 // across, across, squeeze=False).reshape(len(parts), 2)
         for (title, *both), row in zip(parts, rows, strict=True):
             for axes, one, what in zip(row, both, ("with itself", "with the prediction"), strict=True):
                 low, high = one.of_noise - one.band, one.of_noise + one.band

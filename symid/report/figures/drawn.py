@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib as mpl
@@ -57,3 +58,18 @@ def svg_of(figure: Figure, name: str) -> str:
         return match[0] if count == 1 else f' id="{match[1]} {count}"'
 
     return re.sub(r' id="([^"]*)"', numbered, svg)
+
+
+def wide_and_narrow(draw: Callable[[bool], Figure | None], name: str) -> tuple[str, str] | None:
+    """A figure for a desk and for a phone as elements of a page, which shows one of them; None where there is none.
+
+    Parameters
+    ----------
+    draw : function of bool
+        Draws it, narrow or not.
+    name : str
+        Begins their identifiers.
+    """
+    figures = [(figure, f"{name}{end}") for end, figure in (("", draw(False)), ("-narrow", draw(True)))]
+    elements = [apart(svg_of(figure, one), one) for figure, one in figures if figure is not None]
+    return (elements[0], elements[1]) if len(elements) == 2 else None

@@ -42,7 +42,12 @@ def identification_curves(
     axis: Axis | None = None,
     runs: Sequence[Log] = (),
 ) -> IdentificationCurves:
-    """Curves of an identification; the log of the validation is the last of `runs`."""
+    """Curves of an identification; the log of the validation is the last of `runs`.
+
+    Without a validation, axis and logs are those that the result keeps.
+    """
+    if axis is None and validation is None:
+        axis, runs = found.axis, found.runs if isinstance(found, Identification) else found.logs
     panels = (
         _panels_of_equations(found, cast("OutputPrediction | None", validation))
         if isinstance(found, Identification)

@@ -18,7 +18,8 @@ from symid.report.figures.identification_curves import (
     identification_curves,
     parameters_shown,
 )
-from symid.report.figures.panels import draw_panel
+from symid.report.figures.log_scale import label_log_scales
+from symid.report.figures.panels import Panel, draw_panel
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
@@ -27,6 +28,8 @@ PLOT_STYLE: Any = LIGHT.style
 _MOST_ELLIPSES = 4
 _PANEL, _BODE, _ELLIPSES, _WIDTH = 6.0, 5.2, 3.2, 12.0
 """Heights of a panel, of the Bode diagrams and of the ellipses, and width, in inches."""
+_NARROW_PANEL, _NARROW_PANEL_IN_MOTION, _NARROW_WIDTH = 8.4, 13.0, 4.2
+"""Heights of a panel without and with the motion, and width, of a figure for a phone."""
 
 
 def identification_figure(
@@ -37,33 +40,48 @@ def identification_figure(
     runs: Sequence[Log] = (),
     palette: Palette = LIGHT,
     curves: IdentificationCurves | None = None,
+    narrow: bool = False,
 ) -> Drawn:
-    """Figure of an identification, of its curves if they are known already.
+    """Figure of an identification, of its curves if they are known already, or `narrow`, in one column of diagrams.
 
     For each output of each log: measured and predicted output over time and against each other, the residual over
-    time, velocity, position and frequency. With the axis and its logs, that of the validation last: the frequency
-    response of the identified axis beside the measured one. Parameters that are correlated get confidence ellipses.
+    time, velocity, position and frequency. With the axis and its logs, that of the validation last (without one, those
+    that the result keeps): the frequency response of the identified axis beside the measured one. Parameters that are
+    correlated get confidence ellipses.
     """
     curves = curves or identification_curves(found, validation, axis=axis, runs=runs)
     panels, responses = curves.panels, curves.responses
     units, values, covariance = parameters_shown(found)
     pairs = correlated_pairs(covariance)[:_MOST_ELLIPSES]
-    heights = [_PANEL] * len(panels) + [_BODE] * bool(responses) + [_ELLIPSES] * bool(pairs)
+    across = len(responses) if not narrow else 1
+    down = -(-len(responses) // max(across, 1))
+    heights = [_panel_height(panel, narrow) for panel in panels] + [_BODE * down] * bool(responses)
+    heights += [_ELLIPSES * (len(pairs) if narrow else 1)] * bool(pairs)
     with mpl.rc_context(palette.style):
-        figure = Drawn(figsize=(_WIDTH, sum(heights)), layout="constrained")
+        figure = Drawn(figsize=(_NARROW_WIDTH if narrow else _WIDTH, sum(heights)), layout="constrained")
         places: Any = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
         for place, panel in zip(places, panels, strict=False):
-            draw_panel(place, panel, palette)
+            draw_panel(place, panel, palette, narrow=narrow)
         if responses:
-            columns: Any = places[len(panels)].subfigures(1, len(responses), squeeze=False)[0]
+            columns: Any = places[len(panels)].subfigures(down, across, squeeze=False).ravel()
             for place, (response, band) in zip(columns, responses, strict=True):
                 draw_bode(place, response, palette, band)
         if pairs:
-            grid: Any = places[-1].subplots(1, max(len(pairs), 3), squeeze=False)[0]
+            shape = (len(pairs), 1) if narrow else (1, max(len(pairs), 3))
+            grid: Any = places[-1].subplots(*shape, squeeze=False).ravel()
             for axes, pair in zip(grid, pairs, strict=False):
                 draw_ellipse(axes, pair, values, covariance, units, palette)
             for axes in grid[len(pairs) :]:
                 axes.axis("off")
             handles, labels = grid[0].get_legend_handles_labels()
-            places[-1].legend(handles, labels, loc="outside upper right", ncols=3, frameon=False)
+            where = "outside upper center" if narrow else "outside upper right"
+            places[-1].legend(handles, labels, loc=where, ncols=3, frameon=False)
+        for axes in figure.axes:
+            label_log_scales(axes)
     return figure
+
+
+def _panel_height(panel: Panel, narrow: bool) -> float:
+    if not narrow:
+        return _PANEL
+    return _NARROW_PANEL if panel.motion is None else _NARROW_PANEL_IN_MOTION

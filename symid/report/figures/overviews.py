@@ -16,21 +16,22 @@ from symid.fleet import Batch
 from symid.fleet.results import parameter_names, without_repeats
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn
+from symid.report.figures.log_scale import label_log_scales
 from symid.report.figures.panels import draw_over_time
 from symid.text import visible
 
-_WIDTH, _ROW = 10.0, 1.9
+_WIDTH, _ROW, _NARROW_WIDTH = 10.0, 1.9, 4.2
 """In inches."""
 
 
-def log_figure(log: Log, palette: Palette = LIGHT) -> Drawn:
+def log_figure(log: Log, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
     """Each signal of a log over time, SI.
 
     >>> log = Log.from_arrays({"q": [0.0, 0.1], "F": [1.0, 2.0]}, sampling_period=0.5)
     >>> [axes.get_ylabel() for axes in log_figure(log).axes]
     ['q', 'F']
     """
-    figure, rows = _rows(len(log.signals), palette)
+    figure, rows = _rows(len(log.signals), palette, narrow)
     for axes, (name, values) in zip(rows, log.signals.items(), strict=True):
         draw_over_time(axes, log.time, {name: (values, palette.model, 0.9)}, name)
     rows[0].set_title(visible(log.source), loc="left")
@@ -38,7 +39,7 @@ def log_figure(log: Log, palette: Palette = LIGHT) -> Drawn:
     return figure
 
 
-def batch_figure(batch: Batch, palette: Palette = LIGHT) -> Drawn:
+def batch_figure(batch: Batch, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
     """Each parameter over the logs that are ok, with 95 % intervals; minimal ones where they repeat nothing."""
     table = batch.table.filter(status="ok")
     drawn = [
@@ -51,7 +52,7 @@ def batch_figure(batch: Batch, palette: Palette = LIGHT) -> Drawn:
     ]
     if not drawn:
         raise SettingError("there is nothing to draw: no log of this batch is ok")
-    figure, rows = _rows(len(drawn), palette)
+    figure, rows = _rows(len(drawn), palette, narrow)
     for axes, (axis, name, unit) in zip(rows, drawn, strict=True):
         of_axis = table.with_row_index("place").filter(axis=axis)
         width = 1.96 * of_axis[f"{name}_std"].to_numpy()
@@ -92,13 +93,16 @@ def diagnosis_figure(found: Diagnosis, palette: Palette = LIGHT) -> Drawn:
         left, right = place.subgridspec(1, 2)
         _spectrum(figure.add_subplot(left), found, palette)
         _stages(figure.add_subplot(right), found, palette)
+        for axes in figure.axes:
+            label_log_scales(axes)
     return figure
 
 
-def _rows(count: int, palette: Palette) -> tuple[Drawn, list[Axes]]:
+def _rows(count: int, palette: Palette, narrow: bool) -> tuple[Drawn, list[Axes]]:
     """Axes below each other that share their horizontal one."""
     with mpl.rc_context(palette.style):
-        figure = Drawn(figsize=(_WIDTH, _ROW * count + 0.4), layout="constrained")
+        width = _NARROW_WIDTH if narrow else _WIDTH
+        figure = Drawn(figsize=(width, _ROW * count + 0.4), layout="constrained")
         return figure, list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0])
 
 

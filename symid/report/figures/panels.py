@@ -31,10 +31,16 @@ class Panel:
     motion: SensorMotion | None = None
 
 
-def draw_panel(place: Any, panel: Panel, palette: Palette) -> None:
-    """Draw a panel into a subfigure."""
-    left = place.subplots(3, 2, width_ratios=(2.1, 1), height_ratios=(1.7, 1, 1.1))
-    (top, against), (below, by_velocity), (spectrum, by_position) = left
+def draw_panel(place: Any, panel: Panel, palette: Palette, *, narrow: bool = False) -> None:
+    """Draw a panel into a subfigure, in two columns of diagrams, or in one."""
+    if narrow:
+        rows = 4 if panel.motion is None else 6
+        one = place.subplots(rows, 1, height_ratios=(1.5, 1, 1.1, 2, 1.5, 1.5)[:rows])
+        top, below, spectrum, against, *maps = one
+    else:
+        two = place.subplots(3, 2, width_ratios=(2.1, 1), height_ratios=(1.7, 1, 1.1))
+        (top, against), (below, _), (spectrum, _) = two
+        maps = two[1:, 1]
     below.sharex(top)
     error, used = panel.measured - panel.predicted, np.isfinite(panel.measured)
     wide, thin = (panel.measured, palette.measured, 3.0), (panel.predicted, palette.model, 0.9)
@@ -49,9 +55,10 @@ def draw_panel(place: Any, panel: Panel, palette: Palette) -> None:
     _against(against, panel.measured[used], panel.predicted[used], panel, palette)
     _densities(spectrum, panel, error, palette)
     if panel.motion is None:
-        by_velocity.axis("off")
-        by_position.axis("off")
+        for axes in maps:
+            axes.axis("off")
         return
+    by_velocity, by_position = maps
     position, velocity = panel.motion.at(panel.time[used])
     _map(by_velocity, velocity, error[used], {"mean": np.isfinite(velocity)}, panel, palette)
     by_velocity.set_xlabel(f"velocity of {panel.motion.signal} [{panel.motion.unit}/s]")

@@ -9,16 +9,17 @@ from matplotlib.axes import Axes
 
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn
+from symid.report.figures.log_scale import label_log_scales
 from symid.tuning import BoundSearch, TotalTuning, Tuning
 
 _CIRCLE: Any = {"fillstyle": "none", "markersize": 9}
 
 
-def tuning_figure(found: Tuning, palette: Palette = LIGHT) -> Drawn:
-    """Largest error against the cutoff and against the sampling frequency."""
+def tuning_figure(found: Tuning, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
+    """Largest error against the cutoff and against the sampling frequency, side by side, or below each other."""
     with mpl.rc_context(palette.style):
-        figure = Drawn(figsize=(10, 4), layout="constrained")
-        left, right = figure.subplots(1, 2)
+        figure = Drawn(figsize=(4.2, 8) if narrow else (10, 4), layout="constrained")
+        left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
         _draw(left, found.cutoff, "cutoff frequency [Hz]", "low-pass filter, exact derivatives [35]", palette)
         title = f"central differences of {', '.join(found.measured)} [37]"
         _draw(right, found.sampling, "sampling frequency [Hz]", title, palette)
@@ -27,6 +28,7 @@ def tuning_figure(found: Tuning, palette: Palette = LIGHT) -> Drawn:
         left.set_ylabel("largest error of a parameter [%]")
         for axes in (left, right):
             axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.9)
+            label_log_scales(axes)
     return figure
 
 
@@ -40,10 +42,10 @@ def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Pale
     axes.set_title(title, loc="left")
 
 
-def total_tuning_figure(found: TotalTuning, palette: Palette = LIGHT) -> Drawn:
+def total_tuning_figure(found: TotalTuning, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
     """Total error against the cutoff."""
     with mpl.rc_context(palette.style):
-        figure = Drawn(figsize=(6, 4), layout="constrained")
+        figure = Drawn(figsize=(4.2 if narrow else 6, 4), layout="constrained")
         axes = figure.subplots()
         label = "scan, best decimation"
         axes.loglog(found.cutoffs_hz, found.totals, ".-", color=palette.other, linewidth=1, label=label)
@@ -53,4 +55,5 @@ def total_tuning_figure(found: TotalTuning, palette: Palette = LIGHT) -> Drawn:
         axes.set_xlabel("cutoff frequency [Hz]")
         axes.set_ylabel("total error, rms over parameters [%]")
         axes.legend(loc="best", frameon=True, edgecolor="none", framealpha=0.9)
+        label_log_scales(axes)
     return figure

@@ -21,7 +21,7 @@ from symid.files import write_whole
 from symid.identification import Identification, OutputPrediction
 from symid.identification.observation import Observation
 from symid.identification.residual_correlation import residual_correlations
-from symid.report.figures.drawn import apart, svg_of
+from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.identification_curves import identification_curves
 from symid.report.figures.identification_figure import identification_figure
 from symid.report.pages.page import as_it_is, html_path, page_templates
@@ -29,7 +29,13 @@ from symid.report.pages.plot_data import curve_data
 from symid.report.pages.provenance import provenance
 from symid.report.pages.residual_memory import remembered
 from symid.report.tables.identification import identification_record
+from symid.report.tables.number_text import significant
 
+_METHODS = {
+    "wls": "weighted least squares (wls)",
+    "ols": "ordinary least squares (ols)",
+    "iv": "instrumental variables (iv)",
+}
 _INTERVAL = float(scipy.special.ndtri(0.975))
 """Half width of a 95 % interval, in deviations."""
 
@@ -46,11 +52,13 @@ def write_identification_html(
 ) -> None:
     """Write an identification as one HTML file, which loads nothing.
 
-    With the axis and its logs, that of the validation last, the page shows the residual over the motion, the simulated
-    motion and the frequency response; `command` is the command line that made it, `said` writes the settings that
-    messages name.
+    With the axis and its logs, that of the validation last (without one, those that the result keeps), the page shows
+    the residual over the motion, the simulated motion and the frequency response; `command` is the command line that
+    made it, `said` writes the settings that messages name.
     """
     path = html_path(file)
+    if axis is None and validation is None:
+        axis, runs = found.axis, found.runs
     record = said(identification_record(found, validation))
     page = page_templates().get_template("identification.html")
     curves = identification_curves(found, validation, axis=axis, runs=runs)
@@ -60,7 +68,10 @@ def write_identification_html(
         parameters=_parameters(found),
         half_width=_INTERVAL,
         correlations=_correlations(found),
-        fit=apart(svg_of(identification_figure(found, curves=curves), "fit-plot"), "fit-plot"),
+        settings=_settings(record),
+        fit=wide_and_narrow(
+            lambda narrow: identification_figure(found, curves=curves, narrow=narrow), "fit-plot"
+        ),
         fit_data=curve_data(curves),
         motions=[asdict(one) for one in _motions(found, validation, axis, runs)],
         **remembered(residual_correlations(found)),
@@ -113,6 +124,24 @@ def _parameters(found: Identification) -> list[dict[str, Any]]:
             "std": float(std),
         }
         for (name, value), std in zip(found.parameters.items(), deviations, strict=True)
+    ]
+
+
+def _settings(record: dict[str, Any]) -> list[tuple[str, str]]:
+    """Name and value of each setting, in words."""
+    one = record["filter"]
+    ends = " and ".join(str(samples) for samples in one["trim"]) or "no"
+    late = [f"{signal} by {significant(1e6 * by)} us" for signal, by in one["late_s"].items() if by]
+    condition = (f"{significant(record[name])}" for name in ("condition_number", "condition_number_scaled"))
+    return [
+        ("method", _METHODS.get(record["method"], record["method"])),
+        ("cutoff frequency", f"{significant(one['cutoff_hz'])} Hz, order {one['order']}"),
+        ("force", "filtered as the motion is" if one["force_filtered"] else "not filtered"),
+        ("decimation", f"one row for every {one['decimation']} samples"),
+        ("differences", f"of order of accuracy {one['difference_order']}"),
+        ("left out at the ends", f"{ends} samples"),
+        ("recorded late", ", ".join(late) or "nothing"),
+        ("condition number", " scaled, ".join(reversed(list(condition))) + " as it is"),
     ]
 
 

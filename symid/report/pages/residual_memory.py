@@ -7,7 +7,7 @@ from typing import Any
 
 from symid.identification.residual_correlation import Correlation
 from symid.report.figures.correlation_figure import correlation_figure
-from symid.report.figures.drawn import apart, svg_of
+from symid.report.figures.drawn import wide_and_narrow
 from symid.report.pages.plot_data import correlation_data
 
 _NAME = "memory-plot"
@@ -15,9 +15,8 @@ _NAME = "memory-plot"
 
 def remembered(parts: Sequence[tuple[str, Correlation, Correlation]]) -> dict[str, Any]:
     """What `memory.html` needs: the figure, its numbers, and the shares outside the bands of each part."""
-    drawn = correlation_figure(parts)
     return {
-        "remembered": apart(svg_of(drawn, _NAME), _NAME) if drawn is not None else "",
+        "remembered": wide_and_narrow(lambda narrow: correlation_figure(parts, narrow=narrow), _NAME),
         "remembered_data": correlation_data(parts),
         "whiteness": [(title, own.outside, across.outside) for title, own, across in parts],
     }

@@ -15,10 +15,16 @@ from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
 from symid.report.tables.console import TextTable, plain, report_console
-from symid.report.tables.number_text import percent, significant, with_deviation
+from symid.report.tables.number_text import MISSING, percent, significant, with_deviation, words
 
 _DIFFERENT = 3.0
 """Standard deviations from which on parameters count as different."""
+_STAGES = {
+    "nominal": "nominal values",
+    "reidentified": "re-identified",
+    "explained": "with the effects found",
+    "noise_floor": "noise alone",
+}
 _CERTAIN = 1e-3
 """Probability below which two sets as a whole count as different."""
 
@@ -37,6 +43,10 @@ class Values:
     units: Mapping[str, str] = field(default_factory=dict)  # of the parameters, where they are known
     covariance: FloatArray | None = None  # shape (n, n): of the parameters in their order
     settings: Mapping[str, Any] = field(default_factory=dict)  # with which they were found
+    facts: Mapping[str, str] = field(default_factory=dict)  # logs, method and verdict in words
+    errors: Mapping[str, tuple[float, str]] = field(
+        default_factory=dict
+    )  # what the model leaves, and its unit
 
 
 def values_of(record: object, source: str) -> Values:
@@ -71,6 +81,8 @@ def values_of(record: object, source: str) -> Values:
         units,
         _covariance(record, values),
         record["filter"] if isinstance(record.get("filter"), dict) else {},
+        _facts(record),
+        _errors(record),
     )
 
 
@@ -88,12 +100,17 @@ def comparison_record(first: Values, second: Values) -> dict[str, Any]:
         "axis": [one.axis for one in both],
         "status": [one.status for one in both],
         "parameters": {name: _compared(name, first, second) for name in shared},
+        "facts": _side_by_side(first.facts, second.facts),
+        "errors": {
+            name: {"a": a and a[0], "b": b and b[0], "unit": (a or b)[1]}
+            for name, (a, b) in _side_by_side(first.errors, second.errors).items()
+        },
         "only_in": [[name for name in one.values if name not in shared] for one in both],
         "together": _together(first, second),
         "settings": {
-            name: [one.settings.get(name) for one in both]
-            for name in dict.fromkeys([*first.settings, *second.settings])
-            if first.settings.get(name) != second.settings.get(name)
+            name: values
+            for name, values in _side_by_side(first.settings, second.settings).items()
+            if first.settings and second.settings and values[0] != values[1]
         },
     }
 
@@ -111,6 +128,11 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
         apart = significant(one["deviations"], 2) + "  differs" * one["differs"]
         table.add(name, a, b, significant(one["difference"]), percent(one["relative"]), apart, one["unit"])
     console.print(table)
+    if record["errors"]:
+        errors = TextTable("", "", "A", "B", "unit", right=("A", "B"))
+        for name, one in record["errors"].items():
+            errors.add(name, *(_written(one[side]) for side in ("a", "b")), one["unit"])
+        console.print(errors)
     together = record["together"]
     if together is not None:
         console.print(
@@ -121,8 +143,85 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
     for file, names in zip(record["files"], record["only_in"], strict=True):
         if names:
             console.print(plain(f"only in {file}: {', '.join(names)}"))
+    for name in ("sensors", "method", "verdict", "effects"):
+        a, b = record["facts"].get(name, (None, None))
+        if a and b and a != b:
+            console.print(plain(f"{name}: {a} and {b}"))
     for name, (a, b) in record["settings"].items():
         console.print(plain(f"setting {name}: {a} and {b}"))
+
+
+def comparison_sentence(record: Mapping[str, Any]) -> str:
+    """In which parameters two results differ.
+
+    >>> a, b = (values_of({"M": {"value": m, "std": 0.1}, "Fv": 1.0}, f"{m}.json") for m in (5.0, 6.0))
+    >>> comparison_sentence(comparison_record(a, b))
+    'A and B differ in M'
+    """
+    different = [name for name, one in record["parameters"].items() if one["differs"]]
+    if different:
+        return f"A and B differ in {', '.join(different)}"
+    together = record["together"]
+    if together is not None and together["differs"]:
+        return "A and B differ in their parameters together, in none alone"
+    if not any(math.isfinite(one["deviations"]) for one in record["parameters"].values()):
+        return "Neither A nor B has deviations: whether they differ is not known"
+    return f"A and B do not differ: no parameter by more than {_DIFFERENT:g} deviations"
+
+
+def _side_by_side(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Entries of both by name, None where one has none."""
+    return {name: [first.get(name), second.get(name)] for name in dict.fromkeys([*first, *second])}
+
+
+def _written(value: float | None) -> str:
+    return MISSING if value is None else significant(value)
+
+
+def _facts(record: Mapping[str, Any]) -> dict[str, str]:
+    """What a result says of itself in words."""
+    said = {
+        "axis": record.get("axis"),
+        "sensors": record.get("measured"),
+        "logs": record.get("log", record.get("logs")),
+        "method": record.get("method"),
+        "status": record.get("status"),
+        "verdict": record.get("verdict"),
+        "sentence": record.get("sentence") or record.get("message"),
+        "effects": _effects(record),
+    }
+    facts = {name: [value] if isinstance(value, str) else value for name, value in said.items()}
+    return {
+        name: ", ".join(map(str, value))
+        for name, value in facts.items()
+        if isinstance(value, list) and any(value)
+    }
+
+
+def _effects(record: Mapping[str, Any]) -> list[str]:
+    found = record.get("effects")
+    effects = [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+    return [f"{words(str(one.get('effect')))} at {one.get('at')}" for one in effects]
+
+
+def _errors(record: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
+    """Residuals of an identification and of its validation, or stages of the gap of a diagnosis."""
+    validation, gap = record.get("validation"), record.get("gap")
+    errors = {}
+    for where, of in (("", record), (" on the validation", validation)):
+        residuals = of.get("residual") if isinstance(of, dict) else None
+        for output, one in residuals.items() if isinstance(residuals, dict) else ():
+            errors[f"rms of the residual of {output}{where}"] = one
+    if isinstance(gap, dict):
+        for stage in ("nominal", "reidentified", "explained", "noise_floor"):
+            level, unit = gap.get(stage), gap.get("unit")
+            if isinstance(level, dict):
+                errors[f"error of {gap.get('signal')}, {_STAGES[stage]}"] = {**level, "unit": unit}
+    return {
+        name: (float(one["rms"]), str(one.get("unit") or ""))
+        for name, one in errors.items()
+        if isinstance(one, dict) and is_finite_number(one.get("rms"))
+    }
 
 
 def _entry(entry: object) -> tuple[Any, float, str]:
