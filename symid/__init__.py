@@ -33,8 +33,7 @@ from symid.axis.sensors import *  # noqa: F403
 from symid.errors import SymidError
 
 if TYPE_CHECKING:
-    from symid.codegen.generate import compiled, generate
-    from symid.codegen.store import load_generated
+    from symid.codegen.generate import generate
     from symid.data import Log, read_log
     from symid.diagnosis import Diagnosis
     from symid.fleet import Batch, BatchSettings, identify_batch
@@ -44,14 +43,14 @@ if TYPE_CHECKING:
     from symid.verbs.diagnose_any import diagnose
     from symid.verbs.identify_any import identify
     from symid.verbs.logs import read_axis_log
-    from symid.verbs.simulate_any import derive, simulate, tune
+    from symid.verbs.simulate_any import compiled, derive, load_generated, simulate, tune
 
 __version__ = "0.1.0"
 
 _LAZY = {
     "Batch": "symid.fleet",
     "BatchSettings": "symid.fleet",
-    "compiled": "symid.codegen.generate",
+    "compiled": "symid.verbs.simulate_any",
     "derive": "symid.verbs.simulate_any",
     "DerivedModel": "symid.symbolic",
     "diagnose": "symid.verbs.diagnose_any",
@@ -60,7 +59,7 @@ _LAZY = {
     "identify": "symid.verbs.identify_any",
     "identify_batch": "symid.fleet",
     "Identification": "symid.identification",
-    "load_generated": "symid.codegen.store",
+    "load_generated": "symid.verbs.simulate_any",
     "Log": "symid.data",
     "predict": "symid.identification",
     "Preparation": "symid.identification",

@@ -5,6 +5,7 @@ from symid.axis.axis import Axis, Element
 from symid.axis.chain import chain
 from symid.axis.drive_imperfections import *  # noqa: F403
 from symid.axis.elements import *  # noqa: F403
+from symid.axis.given import AnyAxis, axis_of, of_any_axis
 from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws.along_stroke import *  # noqa: F403
 from symid.axis.laws.constant import *  # noqa: F403
@@ -18,15 +19,18 @@ from symid.axis.sketch import sketch, sketch_source
 from symid.axis.source import axis_path, axis_source, write_axis
 
 __all__ = [
+    "AnyAxis",
     "Axis",
     "Element",
     "axis_file",
     "axis_names",
+    "axis_of",
     "axis_path",
     "axis_source",
     "chain",
     "length_unit",
     "load_axis",
+    "of_any_axis",
     "shipped_folder",
     "sketch",
     "sketch_source",

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from symid.axis.axis import Axis
 from symid.axis.elements import Between, Body, Drive, Ground, Spring
+from symid.axis.given import of_any_axis
 from symid.errors import SettingError, SymidError
 from symid.files import write_whole
 from symid.signal_names import is_signal_name
@@ -21,6 +22,7 @@ _NAMED = ("mass", "inertia", "stiffness", "damping")
 """Fields that are written with their name wherever they stand."""
 
 
+@of_any_axis
 def axis_source(axis: Axis, summary: str | None = None) -> str:
     """Text of the axis file that declares an axis.
 
@@ -122,6 +124,7 @@ def axis_path(file: str | Path) -> Path:
     return path
 
 
+@of_any_axis
 def write_axis(axis: Axis, file: str | Path, summary: str | None = None) -> Axis:
     """Write an axis to a file, from which `load_axis` reads it; an existing file is overwritten.
 

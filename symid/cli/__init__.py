@@ -100,7 +100,12 @@ def _run(arguments: list[str] | None) -> int:
         return fail(error.format_message() + hint)
     except _UnreadError:
         return 0
-    except click.Abort:
+    except click.Abort as abort:
+        if isinstance(abort.__context__, EOFError):  # click turns the end of the input into this
+            print(file=sys.stderr)
+            return fail(
+                "the input ended before the last answer: give options in place of answers, or --no-ask"
+            )
         return fail("interrupted", 130)
     except SymidError as error:
         return fail(str(error))

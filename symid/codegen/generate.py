@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from symid.axis import axis_file, axis_names, load_axis
+from symid.axis import AnyAxis, axis_file, axis_names, axis_of, load_axis
 from symid.codegen.dynamics_record import generated_dynamics
 from symid.codegen.dynamics_store import dynamics_file
 from symid.codegen.model import GeneratedModel
@@ -58,13 +59,15 @@ def plan(
     return files
 
 
-def generate(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> list[Path]:
+def generate(axes: AnyAxis | Sequence[AnyAxis] = (), measured: Sequence[str] | None = None) -> list[Path]:
     """Write the generated modules of axes that are not current.
 
     Parameters
     ----------
-    axes, measured
-        As in `plan`.
+    axes : Axis, str, path-like, model, or sequence of them
+        Names or paths of axis files, or what is declared in a file of its name in `models/`; all axes by default.
+    measured : sequence of str, optional
+        Signals of the sensors; all sensor sets by default.
 
     Returns
     -------
@@ -76,9 +79,15 @@ def generate(axes: Sequence[str] = (), measured: Sequence[str] | None = None) ->
     SymidError
         If an axis cannot be loaded or derived; then no file is written.
     """
-    files = plan(axes, measured)
+    several = axes if isinstance(axes, Sequence) and not isinstance(axes, str) else (axes,)
+    files = plan([_file_name(axis) for axis in several], measured)
     write(files)
     return [file.path for file in files if not file.is_current]
+
+
+def _file_name(axis: AnyAxis) -> str:
+    """Name or path of the file of an axis."""
+    return os.fspath(axis) if isinstance(axis, (str, os.PathLike)) else axis_of(axis).name
 
 
 def _plan_axis(

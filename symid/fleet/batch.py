@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 
-from symid.axis import Axis
+from symid.axis import AnyAxis
 from symid.errors import SymidError
 from symid.files import free_name, replacing
 from symid.fleet.batch_settings import BatchSettings
@@ -110,7 +110,7 @@ class Batch(Shown):
 
 
 def identify_batch(
-    axes: str | Axis | Sequence[str | Axis],
+    axes: AnyAxis | Sequence[AnyAxis],
     logs: PathLike | Iterable[PathLike],
     *,
     output: PathLike | Iterable[PathLike] | None = None,
@@ -127,8 +127,9 @@ def identify_batch(
 
     Parameters
     ----------
-    axes : str, Axis or sequence of them
-        As in `symid.load_generated`. A log belongs to the first of these axes whose force and sensors it contains.
+    axes : Axis, str, path-like, model, or sequence of them
+        Declarations, names or paths of their files, or models of them. A log belongs to the first of these axes whose
+        force and sensors it contains.
     logs : path-like or iterable of path-like
         Files, folders (all logs in them) and glob patterns.
     output : path-like or iterable of path-like, optional

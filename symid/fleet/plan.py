@@ -11,7 +11,7 @@ from glob import glob, has_magic
 from pathlib import Path
 
 import symid
-from symid.axis import Axis, load_axis
+from symid.axis import AnyAxis, Axis, axis_of
 from symid.codegen import GeneratedModel, model_of
 from symid.codegen.store import StoredModule, stored_module
 from symid.data.formats import FOLDER_SUFFIXES, suffix_of
@@ -68,17 +68,18 @@ def _compiled(module: StoredModule) -> GeneratedModel:
 
 
 def fleet_axes(
-    axes: str | Axis | Sequence[str | Axis], settings: BatchSettings, folder: Path | None = None
+    axes: AnyAxis | Sequence[AnyAxis], settings: BatchSettings, folder: Path | None = None
 ) -> tuple[FleetAxis, ...]:
     """Axes of a batch from names, paths or declarations; `folder` replaces the folder of their generated modules."""
-    given = (axes,) if isinstance(axes, (str, Axis)) else tuple(axes)
-    declared = tuple(axis if isinstance(axis, Axis) else load_axis(axis) for axis in given)
+    several = axes if isinstance(axes, Sequence) and not isinstance(axes, str) else (axes,)
+    given = [axis if isinstance(axis, str) else axis_of(axis) for axis in several]
+    declared = [axis_of(axis) for axis in given]
     names = [axis.name for axis in declared]
     if not names or len(set(names)) < len(names):
         raise SettingError(
             "give each axis once: " + (f"{', '.join(names)} are given" if names else "none is given")
         )
-    settings.check(declared)
+    settings.check(tuple(declared))
     _require_no_column(declared)
     found = []
     for source, axis in zip(given, declared, strict=True):
@@ -131,6 +132,10 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
     SettingError if a folder or a pattern contains no log.
     """
     given = (logs,) if isinstance(logs, (str, os.PathLike)) else tuple(logs)
+    if strange := next((item for item in given if not isinstance(item, (str, os.PathLike))), None):
+        raise SettingError(
+            f"a batch reads files, not {type(strange).__name__}: write it to a Parquet file, or identify it alone"
+        )
     skipped = {os.path.abspath(path) for path in exclude}
     files: dict[str, str] = {}
     for item in (str(os.fspath(path)) for path in given):

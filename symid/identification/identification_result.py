@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ import polars as pl
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
-from symid.data import Log
+from symid.data import AnyLog, Frame, Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.bias import Bias
 from symid.identification.observation import Observation
@@ -134,7 +135,7 @@ class Identification(EstimatedParameters, Shown):
         """Physical parameters by name, SI; minimal ones without an inverse map."""
         return self.physical_parameters or self.minimal_parameters
 
-    def predict(self, log: Log) -> OutputPrediction:
+    def predict(self, log: AnyLog | str | os.PathLike[str] | Frame) -> OutputPrediction:
         """The output that the parameters predict on another log, as `symid.identification.predict`."""
         return predict(self, log)
 

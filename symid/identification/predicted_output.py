@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from symid.arrays import FloatArray
-from symid.data import Log
+from symid.axis import axis_of
+from symid.data import AnyLog, Frame, Log, LongLog
 from symid.estimation import estimate, triangular_factors
+from symid.identification.axis_logs import read_axis_log
 from symid.identification.observation import Observation, observe
 from symid.identification.residuals import EquationResidual
 
@@ -37,14 +40,14 @@ class OutputPrediction:
     residuals: tuple[EquationResidual, ...]
 
 
-def predict(found: Identification, log: Log) -> OutputPrediction:
+def predict(found: Identification, log: AnyLog | str | os.PathLike[str] | Frame) -> OutputPrediction:
     """Predict the output on another log.
 
     Parameters
     ----------
     found : Identification
         Result of `identify`.
-    log : Log
+    log : Log, path-like, data frame or mapping
         A log that took no part in it.
 
     Raises
@@ -52,7 +55,9 @@ def predict(found: Identification, log: Log) -> OutputPrediction:
     LogError, SettingError
         If the log does not have a signal, or cannot be prepared as the others were.
     """
-    observation = observe(found.model, log, found.observations[0].preparation)
+    if not isinstance(log, (Log, LongLog)):
+        log = read_axis_log(found.axis or axis_of(found.model), log, measured=found.model.measured)
+    observation = observe(found.model, log.window(0, log.n_samples), found.observations[0].preparation)
     parameters = _with_own_parameters(found, observation)
     errors = observation.y - observation.W @ parameters
     residuals = (

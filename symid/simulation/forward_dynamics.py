@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, read_only
-from symid.axis import Axis
+from symid.axis import Axis, of_any_axis
 from symid.errors import SettingError
 from symid.simulation.added_laws import stored_with_laws
 from symid.simulation.dynamics_terms import JointTerms, LawTerm, SensorTerms
@@ -24,6 +24,7 @@ _DERIVED = 32
 """Number of declarations whose forward dynamics are cached."""
 
 
+@of_any_axis
 def plant_of(axis: Axis, parameters: Mapping[str, float]) -> Plant:
     """Forward dynamics of an axis with parameter values.
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from symid.axis import AnyAxis, axis_of
 from symid.diagnosis import LIBRARY, Diagnosis, Effect
 from symid.diagnosis import diagnose as diagnose_axis
 from symid.simulation import Cascade
-from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, logs_of
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overload
 
-from symid.axis import Axis
+from symid.axis import AnyAxis, Axis, axis_of
 from symid.codegen import GeneratedModel, as_generated, model_of
 from symid.data import AnyLog, Log
 from symid.errors import SettingError, SymidError
@@ -24,12 +25,12 @@ from symid.identification import (
 )
 from symid.identification import identify as identify_model
 from symid.identification.axis_logs import require_changing
-from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, each_of, log_of
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification
     from symid.simulation import ClosedLoop
+    from symid.symbolic import DerivedModel
 
 Method: TypeAlias = Literal["wls", "ols", "iv", "oe"]
 """Weighted or ordinary least squares, instrumental variables, output error."""
@@ -144,6 +145,7 @@ def identify(
     (['Fv', 'Fs'], 'ok')
     """
     given = each_of(logs)
+    axis = os.fspath(axis) if isinstance(axis, os.PathLike) else axis
     _require_possible(method, {"bounds": bounds, "prior": prior, "ddof": ddof, "known": known, "loop": loop})
     settings: dict[str, Any] = {"preparation": preparation, "nominal": nominal, "examine": examine}
     if known is not None:
@@ -161,7 +163,7 @@ def identify(
         runs = [log_of(axis_of(axis), log, measured, **columns) for log in given]
         signals = measured_signals(axis_of(axis), runs, measured)
     else:  # a file or a frame needs the declaration for its units
-        given_model = as_generated(axis)
+        given_model = _model_given(axis)
         signals = given_model.measured
         runs = [
             log if isinstance(log, Log) else log_of(axis_of(axis), log, signals, **columns) for log in given
@@ -174,7 +176,7 @@ def identify(
         return identify_output_error(
             axis_of(axis), signals, _whole(runs), loop=loop, preparation=preparation, nominal=nominal
         )
-    model = model_of(axis, signals) if isinstance(axis, (Axis, str)) else as_generated(axis)
+    model = model_of(axis, signals) if isinstance(axis, (Axis, str)) else _model_given(axis)
     settings["constraints"] = Constraints.of(model, bounds, prior)
     if method == "iv":
         from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
@@ -224,6 +226,13 @@ def _declaration(axis: AnyAxis) -> Axis | None:
         return axis_of(axis)
     except SymidError:
         return None
+
+
+def _model_given(axis: AnyAxis) -> GeneratedModel:
+    """A model given in place of an axis; SettingError for anything else."""
+    if not hasattr(axis, "axis"):
+        axis_of(axis)
+    return as_generated(cast("GeneratedModel | DerivedModel", axis))
 
 
 def _first_block(run: AnyLog) -> Log:
@@ -276,7 +285,7 @@ def _with_fixed(
     runs = [log_of(declared, log, measured, **columns) for log in logs]
     signals = measured
     if measured is None and not isinstance(axis, (Axis, str)):
-        signals = as_generated(axis).measured
+        signals = _model_given(axis).measured
     known, loop = declared.with_known(fixed), settings["loop"]
     settings["loop"] = loop and replace(loop, axis=known)
     if settings["method"] == "oe":

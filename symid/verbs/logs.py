@@ -6,10 +6,9 @@ import os
 from collections.abc import Sequence
 from typing import Any, TypeAlias, cast
 
-from symid.axis import Axis
+from symid.axis import Axis, of_any_axis
 from symid.data import AnyLog, Frame, Log, LongLog
 from symid.identification import axis_logs as files
-from symid.verbs.axes import of_any_axis
 
 Recorded: TypeAlias = "AnyLog | str | os.PathLike[str] | Frame"
 """A log, the path of one, a data frame, or columns by name."""

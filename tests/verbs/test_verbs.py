@@ -9,8 +9,12 @@ from command_line import run
 from fleet_logs import TRUE, write_log
 
 import symid
+from symid.axis import shipped_folder
 from symid.diagnosis import diagnose as diagnose_axis
 from symid.errors import SettingError, SymidError
+from symid.fleet.batch_settings import BatchSettings
+from symid.fleet.plan import fleet_axes
+from symid.simulation import plant_of
 
 
 @pytest.fixture
@@ -131,3 +135,24 @@ def test_a_constant_channel_of_a_log_is_refused_as_that_of_a_file(folder: Path, 
             for settings in ({}, {"method": "oe"}, {"fixed": {"Fs": 1.0}}):
                 with pytest.raises(SymidError, match=f"'{still}' is constant"):
                     symid.identify(axis, given, **settings)
+
+
+AXIS = symid.load_axis("rigid_1m")
+WAYS = {
+    "declaration": AXIS,
+    "name": "rigid_1m",
+    "path": shipped_folder("models") / "rigid_1m.py",
+    "derived": symid.derive(AXIS),
+    "generated": symid.load_generated(AXIS),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_axis_is_welcome_in_every_form(way: str, tmp_path: Path) -> None:
+    axis = WAYS[way]
+    assert symid.compiled(axis).signature == symid.load_generated(axis).signature == AXIS.signature
+    assert symid.axis_source(axis) == symid.axis_source(AXIS)
+    assert symid.write_axis(axis, tmp_path / "copy.py").name == "copy"
+    assert plant_of(axis, {"M": 2.0, "Fv": 3.0, "Fs": 4.0}).mass.tolist() == [[2.0]]
+    assert symid.generate(axis) == []
+    assert [one.axis for one in fleet_axes(axis, BatchSettings())] == [AXIS]
