@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 from functools import cache
 
@@ -180,3 +181,20 @@ def test_a_weight_is_sought_where_a_body_turns_and_none_is_declared() -> None:
         values = dict.fromkeys(axis.physical_parameters, 1.0)
         prediction = prediction_of(record_of(forward_dynamics(axis), log, 40.0), values)
         assert (list(whole.places(prediction)), list(zero.places(prediction))) == places
+
+
+def test_a_stroke_without_bound_takes_bounded_memory() -> None:
+    """Micrometres that are read as metres: the shortest pitch that is sought grows with the stroke."""
+    (cogging,) = (effect for effect in LAWS if effect.name == "cogging")
+    t = np.arange(4000) / 1000
+    log = Log("by hand", 0.0, 1e-3, {"q": 2e5 * np.sin(7 * t), "F": 30 * np.cos(11 * t)})
+    prediction = prediction_of(
+        record_of(forward_dynamics(load_axis("rigid_1m")), log, 40.0), LEAN | {"Fv": 1.0, "Fs": 1.0}
+    )
+    noise = np.random.default_rng(1).standard_normal(prediction.record.fine_time.size)
+    tracemalloc.start()
+    pitches = [pitch for (pitch,) in cogging.shapes(prediction, "motor", lambda _: noise)]
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(pitches) == 4
+    assert peak < 300e6
