@@ -85,10 +85,7 @@ def of_impossible(found: Diagnosis) -> str:
     if not values:
         return ""
     listed = _listed([f"{p.name} = {p.explained:.3g} {p.unit}" for p in values])
-    return (
-        f" No machine has {listed}: something else is missing that hardly shows in this log, such as damping of a "
-        "spring."
-    )
+    return f" No machine has {listed}: small errors of model or timing that this log hardly shows distort it."
 
 
 def _lacking(effects: Sequence[FoundEffect]) -> str:
