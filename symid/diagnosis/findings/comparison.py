@@ -131,29 +131,32 @@ class Comparison:
 
         The excess is that of the force, or of a further reading if the effect is an error of this reading.
         """
-        output = self._output_of(after)
+        output = self.output_of(after)
         rows = np.stack([self.squares(i, output) for i in (1, before, after)])
         return removed_share(rows, float(self.floors[output]) ** 2)
 
-    def _output_of(self, model: int) -> int:
-        """Output that shows the last effect of a model: the force, or a further reading whose error the effect is.
+    def output_of(self, model: int) -> int:
+        """Output that shows the last effect of a model: the force, or a further reading.
 
-        With several forces, the one whose excess the effect lowers most.
+        A further reading if the effect is an error of it, or if the effect lowers its excess and not that of the force:
+        friction of the load in place of the motor's changes only what the encoder at the load reads. With several
+        forces, the one whose excess the effect lowers most.
         """
         state, outputs = self.states[model], self.record.outputs
         place = state.placed[-1].at if state is not None and state.placed else ""
         if place in outputs:
             return outputs.index(place)
-        if len(self.record.forces) == 1:
-            return 0
-        return max(
-            range(self.record.n_drives),
-            key=lambda d: (self.excess(model - 1, d) - self.excess(model, d)) / self.floors[d] ** 2,
-        )
+        falls = [
+            (self.excess(model - 1, i) - self.excess(model, i)) / float(self.floors[i]) ** 2
+            for i in range(len(outputs))
+        ]
+        n_drives = self.record.n_drives
+        drive, most = int(np.argmax(falls[:n_drives])), int(np.argmax(falls))
+        return drive if falls[drive] > 0 or not falls[most] > 0 else most
 
     def felt_by(self, model: int) -> Comparison:
         """The comparison for the force that shows the last effect of a model."""
-        output = self._output_of(model)
+        output = self.output_of(model)
         return replace(self, drive=output) if output < self.record.n_drives else self
 
     def squares(self, model: int, output: int | None = None) -> FloatArray:
@@ -212,7 +215,7 @@ class Comparison:
     @property
     def unexplained_share(self) -> float:
         """Share of the re-identified model's excess that remains, see `removed`; nan if there is no excess."""
-        felt = self._output_of(2) if len(self.states) > 2 else 0
+        felt = self.output_of(2) if len(self.states) > 2 else 0
         output = felt if felt >= self.record.n_drives else self.drive
         before, left = (self.excess(i, output) for i in (1, len(self.errors) - 1))
         least = THRESHOLDS.no_excess * float(self.floors[output]) ** 2
@@ -222,7 +225,7 @@ class Comparison:
     def unexplained_of_all(self) -> float:
         """`unexplained_share` of all forces together, in multiples of their floors."""
         n_drives = self.record.n_drives
-        felt = self._output_of(2) if len(self.states) > 2 else 0
+        felt = self.output_of(2) if len(self.states) > 2 else 0
         if n_drives == 1 or felt >= n_drives:
             return self.unexplained_share
         before, left = (self.whole_excess(i) for i in (1, len(self.errors) - 1))

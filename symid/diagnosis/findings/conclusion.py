@@ -173,6 +173,7 @@ def _effects(
                 removes=comparison.removed(i + 1, i + 2),
                 indistinguishable_from=tuple(rivals),
                 signal=comparison.record.forces[felt.drive],
+                shown_by=comparison.record.outputs[comparison.output_of(i + 2)],
                 outdone_by=shapeless.of if i == 0 and shapeless.outdoes else "",
             )
         )

@@ -43,6 +43,8 @@ class FoundEffect:
         Effects and places that this log does not distinguish from it.
     signal : str
         Force whose error `gap_after` is; with several drives, the one that shows the effect most.
+    shown_by : str
+        Signal whose excess `removes` is a share of: this force, or a reading that alone shows the effect.
     outdone_by : str
         Quantity a law of which, of any shape, explains clearly more in the place of the first effect: the library may
         lack the law. Empty if there is none.
@@ -57,6 +59,7 @@ class FoundEffect:
     removes: Removed
     indistinguishable_from: tuple[tuple[str, str], ...]
     signal: str = ""
+    shown_by: str = ""
     outdone_by: str = ""
 
     def at_most(self, probability: float) -> FoundEffect:

@@ -68,7 +68,12 @@ def sentence(found: Diagnosis) -> str:
         return f"There is a gap of {before} that nothing in the library explains{nearest}."
     with_them = "with them" if len(found.effects) > 1 else "with it"
     falls = "force errors fall" if len(gaps) > 1 else "force error falls"
-    text = f"The model {_lacking(found.effects)}: {with_them}, the {falls} from {before} to {left}"
+    text = f"The model {_lacking(found.effects)}: {with_them}, "
+    if (first := found.effects[0]).shown_by in {g.signal for g in gaps}:
+        text += f"the {falls} from {before} to {left}"
+    else:
+        share = f"{100 * first.removes.share:.0f} % of the excess error of {first.shown_by} is gone"
+        text += f"{share}; the force error is {left} in place of {before}"
     if found.verdict == "partly":
         text += f"; {100 * gap.unexplained_share:.0f} % of the excess stays unexplained"
     if quantity := found.effects[0].outdone_by:

@@ -218,12 +218,13 @@ def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
     return np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
 
 
-def can_integrate(prediction: Prediction, item: Placed) -> bool:
-    """Whether an effect acts on hidden motion and its force is a law point by point."""
-    effect = item.effect
-    if not isinstance(effect, JointEffect) or not prediction.record.is_hidden(
-        effect.joint(prediction, item.at).direction
-    ):
+def can_integrate(prediction: Prediction, item: Placed, *, read: bool = False) -> bool:
+    """Whether an effect acts on hidden motion, or on any that is `read` too, and its force is a law point by point."""
+    effect, record = item.effect, prediction.record
+    if not isinstance(effect, JointEffect):
+        return False
+    direction = effect.joint(prediction, item.at).direction
+    if not (record.is_predicted(direction) if read else record.is_hidden(direction)):
         return False
     return effect.pointwise(prediction, item.shape, item.amplitudes) is not None
 

@@ -94,10 +94,14 @@ class Record(PeriodicLog):
 
     def is_hidden(self, direction: FloatArray) -> bool:
         """Whether motion of two bodies along a direction is hidden: no sensor reads it, the model determines it."""
-        sensors, n_bodies = self.dynamics.sensors, len(self.dynamics.bodies)
-        if not n_bodies == direction.size == 2 or any(sensors[name][1] == 0 for name in self.readings):
+        read = any(self.dynamics.sensors[name][1] == 0 for name in self.readings)
+        return not read and self.is_predicted(direction)
+
+    def is_predicted(self, direction: FloatArray) -> bool:
+        """Whether the model determines motion of two bodies along a direction, be it compared with a reading or not."""
+        if not len(self.dynamics.bodies) == direction.size == 2:
             return False
-        rows = [sensors[name][0] for name in self.driven]
+        rows = [self.dynamics.sensors[name][0] for name in self.driven]
         return bool(np.linalg.matrix_rank(np.stack([*rows, direction])) > len(rows))
 
     @cached_property

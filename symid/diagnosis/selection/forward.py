@@ -184,6 +184,9 @@ def _stages(
     if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
         if nominal is not None:  # values may still be far off
             yield [Start.of(nominal, c.placed) for c in _best_first(confirmed)[:_AGAIN]]
+            # A body that sticks at times moves as no frequency response says, even where its motion is read.
+            best = [Start.of(nominal, c.placed) for c in _best_first(confirmed)[:1]]
+            yield _integrated(best, nominal, read=True)
         return
     if nominal is None:
         joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
@@ -194,11 +197,16 @@ def _stages(
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
     if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
         return
-    hidden = [replace(s, placed=replace(s.placed, integrated=True)) for s in other]
-    yield [s for s in hidden if can_integrate(nominal.state.prediction, s.placed)][:_INTEGRATED]
+    yield _integrated(other, nominal)[:_INTEGRATED]
     yield islice(from_other_places(fit, [c.fit for c in _best_first(confirmed)]), _OTHER_PLACES)
     if _least_left(confirmed) > THRESHOLDS.hardly * fit.mean_square:
         yield of_grid(fit, nominal, library)
+
+
+def _integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> list[Start]:
+    """The starts with joints that are integrated with their motion, where that is possible."""
+    hidden = (replace(s, placed=replace(s.placed, integrated=True)) for s in starts)
+    return [s for s in hidden if can_integrate(model.state.prediction, s.placed, read=read)]
 
 
 def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
