@@ -17,7 +17,7 @@ from symid.identification.verdict import Status, not_by_structure
 _USUAL_LAG = 0.85
 """Samples by which a force may act after it is recorded, as a hold and the lag of a drive explain, for a mere note."""
 _LARGE_BIAS = 0.05
-"""Relative bias above which the status is not "ok"."""
+"""Relative bias, or change by a delay, above which the status is not "ok"."""
 _CERTAIN = 2.0
 """Standard deviations that a change or a bias must have for a status."""
 _NOISE_IN_W = "noise of the sensors in the columns of W"
@@ -55,7 +55,7 @@ def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERI
     causes: list[tuple[Status, str]] = [
         ("recording", faults.recording),
         ("timing", faults.drift),
-        ("timing", timing.statement if timing is not None and _is_fault(timing) else ""),
+        ("timing", timing.statement if timing is not None and _is_fault(found, timing) else ""),
         ("biased", large_bias if _NOISE_IN_W in large_bias else ""),
         ("poor_fit", faults.misfit),
         ("biased", large_bias),
@@ -98,12 +98,27 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
     return f"the log does not determine {', '.join(vague)}: {cure}" if vague else ""
 
 
-def _is_fault(timing: Timing) -> bool:
-    """Whether a held force and the lag of a drive cannot explain a delay.
+def _is_fault(found: Identification, timing: Timing) -> bool:
+    """Whether a held force and the lag of a drive cannot explain a delay, or intervals do not hold what it changes.
 
     A force that acts before it is recorded has no natural cause.
     """
-    return not timing.is_force or timing.late > 0 or timing.samples < -_USUAL_LAG
+    natural = timing.is_force and timing.late <= 0 and timing.samples >= -_USUAL_LAG
+    return not natural or _is_beyond_intervals(found, timing)
+
+
+def _is_beyond_intervals(found: Identification, timing: Timing) -> bool:
+    """Whether a parameter is another one with a delay taken out, by its value and by its printed deviation."""
+    removed = found.bias.removed if found.bias is not None and found.bias.removed is not None else 0.0
+    change = timing.parameters - (found.fit.solution + removed)  # as it was before the bias was taken off
+    if found.physical:
+        values, deviations = found.physical[0].parameters, found.physical_deviations
+        change = found.physical[0].sensitivity @ change
+    else:
+        values, deviations = found.fit.parameters, found.standard_deviations
+    with np.errstate(invalid="ignore"):
+        beyond = (np.abs(change) > _CERTAIN * deviations) & (np.abs(change) > _LARGE_BIAS * np.abs(values))
+    return bool(np.any(beyond))
 
 
 def _reported(found: Identification) -> tuple[FloatArray, FloatArray]:
