@@ -15,7 +15,7 @@ from symid.axis.laws import Law
 from symid.axis.quantities import end_of, force_unit, parameter_units, signal_unit, unit_faults
 from symid.axis.sensors import Position, Sensor
 from symid.axis.signature import hash_of
-from symid.axis.validation import declaration_faults, known_faults
+from symid.axis.validation import declaration_faults
 from symid.errors import DeclarationError, SettingError
 from symid.shown import Shown
 from symid.units import Unit
@@ -76,11 +76,8 @@ class Axis(Shown):
         if isinstance(self.drive, tuple) and len(self.drive) == 1:
             object.__setattr__(self, "drive", self.drive[0])
         drives = self.drive if isinstance(self.drive, tuple) else (self.drive,)
-        faults = declaration_faults(self.name, self.elements, drives, self.sensors)
-        faults = faults or (
-            *unit_faults((*self.elements, *self.sensors), drives),
-            *known_faults((*self.elements, *self.sensors), drives, self.known),
-        )
+        faults = declaration_faults(self.name, self.elements, drives, self.sensors, self.known)
+        faults = faults or tuple(unit_faults((*self.elements, *self.sensors), drives))
         if faults:
             raise DeclarationError(str(self.name), faults)
         object.__setattr__(self, "known", dict(self.known))
@@ -133,6 +130,12 @@ class Axis(Shown):
     def imperfections(self) -> tuple[Imperfection, ...]:
         """Effects with given numbers that no regressor contains, in the order of their declaration."""
         return tuple(element for element in self.elements if isinstance(element, Imperfection))
+
+    def laws_read_by(self, sensor: Sensor) -> tuple[Law, ...]:
+        """Nonlinear laws of the spring whose force a sensor reads."""
+        if not isinstance(spring := sensor.element, Spring):
+            return ()
+        return tuple(law for law in self.laws if law.in_spring and law.at == spring.at)
 
     def imperfections_of(self, drive: Drive) -> tuple[DriveImperfection, ...]:
         """Effects with given numbers that are in a drive, in the order of their declaration."""

@@ -162,8 +162,9 @@ class Acceleration(MotionSensor):
 class Force(Sensor):
     """A force or torque sensor: a load cell or strain gauge in a spring, a transducer at a drive.
 
-    In a spring it reads stiffness * d + damping * d(1), positive where the displacement d of the joint is. At a drive
-    it reads the force that acts, in the direction of the drive.
+    In a spring it reads stiffness * d + damping * d(1), positive where the displacement d of the joint is, and the
+    forces of the spring's nonlinear laws (`StiffnessNonlinearity`, `Backlash`, `GapDamping`). At a drive it reads the
+    force that acts, in the direction of the drive.
 
     Parameters
     ----------

@@ -21,7 +21,13 @@ from symid.axis.elements import (
     Weight,
     joint_label,
 )
-from symid.axis.imperfections import EncoderRipple, ForceConstantRipple, Imperfection, PayloadChange
+from symid.axis.imperfections import (
+    EncoderRipple,
+    ForceConstantRipple,
+    Imperfection,
+    JointImperfection,
+    PayloadChange,
+)
 from symid.axis.laws import Law
 from symid.axis.laws.law import is_finite
 from symid.axis.sensors import Sensor
@@ -37,7 +43,11 @@ _FORCES = (Unit.of("N"), Unit.of("N*m"))
 
 
 def declaration_faults(
-    name: object, elements: Sequence[object], drives: Sequence[object], sensors: Sequence[object]
+    name: object,
+    elements: Sequence[object],
+    drives: Sequence[object],
+    sensors: Sequence[object],
+    known: object,
 ) -> tuple[str, ...]:
     """Every fault of an axis declaration; empty if it is sound.
 
@@ -61,6 +71,7 @@ def declaration_faults(
         *_joint_faults((*elements, *checked_drives)),
         *_connection_faults(bodies, elements, checked_drives),
         *_signal_faults(elements, checked_sensors),
+        *_known_faults((*elements, *checked_sensors), checked_drives, known),
     )
 
 
@@ -95,8 +106,8 @@ def parameter_names(element: object) -> tuple[str, ...]:
     )
 
 
-def known_faults(elements: Sequence[object], drives: Sequence[Drive], known: object) -> Iterator[str]:
-    """Faults of the values of known parameters, in a declaration without other faults."""
+def _known_faults(elements: Sequence[object], drives: Sequence[Drive], known: object) -> Iterator[str]:
+    """Faults of the values of known parameters."""
     if not isinstance(known, Mapping):
         yield f"known={known!r} must be a mapping of names of parameters to values"
         return
@@ -232,12 +243,22 @@ def _sensor_faults(
         name = read.name if isinstance(read, Spring) else read.signal
         if getattr(names.get(name), "at", None) != read.at:
             yield f"{label} reads {label_of(read)}, which is not of the axis: declare it there"
-        elif any(isinstance(e, Law) and e.in_spring and e.at == read.at for e in elements):
-            yield f"{label} reads {label_of(read)}, in whose joint a law bends it: leave the law or the sensor out"
+        elif isinstance(read, Spring) and (others := _beside_bent_spring(read, elements)):
+            yield (
+                f"{label} reads {label_of(read)}, whose nonlinear law shares its joint with "
+                f"{type(others[0]).__name__}: put that at a body"
+            )
         if any(
             drive.unit and drive.constant is None and Unit.of(drive.unit) not in _FORCES for drive in drives
         ):
             yield f"{label} reads a force, and a drive is in another unit: give that an unknown gain, gain='Kt'"
+
+
+def _beside_bent_spring(spring: Spring, elements: Sequence[object]) -> list[Law | JointImperfection]:
+    """Other laws in the joint of a spring with a nonlinear law, which a force sensor in it cannot tell from that."""
+    there = [e for e in elements if isinstance(e, (Law, JointImperfection)) and e.at == spring.at]
+    own = [e for e in there if isinstance(e, Law) and e.in_spring]
+    return [e for e in there if e not in own] if own else []
 
 
 def _ripple_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[str]:

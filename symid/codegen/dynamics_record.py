@@ -49,6 +49,7 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
         scale = [reading.gain, reading.offset]
         return {
             **plain,
+            **({"law": True} if reading.laws else {}),
             "motion": numbers(motion),
             "drives": numbers([drives])[0],
             "scale": numbers([scale])[0],

@@ -134,6 +134,11 @@ def readings(dynamics: SymbolicDynamics) -> str:
             )
         factors = [factor.xreplace(given) for factor in reading.motion]
         value = sp.Add(*map(sp.Mul, factors, places), sp.sympify(reading.constant).xreplace(given))
+        for joint in dynamics.laws if reading.per_force else ():
+            if joint.direction == sp.ImmutableMatrix(reading.row):
+                q, v = (sp.Add(*map(sp.Mul, joint.direction, places[k : k + n])) for k in (0, n))
+                bent = joint.force.xreplace(given).xreplace({DISPLACEMENT: q, VELOCITY: v})
+                value += reading.per_force.xreplace(given) * bent
         found.append(f"y[{i}] = {c_code(value)};  /* {signal} */")
         if (law := misread(dynamics.axis, signal)) is not None:
             found.append(f"y[{i}] = {c_code(law.xreplace({READING: sp.Symbol(f'y[{i}]')}))};")

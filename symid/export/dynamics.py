@@ -52,6 +52,9 @@ class SymbolicReading(NamedTuple):
     motion: sp.Matrix
     drives: sp.Matrix
     constant: sp.Expr
+    per_force: sp.Expr = sp.Integer(
+        0
+    )  # reading per unit of the laws of the spring that is read; 0 without such laws
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +169,7 @@ class _Parts:
             _matrix(motion) / gain,
             sp.Matrix([shares]),
             -read.offset.as_expr() / gain,
+            1 / gain if read.laws else sp.Integer(0),
         )
 
     def _direction(self, joint: Joint) -> sp.ImmutableMatrix:

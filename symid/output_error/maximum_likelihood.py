@@ -157,7 +157,8 @@ def _starts(
     regression: Identification | None,
     nominal: Mapping[str, float] | None,
 ) -> list[dict[str, float]]:
-    """Start parameters: nominal ones, else rough ones and the plausible ones of least squares."""
+    """Start parameters: nominal and sound ones of least squares, else rough ones and plausible ones of the latter."""
+    sound: list[dict[str, float]] = []
     if nominal is not None:
         dynamics.at(nominal)  # an error names what is missing or impossible
         positive = dynamics.parameters_of("mass") | dynamics.parameters_of("stiffness")
@@ -166,6 +167,11 @@ def _starts(
                 f"the nominal {nothing[0]} is 0, from where no search goes: give a positive value, or fix it at 0"
             )
         known = [dict(nominal)]
+        if (
+            regression is not None and regression.status == "ok"
+        ):  # a search may end where nominal values are off
+            values = dict(nominal) | regression.physical_parameters
+            sound = [plausible(model, dynamics, values, dict(nominal))]
     else:
         rough = rigid_start(model, dynamics, logs)
         found = regression.physical_parameters if regression is not None else {}
@@ -175,7 +181,7 @@ def _starts(
             values for i, values in enumerate((better, rough, heavy)) if values not in (better, rough)[:i]
         ]
     rates = dict.fromkeys(log.sampling_frequency for log in logs)
-    return [start for rate in rates for values in known for start in spread(dynamics, values, rate)]
+    return [start for rate in rates for values in known for start in spread(dynamics, values, rate)] + sound
 
 
 def _least_squares(

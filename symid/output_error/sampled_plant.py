@@ -138,4 +138,6 @@ def _outputs(
         feedthrough[i] = reading.motion[2] @ forces[n:]
         feedthrough[i, : reading.drives.size] += reading.drives
         feedthrough[i, reading.drives.size + len(plant.laws)] += reading.constant
+        if reading.law is not None:
+            feedthrough[i, reading.drives.size + reading.law] += reading.per_force
     return rows, feedthrough

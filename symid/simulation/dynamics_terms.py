@@ -35,7 +35,8 @@ class LawTerm:
 class SensorTerms(NamedTuple):
     """The reading of a sensor, (motion + drives - offset) / gain, with polynomials as coefficients.
 
-    A sensor without parameters has only `row` and `order`, as in `SensorRow`. `scale` holds gain and offset.
+    A sensor without parameters has only `row` and `order`, as in `SensorRow`. `scale` holds gain and offset,
+    `law` is as in `SensorRow`.
     """
 
     row: FloatArray
@@ -44,6 +45,7 @@ class SensorTerms(NamedTuple):
     motion: tuple[tuple[Polynomial, ...], ...] = ()
     drives: tuple[Polynomial, ...] = ()
     scale: tuple[Polynomial, ...] = ()
+    law: int | None = None
 
     def at(self, values: Sequence[float]) -> SensorRow:
         """The reading at parameter values; SettingError if the gain is not positive."""
@@ -57,7 +59,7 @@ class SensorTerms(NamedTuple):
         motion = np.array([[p.at(values) for p in row] for row in self.motion]) / gain
         drives = np.array([p.at(values) for p in self.drives]) / gain
         row = self.row if self.order is None else motion[self.order]
-        return SensorRow(row, self.order, motion, drives, -offset / gain)
+        return SensorRow(row, self.order, motion, drives, -offset / gain, self.law, 1 / gain)
 
 
 class JointTerms(NamedTuple):

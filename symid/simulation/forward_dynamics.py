@@ -251,6 +251,7 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
                     motion=_polynomials(sensor.get("motion", ())),
                     drives=tuple(map(_polynomial, sensor.get("drives", ()))),
                     scale=tuple(map(_polynomial, sensor.get("scale", ()))),
+                    law=list(joints).index(tuple(sensor["row"])) if sensor.get("law") else None,
                 )
                 for name, sensor in record["sensors"].items()
             }

@@ -119,6 +119,10 @@ class Loop:
             raise SettingError(
                 f"the controller reads {unknown[0]!r}, which is not a sensor of this axis: use {', '.join(by_signal)}"
             )
+        if bent := [signal for signal in signals if by_signal[signal].law is not None]:
+            raise SettingError(
+                f"the controller reads {bent[0]!r}, the force of a nonlinear spring: use another sensor"
+            )
         return tuple(by_signal[signal] for signal in signals)
 
     @cached_property

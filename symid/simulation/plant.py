@@ -17,6 +17,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Between, Body, Ground
 from symid.axis.elements import Joint
 from symid.errors import SettingError
+from symid.simulation.law_functions import array_function
 
 LawFunction = Callable[[float, float], float]
 
@@ -43,6 +44,10 @@ class SensorRow(NamedTuple):
         Factors of the drive forces in it.
     constant : float
         Reading when motion and forces are zero.
+    law : int, optional
+        Place in the plant's laws of those in the spring whose force is read.
+    per_force : float
+        Reading per unit of their force.
     """
 
     row: FloatArray
@@ -50,6 +55,8 @@ class SensorRow(NamedTuple):
     motion: FloatArray
     drives: FloatArray
     constant: float = 0.0
+    law: int | None = None
+    per_force: float = 1.0
 
     def at(self, s: npt.NDArray[np.complexfloating[Any, Any]]) -> ComplexArray:
         """Reading for displacements of the bodies at complex frequencies, of shape (n_bodies, n_frequencies)."""
@@ -84,6 +91,10 @@ class JointLaw:
     def force(self, q: float, v: float) -> float:
         """Force that opposes the motion."""
         return sum(term.parameter * term.expression(q, v) for term in self.terms)
+
+    def forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """`force` for arrays, of laws of the motion alone."""
+        return np.asarray(sum(term.parameter * array_function(term.code)(q, v) for term in self.terms))
 
     def limits(self, q: float) -> tuple[float, float]:
         """Lowest and highest force at rest; they differ where the law can hold the joint."""

@@ -58,6 +58,7 @@ class SensorChannel:
     ) -> None:
         self.signal, self.step = sensor.signal, sensor.resolution
         self.reading = plant.sensors[sensor.signal]
+        self.law = None if self.reading.law is None else plant.laws[self.reading.law]
         if self.reading.constant:
             misread = re.sub(r"\by\b", f"(y + {self.reading.constant!r})", misread or "y")
         self.misread = misread
@@ -67,6 +68,7 @@ class SensorChannel:
         late = samples - self.age
         self.moment = period if late < _WHOLE else (1.0 - late) * period
         self.is_between = self.moment < period
+        self.period = period
 
     @property
     def motion_row(self) -> FloatArray:
@@ -78,16 +80,27 @@ class SensorChannel:
         exact = np.hstack([record.states, record.accelerations]) @ self.motion_row
         # Forces are held and jump at samples, where the mean of both sides is read.
         acting = record.forces @ self.reading.drives
+        bent = self._of_law(record.states)
         if self.is_between:
-            inner = record.between[between.index(self)] + acting
-            values = np.concatenate([np.full(self.age + 1, exact[0]), inner])
+            share = self.moment / self.period
+            inner = record.between[between.index(self)] + acting + (1 - share) * bent[:-1] + share * bent[1:]
+            values = np.concatenate([np.full(self.age + 1, exact[0] + bent[0]), inner])
         else:
             sides = np.concatenate([[0.0], acting, acting[-1:]])
-            values = np.concatenate([np.full(self.age, exact[0]), exact + (sides[1:] + sides[:-1]) / 2])
+            values = np.concatenate(
+                [np.full(self.age, exact[0] + bent[0]), exact + bent + (sides[1:] + sides[:-1]) / 2]
+            )
         values = values[: self.noise.size]
         if self.misread is not None:
             values = array_function(self.misread, ("y",))(values, values, values)
         return in_steps(values + self.noise, self.step)
+
+    def _of_law(self, states: FloatArray) -> FloatArray:
+        """What the nonlinear laws of a spring add to the reading of its force, at all states."""
+        if self.law is None:
+            return np.zeros(len(states))
+        q, v = np.split(states, 2, axis=1)
+        return self.reading.per_force * self.law.forces(q @ self.law.direction, v @ self.law.direction)
 
 
 def in_steps(values: FloatArray, step: float) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What sensors read, as operators: motion x + drives F = gain * signal + offset.
+"""What sensors read, as operators: motion x + drives F + values of laws = gain * signal + offset.
 
 A sensor whose reading is a derivative of a displacement, without parameters, is no equation: it says what is measured
 (`symid.symbolic.measurement`). Any other adds an equation to the balances. Where its force stands in a balance too, the
@@ -15,16 +15,18 @@ import sympy as sp
 from sympy.polys.rings import PolyElement
 
 from symid.axis import Drive, Sensor
+from symid.symbolic.expressions import law_expression
 from symid.symbolic.lagrange import ONE_INPUT, Kinematics
 from symid.symbolic.operators import OperatorModel, Row, add
 
 
 @dataclass(frozen=True)
 class ReadingTerms:
-    """motion x + drives F = gain * signal + offset, polynomials in s and the parameters."""
+    """motion x + drives F + laws = gain * signal + offset, polynomials in s and the parameters."""
 
     motion: Row  # by body
     drives: Row  # by signal of the drive
+    laws: Row  # by symbol of the law's value
     gain: PolyElement
     offset: PolyElement
 
@@ -37,12 +39,13 @@ class ReadingTerms:
 def sensor_terms(operators: OperatorModel, sensor: Sensor) -> ReadingTerms:
     """Terms of a sensor.
 
-    >>> from symid.axis import load_axis
-    >>> from symid.symbolic.lagrange import inverse_dynamics
-    >>> from symid.symbolic.operators import operator_model
-    >>> axis = load_axis("direct_2m1s")
-    >>> sensor_terms(operator_model(inverse_dynamics(axis)), axis.sensors[2]).motion
-    {'motor': s**2, 'structure': -s**2}
+        >>> from symid.axis import load_axis
+        >>> from symid.symbolic.expressions import law_expression
+    from symid.symbolic.lagrange import inverse_dynamics
+        >>> from symid.symbolic.operators import operator_model
+        >>> axis = load_axis("direct_2m1s")
+        >>> sensor_terms(operator_model(inverse_dynamics(axis)), axis.sensors[2]).motion
+        {'motor': s**2, 'structure': -s**2}
     """
     ring, kinematics = operators.ring, Kinematics(operators.source.axis)
     s, motion, drives = ring.gens[0], Row(), Row()
@@ -59,9 +62,25 @@ def sensor_terms(operators: OperatorModel, sensor: Sensor) -> ReadingTerms:
     return ReadingTerms(
         motion,
         drives,
+        _laws_read(operators, sensor),
         gain=ring.one if sensor.gain is None else _parameter(operators, sensor.named("gain")),
         offset=ring.zero if sensor.offset is None else _parameter(operators, sensor.named("offset")),
     )
+
+
+def _laws_read(operators: OperatorModel, sensor: Sensor) -> Row:
+    """Parameters of the nonlinear laws of the spring whose force is read, by the symbols of their values."""
+    source, found = operators.source, Row()
+    kinematics = Kinematics(source.axis)
+    read = kinematics.displacement(sensor.joint)
+    of_joint = {
+        e.expression: str(e.symbol) for e in source.inputs if kinematics.displacement(e.joint) == read
+    }
+    for law in source.axis.laws_read_by(sensor):
+        for term in law.terms():
+            symbol = of_joint[law_expression(term.expression)]
+            found = add(found, {symbol: _parameter(operators, term.parameter)}, operators.ring.one)
+    return found
 
 
 def with_readings(
@@ -84,9 +103,9 @@ def with_readings(
 
 
 def _with_equation(operators: OperatorModel, sensor: Sensor, terms: ReadingTerms) -> OperatorModel:
-    """Operators with the equation motion x + drives F - gain * signal - offset = 0 of one more sensor."""
+    """Operators with the equation motion x + drives F + laws - gain * signal - offset = 0 of one more sensor."""
     own = add(terms.drives, {sensor.signal: terms.gain}, -1)
-    constant = {str(ONE_INPUT): -terms.offset} if terms.offset else {}
+    constant = add(terms.laws, {str(ONE_INPUT): -terms.offset} if terms.offset else {}, operators.ring.one)
     motion, inputs, force = dict(operators.motion), dict(operators.inputs), dict(operators.force)
     if sensor.derivative is None:
         for body, share in _acts_on(operators, sensor).items():

@@ -15,6 +15,7 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.signal_names import derivative_name
 from symid.simulation import Controller, Plant, SensorRow, Simulation, Trajectory, chirp, plant_of, simulate
+from symid.simulation.plant import JointLaw
 
 _PLACE, _PROBE = "place_of_{}", "probe_of_{}"
 """Names of the virtual sensors that record the motion of every body."""
@@ -35,11 +36,14 @@ class ExactRun:
         As simulated, with sensors of every motion.
     rows : mapping of str to SensorRow
         As in `Plant`.
+    laws : tuple of JointLaw
+        As in `Plant`.
     """
 
     axis: Axis
     simulation: Simulation
     rows: Mapping[str, SensorRow]
+    laws: tuple[JointLaw, ...] = ()
 
     @property
     def period(self) -> float:
@@ -103,7 +107,17 @@ class ExactRun:
                     run.time, x @ of_place + v @ of_speed, v @ of_place + a @ of_speed
                 )
                 held = np.reshape(run.forces, (len(run.time), -1)) @ reading.drives
-                found[sensor.signal] = CubicSpline(middle, smooth(middle) + held[:-1] + reading.constant)
+                bent = np.zeros(len(middle))
+                if reading.law is not None:
+                    law = self.laws[reading.law]
+                    at, speed = (
+                        CubicHermiteSpline(run.time, y @ law.direction, rate @ law.direction)(middle)
+                        for y, rate in ((x, v), (v, a))
+                    )
+                    bent = reading.per_force * law.forces(at, speed)
+                found[sensor.signal] = CubicSpline(
+                    middle, smooth(middle) + held[:-1] + bent + reading.constant
+                )
             elif reading.order == 2:
                 found[sensor.signal] = CubicSpline(
                     middle, np.diff(v @ of_rate) / self.period + reading.constant
@@ -161,7 +175,8 @@ def exact_run(
     accelerometer = Acceleration(_PROBE.format(bodies[0].name), bodies[0])
     probed = replace(perfect, sensors=(*perfect.sensors, *probes, accelerometer))
     run = simulate(probed, parameters, trajectory, controller)
-    return ExactRun(perfect, run, plant_of(probed, parameters).sensors)
+    plant = plant_of(probed, parameters)
+    return ExactRun(perfect, run, plant.sensors, plant.laws)
 
 
 LOWEST_HZ = 0.1

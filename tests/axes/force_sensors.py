@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -37,12 +37,17 @@ def phasors(omega: float) -> dict[str, complex]:
     return {"qm": qm, "ql": ql, "cell": coupling * (ql - qm), "F": 1000.0 + 0j}
 
 
-def integrated(force: np.ndarray, period: float) -> np.ndarray:
-    """Displacements and velocities at the samples under a held force, of shape (n_samples, 4)."""
+def integrated(
+    force: np.ndarray, period: float, bend: Callable[[float], float] = lambda _: 0.0
+) -> np.ndarray:
+    """Displacements and velocities at the samples under a held force, of shape (n_samples, 4).
+
+    `bend` is a further force of the spring, by its deflection.
+    """
     v, states = VALUES, [np.zeros(4)]
 
     def rates(_: float, x: np.ndarray, pushed: float) -> list[float]:
-        pull = v["K"] * (x[1] - x[0]) + v["D"] * (x[3] - x[2])
+        pull = v["K"] * (x[1] - x[0]) + v["D"] * (x[3] - x[2]) + bend(x[1] - x[0])
         return [
             x[2],
             x[3],

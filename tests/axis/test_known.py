@@ -93,3 +93,11 @@ def test_fixing_what_is_not_there_is_refused() -> None:
         load_axis("emps").with_known({"Q": 1.0})
     with pytest.raises(SettingError, match="at least 0"):
         load_axis("emps").with_known({"M": -1.0})
+
+
+def test_faults_of_values_stand_beside_all_others() -> None:
+    table = Body("table", mass=-1.0)
+    with pytest.raises(DeclarationError) as raised:
+        Axis("a", (table, ViscousFriction(table, "Fv")), Drive("F", table), (Position("F", table),))
+    assert "'table_mass' is -1.0" in str(raised.value)
+    assert "signal 'F' is used more than once" in str(raised.value)

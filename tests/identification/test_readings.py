@@ -8,7 +8,7 @@ import pytest
 from axes.force_sensors import CELL, ELEMENTS, LOAD, LOAD_SCALE, MOTOR, MOTOR_SCALE, SHAFT, VALUES, celled
 
 import symid
-from symid import Axis, Drive, Force, Log, Position
+from symid import Axis, Backlash, Drive, Force, Law, Log, Position, StiffnessNonlinearity
 from symid.simulation import chirp, plant_of, simulate, tuned_cascade
 
 REFERENCE = chirp(0.5, 20.0, 2.5, 0.002, sampling_period=5e-4)
@@ -39,6 +39,20 @@ def test_a_load_cell(sensors: tuple[symid.Sensor, ...], method: Literal["wls", "
     found = symid.identify(axis, logged(axis), method=method)
     close(found, ("Mm", "K", "Ml"), 1e-3)
     close(found, ("D", "Fvl", "Fvm"), 0.02)
+
+
+@pytest.mark.parametrize(
+    "law", [StiffnessNonlinearity(SHAFT.at, "k3"), Backlash(SHAFT.at, "Kb", gap=4e-5)], ids=["cubic", "play"]
+)
+def test_a_load_cell_in_a_nonlinear_spring(law: Law) -> None:
+    own = {"k3": 8e11, "Kb": VALUES["K"]}
+    axis = celled((MOTOR_SCALE, LOAD_SCALE, CELL)).with_effect(law)
+    values = VALUES | own
+    log = simulate(axis, values, REFERENCE, tuned_cascade(plant_of(axis, values), "qm"), seed=4, steps=4).log
+    found = symid.identify(axis, log)
+    close(found, ("Mm", "K", "Ml"), 2e-3)
+    (name,) = set(found.physical_parameters) & set(own)
+    assert found.physical_parameters[name] == pytest.approx(own[name], rel=0.02)
 
 
 def test_a_transducer_determines_the_constant_of_a_drive() -> None:

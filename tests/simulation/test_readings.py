@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from axes.force_sensors import DRIVE, LOAD, MOTOR, SHAFT, VALUES, celled, integrated
 
-from symid import ActuatorDelay, Force, Position
+from symid import ActuatorDelay, Force, Position, StiffnessNonlinearity
+from symid.errors import SettingError
 from symid.simulation import chirp, plant_of, simulate, tuned_cascade
 
 REFERENCE = chirp(1.0, 20.0, 0.2, 0.002, sampling_period=1e-3)
@@ -20,6 +23,34 @@ def test_a_load_cell_reads_the_spring_and_its_damping() -> None:
     cell = VALUES["K"] * (states[:, 1] - states[:, 0]) + VALUES["D"] * (states[:, 3] - states[:, 2])
     np.testing.assert_allclose(log["qm"], states[:, 0], atol=1e-12)
     np.testing.assert_allclose(log["cell"], cell, atol=1e-7 * np.ptp(cell))
+
+
+K3 = 8e10
+
+
+@pytest.mark.parametrize("delay", [0.0, 2.5e-3])
+def test_a_load_cell_in_a_spring_that_stiffens(delay: float) -> None:
+    plain = celled((Position("qm", MOTOR), Position("ql", LOAD), Force("cell", SHAFT, gain=2.0, delay=delay)))
+    exact = plain.with_signal("F", noise=0.0).with_effect(StiffnessNonlinearity(SHAFT.at, "k3"))
+    values = VALUES | {"k3": K3}
+    controller = tuned_cascade(plant_of(exact, values), "qm")
+    log = simulate(exact, values, REFERENCE, controller, steps=16).log
+    states = integrated(log["F"], log.sampling_period, lambda d: K3 * d**3)
+    d, rate = states[:, 1] - states[:, 0], states[:, 3] - states[:, 2]
+    cubed = K3 * d**3
+    cell = (VALUES["K"] * d + VALUES["D"] * rate + cubed) / 2.0
+    assert np.abs(cubed).max() > 0.1 * np.ptp(cell)
+    time = np.arange(len(cell)) * log.sampling_period
+    late = np.interp(time - delay, time, cell)
+    np.testing.assert_allclose(log["cell"], late, atol=(1e-4 if delay == 0 else 5e-3) * np.ptp(cell))
+
+
+def test_a_controller_cannot_read_a_bent_spring() -> None:
+    axis = celled((Position("qm", MOTOR), Force("cell", SHAFT)))
+    axis = axis.with_effect(StiffnessNonlinearity(SHAFT.at, "k3"))
+    loop = tuned_cascade(plant_of(axis, VALUES | {"k3": K3}), "qm")
+    with pytest.raises(SettingError, match="reads 'cell', the force of a nonlinear spring"):
+        simulate(axis, VALUES | {"k3": K3}, REFERENCE, replace(loop, signal="cell"))
 
 
 def test_gain_and_offset_turn_a_quantity_into_a_signal() -> None:

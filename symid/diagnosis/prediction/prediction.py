@@ -117,9 +117,19 @@ class Prediction:
     def outputs(self) -> ComplexArray:
         """Drive forces and further readings without effects of drives and of sensors, shape (n_outputs, n_bins)."""
         if self.of_integrated is not None:
-            return self._from_motion(self.law_forces + self.forces + self.of_integrated)
-        of_motion = self.response.of_motions(self.record.motions)
-        return of_motion + self.response.of_forces(self.law_forces + self.forces)
+            found = self._from_motion(self.law_forces + self.forces + self.of_integrated)
+        else:
+            found = self.response.of_motions(self.record.motions)
+            found = found + self.response.of_forces(self.law_forces + self.forces)
+        # A force sensor reads the nonlinear laws of its spring too.
+        for i, name in enumerate(self.record.readings, self.record.n_drives):
+            reading = self.response.plant.sensors[name]
+            if reading.law is not None:
+                terms = self.response.plant.laws[reading.law].terms
+                spectra = self.laws[reading.law][1]
+                force = sum(term.parameter * x for term, x in zip(terms, spectra, strict=True))
+                found[i] = found[i] + reading.per_force * force
+        return found
 
     def _from_motion(self, forces: ComplexArray) -> ComplexArray:
         """Outputs computed from the displacements: the force from the equation of a driven body, and the readings."""
