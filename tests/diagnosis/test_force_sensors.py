@@ -63,14 +63,6 @@ def test_a_gain_that_the_log_does_not_determine_is_asked_for() -> None:
         diagnosed(axis, cq=1.02)
 
 
-def test_a_spring_that_stiffens_is_found_and_written_beside_its_load_cell() -> None:
-    found = diagnosed(celled(), StiffnessNonlinearity(SHAFT.at, "k3"), k3=5e9)
-    assert (found.effects[0].effect, found.effects[0].at) == ("stiffness_nonlinearity", "shaft")
-    written = explained_axis(found)
-    assert any(isinstance(law, StiffnessNonlinearity) for law in written.axis.laws)
-    assert written.axis.sensors[2] == CELL
-
-
 def test_a_bent_spring_that_is_read_shares_its_joint_with_no_other_law() -> None:
     axis = celled().with_effect(StiffnessNonlinearity(SHAFT.at, "k3"))
     with pytest.raises(symid.SymidError, match="shares its joint with CoulombFriction: put that at a body"):

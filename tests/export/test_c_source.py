@@ -15,7 +15,7 @@ from axes.effects import EFFECTS, values_of, with_effect
 from axes.plant import random_motion
 from export.compiler import Compiled
 
-from symid import Axis, Position
+from symid import Axis, Backlash, Position
 from symid.codegen.generate import compiled
 from symid.export import c_source
 from symid.simulation import Engine, plant_of
@@ -139,6 +139,15 @@ def test_a_load_cell_and_a_scaled_sensor_are_read_from_the_state(tmp_path: Path)
     code = Compiled.of(c_source(axis, values), "celled", tmp_path)
     read = code.function("sensors", np.array([0.1, 0.3, 2.0, 5.0]), np.zeros(4), shape=(3,))
     np.testing.assert_allclose(read, [0.1, 4e5 * 0.2 + 60.0 * 3.0, (0.3 - 0.5) / 2.0], rtol=1e-12)
+
+
+def test_a_load_cell_reads_the_play_of_its_spring(tmp_path: Path) -> None:
+    play = Backlash(force_sensors.SHAFT.at, "Kb", gap=0.1)
+    axis = force_sensors.celled().with_effect(play)
+    values = force_sensors.VALUES | {"Kb": 3e5}
+    code = Compiled.of(c_source(axis, values), "celled", tmp_path)
+    read = code.function("sensors", np.array([0.1, 0.3, 2.0, 5.0]), np.zeros(4), shape=(3,))
+    np.testing.assert_allclose(read[2], 4e5 * 0.2 + 60.0 * 3.0 - 3e5 * 0.05, rtol=1e-12)
 
 
 def test_a_rest_speed_smooths_friction(tmp_path: Path) -> None:
