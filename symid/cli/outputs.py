@@ -190,8 +190,9 @@ def _require_writable(output: _Wanted, inputs: Mapping[tuple[int, int], str], *,
     if output.kind == "log" and overwrite:
         return
     if path.stat().st_size and not _is_of_kind(path, output.kind):
-        cure = "give another name, remove it first"
-        cure += ", or add --overwrite" if output.kind == "log" else ""
+        cure = "give another name, or remove it first"
+        if output.kind == "log":
+            cure = "give another name, remove it first, or add --overwrite"
         what = "" if output.kind == "log" else " and is nothing that this command writes"
         raise SettingError(f"{output.said} is there{what}: {cure}")
 
