@@ -1,6 +1,7 @@
 """Hidden motion, step by step, against an integrator of scipy."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,12 +10,13 @@ import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.axis import CoulombFriction, LoadDependentFriction, load_axis
-from symid.diagnosis.effects import effects_of
+from symid.data import Log
+from symid.diagnosis.effects import Placed, effects_of
 from symid.diagnosis.effects.friction_effects import LoadDependentFrictionEffect, dahl_state
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
 from symid.diagnosis.fitting.start import fitted_axis
-from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.fitting.state import can_integrate, first_state
 from symid.diagnosis.prediction.hidden_motion import (
     Pointwise,
     _discretised,
@@ -22,6 +24,7 @@ from symid.diagnosis.prediction.hidden_motion import (
     _stepped,
     acts_on_hidden,
 )
+from symid.diagnosis.prediction.prediction import prediction_of
 from symid.diagnosis.prediction.record import record_of
 from symid.simulation import Cascade, forward_dynamics, plant_of, simulate, trapezoids
 
@@ -166,3 +169,16 @@ def test_a_structure_that_friction_holds_is_found_from_weak_to_strong(kind: str)
     assert found.state.placed[-1].amplitudes[0] == pytest.approx(size, rel=0.05)
     assert found.mean_square < 0.2 * plain.mean_square
     assert found.parameters["Ks"] == pytest.approx(values["Ks"], rel=0.05)
+
+
+def test_motion_that_a_sensor_reads_is_integrated_on_demand_only() -> None:
+    """A load whose encoder is compared with the model sticks as one without an encoder does."""
+    dynamics, t = forward_dynamics(load_axis("ballscrew_2m1s")), np.arange(4000) / 1000
+    q = 0.05 * np.sin(7 * t)
+    log = Log("by hand", 0.0, 1e-3, {"qm": q, "ql": q, "Fm": 30 * np.cos(11 * t)})
+    values = {"Mm": 80.0, "Fvm": 80.0, "Fsm": 40.0, "Kt": 8e6, "Ft": 900.0, "Ml": 160.0, "Fvl": 100.0}
+    prediction = prediction_of(record_of(dynamics, log, 40.0), values)
+    friction = Placed(effects_of(CoulombFriction)[0], "load", (), (10.0,))
+    assert not can_integrate(prediction, friction)
+    assert can_integrate(prediction, friction, read=True)
+    assert not can_integrate(prediction, replace(friction, at="motor"), read=True)

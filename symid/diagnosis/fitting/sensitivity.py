@@ -76,7 +76,7 @@ def _moves_hidden(prediction: Prediction, placed: Sequence[Placed], item: Placed
     if any(each.effect.implicit and not each.integrated for each in placed):
         return True
     if isinstance(item.effect, JointEffect):
-        return prediction.record.is_hidden(item.effect.joint(prediction, item.at).direction)
+        return prediction.record.is_predicted(item.effect.joint(prediction, item.at).direction)
     return not (isinstance(item.effect, TransferEffect) or item.effect.is_of_command)
 
 

@@ -22,6 +22,8 @@ _INTEGRATED = 2
 _OTHER_PLACES = 3
 _AGAIN = 3
 """Candidates that are fitted from the nominal values too if they explain nearly all."""
+_FAR_LESS = 0.5
+"""Mean square of a fit relative to that of another of the same effect, below which it is better."""
 _ALWAYS = 3
 """Candidates that are fitted where there is a gap, whatever their projected gain."""
 
@@ -133,9 +135,15 @@ def _confirm(
         refined = any(other.placed.contains(start.placed.key) for other in confirmed.values())
         most = math.inf if refined else hopeless * _least_left(confirmed)
         own = confirmed_from(fit, start, most)
-        if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
+        if own is not None and (own.key not in confirmed or _is_better(own, confirmed[own.key])):
             confirmed[own.key] = own
     return tried
+
+
+def _is_better(own: Confirmed, other: Confirmed) -> bool:
+    """Whether one fit of an effect is better than another: it leaves far less, or predicts blocks left out better."""
+    left, of_other = own.fit.mean_square, other.fit.mean_square
+    return left < _FAR_LESS * of_other or (own.gain > other.gain and not of_other < _FAR_LESS * left)
 
 
 def _is_alike(key: Key, tried: Mapping[Key, Placed]) -> bool:
@@ -185,8 +193,9 @@ def _stages(
         if nominal is not None:  # values may still be far off
             yield [Start.of(nominal, c.placed) for c in _best_first(confirmed)[:_AGAIN]]
             # A body that sticks at times moves as no frequency response says, even where its motion is read.
-            best = [Start.of(nominal, c.placed) for c in _best_first(confirmed)[:1]]
-            yield _integrated(best, nominal, read=True)
+            best, *others = _best_first(confirmed)
+            alike = (best, *(c for c in others if best.placed.contains(c.key)))
+            yield _integrated([Start.of(nominal, c.placed) for c in alike], nominal, read=True)
         return
     if nominal is None:
         joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
