@@ -39,13 +39,12 @@ class ReadingTerms:
 def sensor_terms(operators: OperatorModel, sensor: Sensor) -> ReadingTerms:
     """Terms of a sensor.
 
-        >>> from symid.axis import load_axis
-        >>> from symid.symbolic.expressions import law_expression
-    from symid.symbolic.lagrange import inverse_dynamics
-        >>> from symid.symbolic.operators import operator_model
-        >>> axis = load_axis("direct_2m1s")
-        >>> sensor_terms(operator_model(inverse_dynamics(axis)), axis.sensors[2]).motion
-        {'motor': s**2, 'structure': -s**2}
+    >>> from symid.axis import load_axis
+    >>> from symid.symbolic.lagrange import inverse_dynamics
+    >>> from symid.symbolic.operators import operator_model
+    >>> axis = load_axis("direct_2m1s")
+    >>> sensor_terms(operator_model(inverse_dynamics(axis)), axis.sensors[2]).motion
+    {'motor': s**2, 'structure': -s**2}
     """
     ring, kinematics = operators.ring, Kinematics(operators.source.axis)
     s, motion, drives = ring.gens[0], Row(), Row()
