@@ -200,9 +200,12 @@ def drawn(rng: np.random.Generator, kind: str, *, elastic: bool) -> Case:
         damping=2 * 0.015 * np.sqrt(stiffness * load),
     )
     hidden, missing = with_law(machine, kind, 0.05 * force)
-    path = moves(rng, 1.5 if turns else 0.3)
+    travel = 1.5 if turns else 0.3
+    path = moves(rng, travel)
     shaking = 0.01 * force * rng.standard_normal(path.size) * (rng.random() < 0.5)
     signals = hidden.run(path, rng.uniform(7, 12) if load else rng.uniform(9, 18), shaking)
+    if not np.abs(signals["q"]).max() < 2 * travel:  # the controller does not hold this machine
+        return drawn(rng, kind, elastic=elastic)
     two = elastic and (kind in ("backlash", "spring_damping") or rng.random() < 0.5)
     fine = 2 * np.pi / 2**16 if turns else 1e-6
     log = {"F": signals["F"] + 0.002 * force * rng.standard_normal(path.size)}
