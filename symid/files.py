@@ -125,7 +125,7 @@ def replacing(file: str | os.PathLike[str]) -> Iterator[Path]:
                 yield unfinished
                 _sync(unfinished)
                 if special:
-                    _poured(unfinished, target)
+                    _copy_into_pipe(unfinished, target)
                 else:
                     os.replace(unfinished, target)
             finally:
@@ -178,7 +178,7 @@ def _sync(path: Path) -> None:
         os.close(handle)
 
 
-def _poured(source: Path, target: Path) -> None:
+def _copy_into_pipe(source: Path, target: Path) -> None:
     """Copy a file into a pipe or a device; a pipe that nobody reads is an error, not a wait."""
     handle = os.open(target, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0))
     os.set_blocking(handle, True)

@@ -32,7 +32,7 @@ def columns(**replaced):
     return {"t": T, "q2": Q2, "Fm": FM, **replaced}
 
 
-def said(path, **options):
+def error_of(path, **options):
     """The message of the error, which must be one line and start with the path."""
     with pytest.raises(LogError) as caught:
         read_log(path, **{"expected": EXPECTED, **options})

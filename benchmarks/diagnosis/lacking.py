@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.diagnosis.drawn_effects import EFFECTS
 from benchmarks.diagnosis.drawn_machines import Machine, drawn_logs, drawn_machine, drawn_small
-from benchmarks.diagnosis.machines import CLEAR, false_effects, names, options, said
+from benchmarks.diagnosis.machines import CLEAR, false_effects, names, names_of, options
 from symid import Axis, CoulombFriction, Log, PendulumWeight, ViscousFriction
 from symid.axis.axis import Element
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
@@ -117,7 +117,7 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[Row]:
             ("VALUE", right and not close),
         ]
         remarked = " ".join(remark for remark, applies in (*remarks, ("FALSE", bool(false))) if applies)
-        line = f"{line} -> {found.verdict:11} {said(found.effects)} {remarked}"
+        line = f"{line} -> {found.verdict:11} {names_of(found.effects)} {remarked}"
         yield Row(clear, right, right and close, false, line)
 
 

@@ -115,7 +115,7 @@ def false_effects(effects: Iterable[FoundEffect], there: Collection[str]) -> lis
     return [one for one in effects if one.probability >= 0.5 and names(one).isdisjoint(there)]
 
 
-def said(effects: Iterable[FoundEffect]) -> str:
+def names_of(effects: Iterable[FoundEffect]) -> str:
     """Effects with their probabilities."""
     return ", ".join(f"{one.effect} ({one.probability:.2f})" for one in effects)
 
@@ -148,7 +148,7 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[str, bool,
         false = len(false_effects(found.effects, case.effects))
         there = ", ".join(f"{e} {size:.1f}" for e, size in zip(case.effects, alone, strict=True))
         line = f"{seed:6} {case.machine.kind:12} {least:.1f} floors, {there} -> {found.verdict:11} "
-        line += said(found.effects)
+        line += names_of(found.effects)
         yield group, right, false, f"{line} {'' if right else 'WRONG'} {'FALSE' if false else ''}"
 
 

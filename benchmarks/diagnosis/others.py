@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.diagnosis.machines import CLEAR, false_effects, names, options, said
+from benchmarks.diagnosis.machines import CLEAR, false_effects, names, names_of, options
 from benchmarks.diagnosis.other_cases import Case, drawn
 from symid import Axis, SymidError
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
@@ -79,7 +79,7 @@ def judged(case: Case, seed: int) -> Row:
     line = (
         f"{seed:6} {case.kind:11} {log.sampling_frequency:5.0f} Hz {log.n_samples * log.sampling_period:3.0f} s, "
         f"{len(case.logs)}, lacks {case.effect}, {without**0.5:.1f} floors, complete {complete**0.5:.1f} -> "
-        f"{found.verdict:11} {said(found.effects)} {' '.join(mark for mark, applies in marks if applies)}"
+        f"{found.verdict:11} {names_of(found.effects)} {' '.join(mark for mark, applies in marks if applies)}"
     )
     return Row(counts, case.lacks == "none", right, close, false, first, line)
 

@@ -20,8 +20,8 @@ from benchmarks.diagnosis.machines import (
     drawn,
     false_effects,
     names,
+    names_of,
     options,
-    said,
     sizes,
     sought,
 )
@@ -116,7 +116,7 @@ def outcome(case: Case, recorder: Recorder, wanted: tuple[str, ...]) -> tuple[bo
     others = [one for one in found.effects if not (recorder.late and _LATENESS & names(one))]
     false = false_effects(others, case.effects)
     right = bool(names(others[0]).intersection(wanted)) if others and wanted else not (others or wanted)
-    return right, len(false), f"{found.verdict:11} {said(found.effects)}"
+    return right, len(false), f"{found.verdict:11} {names_of(found.effects)}"
 
 
 def clear_cases(first: int) -> Iterator[tuple[int, Case, tuple[str, ...]]]:

@@ -66,8 +66,8 @@ def asked(
     if lacking := next((line for line in missing if "has no factor" in line), None):
         signal = lacking.partition(" ")[0]
         if "%" in lacking:
-            said = f"{signal} at 100 %, in {axis.signal_units[signal]}"
-            return replace(known, rated=_asked_number(said))
+            prompt = f"{signal} at 100 %, in {axis.signal_units[signal]}"
+            return replace(known, rated=_asked_number(prompt))
         return replace(known, gain=_asked_number(f"{signal}, {lacking.rpartition(' in ')[2]}"))
     return known
 
@@ -104,12 +104,12 @@ def _with_signal(
     column = _column_of(known.named[signal], columns)
     if column is None or column.stated or signal in known.units:
         return known
-    said = click.prompt(
+    answer = click.prompt(
         f"Unit of {column.header!r} ({_EXAMPLES[quantity]})",
         default=None if column.scaled else column.unit or str(unit),
         value_proc=lambda text: _unit_of(text, quantity, unit, column),
     )
-    return replace(known, units={**known.units, signal: said})
+    return replace(known, units={**known.units, signal: answer})
 
 
 def _column_of(text: str, columns: Sequence[ForeignColumn]) -> ForeignColumn | None:

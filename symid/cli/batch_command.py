@@ -16,9 +16,9 @@ from symid.cli.log_options import (
     foreign_columns,
     late_of,
     log_options,
+    notes_on_guesses,
     preparation_of,
     preparation_options,
-    said_guesses,
 )
 from symid.cli.options import (
     POSITIVE,
@@ -103,7 +103,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
     LOG is a file, a folder or a pattern. A log that cannot be used is a row that says why. Stopped at any time,
     the same command continues: finished logs are done again only if the log, the axis or the settings changed.
     """
-    said_guesses(options)
+    notes_on_guesses(options)
     page = page_of(options["report"])
     axes = _axes((axis, *options["also"]), options["fixed"])
     try:

@@ -25,10 +25,10 @@ from symid.cli.log_options import (
     known_late,
     log_options,
     log_settings,
+    notes_on_guesses,
     preparation_of,
     preparation_options,
     read_log_of,
-    said_guesses,
 )
 from symid.cli.options import (
     POSITIVE,
@@ -48,7 +48,7 @@ from symid.cli.options import (
     signal_list,
 )
 from symid.cli.outputs import SafeCommand
-from symid.cli.said_options import with_options
+from symid.cli.setting_options import with_options
 from symid.cli.terminal import tracked, working
 from symid.data import AnyLog, Log
 from symid.errors import SettingError
@@ -159,7 +159,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             axis=known,
             runs=drawn,
             command=shlex.join(["symid", *sys.argv[1:]]),
-            said=with_options,
+            reword=with_options,
         )
     give_result(record, options["json_file"], print_identification)
 
@@ -225,4 +225,4 @@ def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
     memory = bytes_of(options["memory"], "--memory")
     whole = options["method"] in ("iv", "oe")
     log = open_axis_log(declared, file, memory=memory, whole=whole, **log_settings(declared, options))
-    return replace(log, notes=(*log.notes, *said_guesses(options)))
+    return replace(log, notes=(*log.notes, *notes_on_guesses(options)))

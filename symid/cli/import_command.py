@@ -14,7 +14,7 @@ from symid.axis import Axis, load_axis
 from symid.cli.asking import Known, asked, asked_file
 from symid.cli.options import POSITIVE, dark_option, give_result, json_option, number, plot_option, write_json
 from symid.cli.outputs import Output, SafeCommand
-from symid.cli.said_options import with_options
+from symid.cli.setting_options import with_options
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of
 from symid.data.formats.scope_text import writer_of
@@ -74,13 +74,13 @@ def command(log: str, **options: Any) -> None:
     """Look at the foreign LOG: guess its layout, columns, units and sampling, and say why. Nothing is used unseen."""
     for name in ("output", "column", "unit", "ask"):
         if options[name] and not options["axis"]:
-            said = "-o" if name == "output" else f"--{name}"
-            raise SettingError(f"{said} needs --axis: a mapping names the signals of an axis")
+            option = "-o" if name == "output" else f"--{name}"
+            raise SettingError(f"{option} needs --axis: a mapping names the signals of an axis")
     declared = load_axis(options["axis"]) if options["axis"] else None
     options["gain"] = _factor(options["gain"], declared)
-    look = _look(Path(log))
+    look = _read_foreign(Path(log))
     known = Known.of(options)
-    if declared and _asks(options):
+    if declared and _may_ask(options):
         _show_columns(log, look, numbered=True)
         known = asked(declared, look.columns, lambda known: _mapping(look, declared, known), known)
         options["output"] = options["output"] or asked_file(Path(log))
@@ -118,7 +118,7 @@ def _factor(text: str | None, axis: Axis | None) -> float | None:
     return number(factor, "--gain")
 
 
-def _asks(options: dict[str, Any]) -> bool:
+def _may_ask(options: dict[str, Any]) -> bool:
     """Whether a person can answer, or questions were requested."""
     if options["ask"] is None:
         streams = (sys.stdin, sys.stdout)
@@ -126,7 +126,7 @@ def _asks(options: dict[str, Any]) -> bool:
     return bool(options["ask"])
 
 
-def _look(path: Path) -> ForeignFile:
+def _read_foreign(path: Path) -> ForeignFile:
     """Layout, columns and the stated sampling period."""
     text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
     layout = guessed_layout(path) if text and writer_of(path) is None else None

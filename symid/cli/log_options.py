@@ -89,7 +89,7 @@ preparation_options = shared(
 def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
     """A log by the log options; guesses of a mapping are printed on standard error and become notes of the log."""
     log = read_axis_log(declared, file, **log_settings(declared, options))
-    return replace(log, notes=(*log.notes, *said_guesses(options)))
+    return replace(log, notes=(*log.notes, *notes_on_guesses(options)))
 
 
 def log_settings(declared: Axis, options: dict[str, Any]) -> dict[str, Any]:
@@ -111,7 +111,7 @@ def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
+def notes_on_guesses(options: dict[str, Any]) -> tuple[str, ...]:
     """Guesses of a mapping as notes, printed on standard error with the first of several logs."""
     guesses, told = mapping_of(options).guesses, get_current_context().meta
     if guesses and not told.get("guesses"):

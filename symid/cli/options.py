@@ -15,7 +15,7 @@ from click import option
 
 from symid.axis import Axis
 from symid.cli.outputs import Output
-from symid.cli.said_options import with_options
+from symid.cli.setting_options import with_options
 from symid.cli.terminal import is_closed
 from symid.errors import SettingError
 from symid.files import is_finite_number, read_json, shortened, write_whole

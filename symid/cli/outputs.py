@@ -70,7 +70,7 @@ class Output(click.types.StringParamType):
 
 
 @dataclass(frozen=True)
-class _Wanted:
+class _OutputFile:
     """A file that a command is going to write."""
 
     option: str
@@ -78,7 +78,7 @@ class _Wanted:
     kind: str
 
     @property
-    def said(self) -> str:
+    def as_given(self) -> str:
         """The option as the user wrote it."""
         return f"{self.option} {str(self.path)!r}"
 
@@ -108,19 +108,21 @@ class SafeCommand(click.Command):
         """Run the command, after a check that outputs are not inputs, replace only their kind, and are writable."""
         wanted = tuple(_wanted(self, ctx.params))
         if wanted:
-            seen: dict[str, _Wanted] = {}
+            seen: dict[str, _OutputFile] = {}
             for output in wanted:
                 if not output.path.exists() or output.path.is_file():
                     other = seen.setdefault(os.path.realpath(output.path), output)
                     if other is not output:
-                        raise SettingError(f"{other.said} and {output.said} are one file: give each its own")
+                        raise SettingError(
+                            f"{other.as_given} and {output.as_given} are one file: give each its own"
+                        )
             inputs = dict(_inputs(self, ctx.params))
             for output in wanted:
                 _require_writable(output, inputs, overwrite=bool(ctx.params.get("overwrite")))
         return super().invoke(ctx)
 
 
-def _wanted(command: click.Command, values: Mapping[str, Any]) -> Iterator[_Wanted]:
+def _wanted(command: click.Command, values: Mapping[str, Any]) -> Iterator[_OutputFile]:
     for parameter in command.params:
         if not isinstance(parameter.type, Output) or parameter.name is None:
             continue
@@ -130,10 +132,10 @@ def _wanted(command: click.Command, values: Mapping[str, Any]) -> Iterator[_Want
             given, option = parameter.type.kind, parameter.opts[-1]
             kind = given if isinstance(given, str) else given(values)
             # A record is replaced only by one of the same command.
-            yield _Wanted(option, Path(file), command.name or kind if kind == "json" else kind)
+            yield _OutputFile(option, Path(file), command.name or kind if kind == "json" else kind)
             if kind in _BESIDE and Path(file).name:
                 suffix, other = _BESIDE[kind]
-                yield _Wanted(option, Path(file).with_suffix(suffix), other)
+                yield _OutputFile(option, Path(file).with_suffix(suffix), other)
 
 
 def _inputs(command: click.Command, values: Mapping[str, Any]) -> Iterator[tuple[tuple[int, int], str]]:
@@ -168,12 +170,12 @@ def _identity(path: str | Path) -> tuple[int, int] | None:
     return status.st_dev, status.st_ino
 
 
-def _require_writable(output: _Wanted, inputs: Mapping[tuple[int, int], str], *, overwrite: bool) -> None:
+def _require_writable(output: _OutputFile, inputs: Mapping[tuple[int, int], str], *, overwrite: bool) -> None:
     path = output.path
     if not path.name:
-        raise SettingError(f"{output.said} does not name a file: give one")
+        raise SettingError(f"{output.as_given} does not name a file: give one")
     if path.is_dir():
-        raise SettingError(f"{output.said} is a folder: give the name of a file")
+        raise SettingError(f"{output.as_given} is a folder: give the name of a file")
     if not path.exists():
         folder = path.parent
         if not folder.is_dir():
@@ -185,7 +187,7 @@ def _require_writable(output: _Wanted, inputs: Mapping[tuple[int, int], str], *,
         return  # a pipe or a device, such as /dev/stdout
     if (used := inputs.get(_identity(path) or (0, 0))) is not None:
         raise SettingError(
-            f"{output.said} is {used!r}, which this command reads: give another name, it would be lost"
+            f"{output.as_given} is {used!r}, which this command reads: give another name, it would be lost"
         )
     if output.kind == "log" and overwrite:
         return
@@ -194,7 +196,7 @@ def _require_writable(output: _Wanted, inputs: Mapping[tuple[int, int], str], *,
         if output.kind == "log":
             cure = "give another name, remove it first, or add --overwrite"
         what = "" if output.kind == "log" else " and is nothing that this command writes"
-        raise SettingError(f"{output.said} is there{what}: {cure}")
+        raise SettingError(f"{output.as_given} is there{what}: {cure}")
 
 
 def _is_of_kind(path: Path, kind: str) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sized
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from typing import TextIO, TypeVar
 
-from symid.cli.said_options import with_options
+from symid.cli.setting_options import with_options
 from symid.text import one_line, visible
 
 Item = TypeVar("Item")

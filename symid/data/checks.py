@@ -43,7 +43,7 @@ def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple
     for name, x in signals.items():
         if wrong := inspect_finite(time, {name: x}):
             faults += wrong
-        elif x.size and (fault := said_range(name, float(x.min()), float(x.max()))):
+        elif x.size and (fault := constant_fault(name, float(x.min()), float(x.max()))):
             faults.append(fault)
     return tuple(faults)
 
@@ -74,7 +74,7 @@ def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: 
     return tuple(faults)
 
 
-def said_range(name: str, lowest: float, highest: float) -> str | None:
+def constant_fault(name: str, lowest: float, highest: float) -> str | None:
     """Fault of a channel that is constant, or constant up to rounding; None if it varies."""
     if lowest == highest:
         return (

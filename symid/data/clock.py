@@ -300,13 +300,13 @@ def _jitter(
     if deviation[worst] <= _WORTH_A_NOTE * _JITTER:
         return [], []
     rms = float(np.sqrt(np.mean(deviation**2)))
-    said = (
+    statement = (
         f"t jitters by {100.0 * rms:.2g} % of the period of {period:.6g} s (rms), most at "
         f"t = {time[worst + 1]:.7g} s by {100.0 * deviation[worst]:.3g} %"
     )
     if rms > _JITTER:
-        return [f"{said}: at most {100.0 * _JITTER:g} % is accepted, give `resample=own`"], []
-    return [], [f"{said}; treated as uniform"]
+        return [f"{statement}: at most {100.0 * _JITTER:g} % is accepted, give `resample=own`"], []
+    return [], [f"{statement}; treated as uniform"]
 
 
 def _slope(time: FloatArray) -> float:

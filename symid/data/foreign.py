@@ -219,20 +219,22 @@ def _without_unit(
     header: str, quantity: Quantity, word: str, setpoint: bool, values: FloatArray, written: str | None
 ) -> ForeignColumn:
     """A column identified by its name; its unit is guessed from its values where possible."""
-    said = f"{word!r} in its name" if word in header else f"it {word}"
+    evidence = f"{word!r} in its name" if word in header else f"it {word}"
     if quantity == "time":
         step = float(np.median(np.diff(values))) if values.size > 1 else 0.0
         low, high = PLAUSIBLE_PERIODS
         fits = [unit for unit in _CLOCKS if low <= step * to_si(unit) <= high]
         if fits:
-            reason = f"{said}; steps of {step:g} are a plausible sampling period in {fits[0]}"
+            reason = f"{evidence}; steps of {step:g} are a plausible sampling period in {fits[0]}"
             return ForeignColumn(header, "time", fits[0], setpoint, reason, False)
-        return ForeignColumn(header, "time", None, setpoint, f"{said}; steps of {step:g} fit no unit", False)
+        return ForeignColumn(
+            header, "time", None, setpoint, f"{evidence}; steps of {step:g} fit no unit", False
+        )
     if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
-        reason = f"{said}; a stroke of {np.ptp(values):.3g} is too long for metres"
+        reason = f"{evidence}; a stroke of {np.ptp(values):.3g} is too long for metres"
         if written or np.all(values % 1 == 0):
             what = f"{written!r} is not a unit" if written else "whole numbers may be counts"
             return ForeignColumn(header, "position", None, setpoint, f"{reason}; {what}", False, scaled=True)
         return ForeignColumn(header, "position", "mm", setpoint, reason, False)
     lacking = f"{written!r} is not a unit" if written else "no unit"
-    return ForeignColumn(header, quantity, None, setpoint, f"{said}; {lacking}, so SI is assumed", False)
+    return ForeignColumn(header, quantity, None, setpoint, f"{evidence}; {lacking}, so SI is assumed", False)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from symid.arrays import FloatArray
 from symid.data.clock import Clock, inspect_clock, require_seconds
 from symid.data.columns import REFERENCE, TIME, split_unit
-from symid.data.table import Table, said_of
+from symid.data.table import Table, naming_file
 from symid.errors import LogError
 from symid.units import Unit, to_si
 
@@ -45,7 +45,7 @@ def table_of(frame: Frame) -> Table:
         listed = ", ".join(f"{name} {size[0] if size else 'a number'}" for name, size in lengths.items())
         raise LogError(f"{SOURCE}: the columns differ in length ({listed}): give as many samples of each")
     headers = tuple(columns)
-    moments = frozenset(place for place, values in enumerate(columns.values()) if _are_moments(values))
+    moments = frozenset(place for place, values in enumerate(columns.values()) if _are_times(values))
     return Table(
         headers,
         lambda positions: [_values(columns[headers[position]]) for position in positions],
@@ -91,7 +91,7 @@ def uniform(
             f"{', '.join(table.headers)}"
         )
     if TIME in values and not stated:
-        with said_of(Path(source)):
+        with naming_file(Path(source)):
             require_seconds(values[TIME])
     clock = _clock(values.pop(TIME, None), sampling_period, source)
     missing = [n for n, x in values.items() if n.startswith(REFERENCE) and not np.isfinite(x).all()]
@@ -121,7 +121,7 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
     return {str(name): native[name] for name in native.columns}
 
 
-def _are_moments(column: Any) -> bool:
+def _are_times(column: Any) -> bool:
     """Whether a column holds moments or durations, which are read in seconds."""
     return column.dtype.kind in "mM" if isinstance(column, np.ndarray) else bool(column.dtype.is_temporal())
 

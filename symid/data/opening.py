@@ -19,7 +19,7 @@ from symid.data.long_log import BLOCK, AnyLog
 from symid.data.reading import read_table
 from symid.data.resampling import Rate
 from symid.data.scanning import scanned
-from symid.data.table import Table, said_of
+from symid.data.table import Table, naming_file
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -131,7 +131,7 @@ def open_log(
     """
     is_file = isinstance(path, (str, os.PathLike))
     file, named = Path(path) if isinstance(path, (str, os.PathLike)) else SOURCE, dict(columns or {})
-    with said_of(file):
+    with naming_file(file):
         table = open_table(file, layout, memory) if is_file else table_of(cast("Frame", path))
         if sampling_period is not None:
             table = _with_clock(table, sampling_period)

@@ -15,13 +15,13 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.checks import inspect_finite, inspect_steps, said_range
+from symid.data.checks import constant_fault, inspect_finite, inspect_steps
 from symid.data.clock import MINIMUM_SAMPLES, ClockOfBlocks, require_seconds
 from symid.data.columns import TIME, Source
 from symid.data.long_log import LongLog, spans
 from symid.data.reading import in_si, positions_of
 from symid.data.stuck import inspect_spans
-from symid.data.table import Slices, said_of
+from symid.data.table import Slices, naming_file
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -52,7 +52,7 @@ def scanned(
         return values
 
     def signals_of(first: int, stop: int) -> dict[str, FloatArray]:
-        with said_of(file):
+        with naming_file(file):
             values = values_of(first, stop)
         return {name: x for name, x in values.items() if name != TIME}
 
@@ -72,7 +72,7 @@ def scanned(
         for name, x in values.items():
             lowest[name] = min(lowest.get(name, np.inf), float(x.min()))
             highest[name] = max(highest.get(name, -np.inf), float(x.max()))
-    flat = [fault for name, x in lowest.items() if (fault := said_range(name, x, highest[name]))]
+    flat = [fault for name, x in lowest.items() if (fault := constant_fault(name, x, highest[name]))]
     found = clock.found
     if flat or found.faults:
         raise LogError("; ".join(flat or found.faults))

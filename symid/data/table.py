@@ -58,14 +58,14 @@ class Table:
 
 
 @contextmanager
-def said_of(file: Path) -> Iterator[None]:
+def naming_file(file: Path) -> Iterator[None]:
     """Put the name of a file before the message of a LogError."""
     try:
         yield
     except LogError as error:
         message = str(error)
-        said = error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
-        raise said from error.__cause__
+        named = error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
+        raise named from error.__cause__
 
 
 def source_of(path: Path) -> Path | io.BytesIO:

@@ -110,7 +110,7 @@ def diagnose_against(
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)
-    start = Fit(with_effects(state, weighting, _same(state, base)), weighting)
+    start = Fit(with_effects(state, weighting, _shared_effects(state, base)), weighting)
     steps = forward_selection(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
     steps = backward_elimination(steps, library)
     fits = fits_of(steps[0].before, steps)
@@ -165,7 +165,7 @@ def _machine(state: State, weighting: Weighting) -> Fit:
     return model
 
 
-def _same(state: State, fit: Fit) -> tuple[Placed, ...]:
+def _shared_effects(state: State, fit: Fit) -> tuple[Placed, ...]:
     """Effects of a state that a fit has too."""
     keys = {item.key for item in fit.state.placed}
     return tuple(item for item in state.placed if item.key in keys)

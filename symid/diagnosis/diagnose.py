@@ -139,13 +139,13 @@ def diagnose(
         require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
     whole = recovered(axis, [*logs, *others])
     plain = with_quantities(axis, whole.logs, nominal)
-    moved, every, said = with_positions(plain.axis, plain.logs)
+    moved, every, notes = with_positions(plain.axis, plain.logs)
     logs, others = every[: len(logs)], every[len(logs) :]
     runs = _one_run(moved, logs), _one_run(moved, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
         found = _either_way(moved, runs, nominal, recorded, library)
-    assumed = (*found.assumptions, *plain.said, *said)
+    assumed = (*found.assumptions, *plain.notes, *notes)
     return replace(found, axis=plain.declared, faults=(*whole.notes, *found.faults), assumptions=assumed)
 
 
@@ -253,7 +253,7 @@ def _largest_first(
     for at in sorted(larger, key=lambda i: -shares[i]):
         ordered = brought_first(accepted, at)
         other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
-        as_good = other.misfit**2 < THRESHOLDS.as_good * comparison.misfit**2
+        as_good = other.relative_error**2 < THRESHOLDS.as_good * comparison.relative_error**2
         if other.upheld > 0 and as_good and other.removed(1, 2).share > shares[0]:
             return ordered, other
     return steps, comparison

@@ -183,7 +183,7 @@ def corrected_covariance_of_blocks(
     kernel = (gamma * taper)[..., lags - bandwidth + 1 : lags + bandwidth]
     # The taper has negative side lobes and can make Gamma indefinite; its spectrum is clipped to be positive.
     weighted = {
-        first: _positive(own * np.multiply.outer(weights, weights)[:, :, None])
+        first: _with_nonnegative_spectrum(own * np.multiply.outer(weights, weights)[:, :, None])
         for first, own in zip(by_log, kernel, strict=True)
         for weights in (fit.weights[first : first + len(own)],)
     }
@@ -247,7 +247,7 @@ def _residual_covariances(
     return {first: found.covariance() for first, found in sums.items()}
 
 
-def _positive(kernel: FloatArray) -> FloatArray:
+def _with_nonnegative_spectrum(kernel: FloatArray) -> FloatArray:
     """Covariances with a non-negative spectrum: the given ones, or clipped ones up to twice the lag.
 
     The side lobes of the taper and masked pairs can make the spectrum negative. It is clipped at 0 (for several

@@ -142,8 +142,8 @@ def _compile(source: Path, library: Path, compiler: Sequence[str]) -> None:
     command = [*compiler, *options, source.name, "-lm", "-o", library.name]
     done = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
     if done.returncode:
-        said = next(iter(done.stderr.splitlines()), "no message")
-        raise SettingError(f"{' '.join(compiler)} cannot compile the unit: {said}")
+        message = next(iter(done.stderr.splitlines()), "no message")
+        raise SettingError(f"{' '.join(compiler)} cannot compile the unit: {message}")
 
 
 def _description(axis: Axis, values: Mapping[str, float], fmi: FmiVersion) -> str:

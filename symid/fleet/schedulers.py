@@ -103,12 +103,12 @@ def _pool(jobs: int) -> joblib.Parallel:
         backend="loky",
         return_as="generator_unordered",
         inner_max_num_threads=1,
-        initializer=_serve,
+        initializer=_prepare_worker,
         initargs=(share_of_memory(jobs),),
     )
 
 
-def _serve(memory: float) -> None:
+def _prepare_worker(memory: float) -> None:
     """Set up a worker: it ignores Ctrl-C, ends with the main process, and has a limit of memory."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()

@@ -147,7 +147,7 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     known = np.isfinite(x) & np.isfinite(s) & (s > 0)
     x, s = x[known], s[known]
     if x.size < LEAST_RUNS:
-        return _too_few(x, s)
+        return _without_spread(x, s)
     freedom = x.size - 1
     # In units of the mean deviation, squares of very small parameters do not underflow.
     unit = float(np.exp(np.mean(np.log(s))))
@@ -255,7 +255,7 @@ def _size(name: str, spread: Spread) -> str:
     return f"{name}: {sizes[0]} between runs where the intervals promise {sizes[1]}"
 
 
-def _too_few(x: FloatArray, s: FloatArray) -> Spread:
+def _without_spread(x: FloatArray, s: FloatArray) -> Spread:
     nan = math.nan
     if not x.size:
         return Spread(0, nan, nan, nan, (nan, nan), nan, nan, nan)

@@ -8,7 +8,7 @@ from typing import Unpack
 
 from symid.axis import Axis
 from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, open_log, read_log
-from symid.data.checks import said_range
+from symid.data.checks import constant_fault
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -148,5 +148,5 @@ def require_changing(log: AnyLog, names: Iterable[str]) -> None:
     """
     if isinstance(log, Log) and log.n_samples:
         for name in (name for name in names if name in log.signals):
-            if fault := said_range(name, float(log[name].min()), float(log[name].max())):
+            if fault := constant_fault(name, float(log[name].min()), float(log[name].max())):
                 raise LogError(f"{log.source}: {fault}")

@@ -25,7 +25,7 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.excerpts import Excerpt, share_of_rows
-from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
+from symid.identification.noise import noise_levels, noise_limited_widening, noise_of_rows
 from symid.identification.observation import Observation, observe
 from symid.identification.scheme import sharper
 
@@ -215,7 +215,7 @@ def _rest_of_sharper_rows(
     assert seen.preparation.cutoff_hz is not None
     widening = seen.preparation.widening or 1.0
     if widening < scheme.widening:
-        quiet = quiet_widening(model, log, seen.preparation.cutoff_hz, levels, scheme.widening)
+        quiet = noise_limited_widening(model, log, seen.preparation.cutoff_hz, levels, scheme.widening)
         widening = max(quiet, widening)
     preparation = replace(
         seen.preparation, filter_force=True, standstill=0.0

@@ -83,9 +83,9 @@ class Constraints:
         highest = {name: high for name, (_, high) in given.bounds.items() if high is not None}
         for name, value in (*highest.items(), *((name, mean) for name, (mean, _) in given.prior.items())):
             if value < 0 and name not in model.signed:
-                said = "bounds say" if name in highest else "prior says"
+                claim = "bounds say" if name in highest else "prior says"
                 raise SettingError(
-                    f"{name} is at least 0 by its declaration, and its {said} {value:g}: give SI values above 0"
+                    f"{name} is at least 0 by its declaration, and its {claim} {value:g}: give SI values above 0"
                 )
         return given
 

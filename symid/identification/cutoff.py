@@ -23,7 +23,7 @@ from symid.identification.coulomb import factors_without
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.identification_result import Identification
-from symid.identification.misfit import unexplained
+from symid.identification.poor_fit import unexplained
 from symid.identification.row_blocks import Run, blocks_of_runs
 from symid.identification.settings import Preparation, cutoff_range
 

@@ -90,7 +90,7 @@ def with_force_steps(
         if last and all(np.allclose(d, last[name], rtol=_SETTLED) for name, d in at_once.items()):
             break
         last = dict(at_once)
-    if not _misfit(trial) < _misfit(plain):
+    if not _negative_log_likelihood(trial) < _negative_log_likelihood(plain):
         return found
     better = identify(completed, preparation=preparation, examine=examine)
     note = (
@@ -128,7 +128,7 @@ def _completed(
     return replace(log, signals=signals)
 
 
-def _misfit(found: Identification) -> float:
+def _negative_log_likelihood(found: Identification) -> float:
     """Logarithm of the likelihood of all equations, each with its own noise, but for sign and a constant."""
     rows, rms = np.array(found.fit.rows), found.fit.residual_norm / np.sqrt(found.fit.rows)
     return float(rows @ np.log(rms))

@@ -174,7 +174,7 @@ class _Guess:
         signal, quantity = sensor.signal, sensor.quantity
         found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
         found.sort(key=lambda c: not c.header.startswith(signal))
-        column = self.chosen(signal, _turning(found, unit) or self.called(signal))
+        column = self.chosen(signal, _in_degrees(found, unit) or self.called(signal))
         if column is not None:
             self.take(signal, column)
             others = [repr(c.header) for c in found if c.header != column.header]
@@ -210,7 +210,7 @@ class _Guess:
         misnamed = (
             signal in self.named and column.quantity in _MOTION and column.unit is None
         )  # v may be volts
-        if (misnamed or column.quantity in (own, None)) and _measures(column.unit, unit):
+        if (misnamed or column.quantity in (own, None)) and _is_unit_of_drive(column.unit, unit):
             self.take(signal, column)
             if gain is not None:
                 self.gains[signal] = gain
@@ -227,7 +227,7 @@ class _Guess:
         self.missing.append(f"{signal} has no factor: give `gains` {signal} in {unit} per {per}")
 
 
-def _turning(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColumn]:
+def _in_degrees(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColumn]:
     """Columns of a sensor in `unit`: where a length was guessed and it is an angle, in degrees."""
     why = "no unit, degrees are assumed: in rad it would be many turns"
     return [
@@ -250,7 +250,7 @@ def _column_called(name: str, signal: str, columns: Sequence[ForeignColumn]) -> 
     )
 
 
-def _measures(written: str | None, unit: Unit) -> bool:
+def _is_unit_of_drive(written: str | None, unit: Unit) -> bool:
     """Whether a written unit is one of the drive's force; without one, it is taken to be."""
     try:
         return written is None or to_si(written, unit) > 0

@@ -33,14 +33,14 @@ from symid.identification.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification, trusted_covariance
 from symid.identification.lagging import lag_of
-from symid.identification.misfit import misfit_of, noiseless_misfit
 from symid.identification.nonlinearity import ColumnTests
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
+from symid.identification.poor_fit import contradicting_part, unexplained_outputs
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
 from symid.identification.row_blocks import blocks_of_runs
-from symid.identification.settings import Preparation, said_declared
+from symid.identification.settings import Preparation, notes_on_declared
 from symid.identification.smoothing import slow_update, smoothing_of
 from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import delays_of, likeliest
@@ -200,7 +200,7 @@ def found_from(
         message="",
         notes=(
             *(note for log in logs for note in log.notes),
-            *said_declared(
+            *notes_on_declared(
                 model.delays,
                 observations[0].preparation.late,
                 model.passed_over,
@@ -262,12 +262,12 @@ def _faults(
         or folding_of(model, parts)
         or disagreement_of(model, parts)
         or ("" if drift else more.sensor_gain()),  # a lag changes gains too
-        misfit=misfit_of(model, parts, fit)
+        poor_fit=contradicting_part(model, parts, fit)
         or more.force_nonlinearity()
         or (change.statement(model) if change else "")
         or more.gain_drift()
         or more.force_limit()
-        or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
+        or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
         drift=drift,
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
     )

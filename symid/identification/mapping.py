@@ -29,7 +29,7 @@ class LogMapping:
     sampling_period : float or None
         Sampling period of a file without a column of the time, s.
     guesses : tuple of str
-        Guesses with their reasons; said whenever the mapping is used, until these lines are deleted.
+        Guesses with their reasons; printed whenever the mapping is used, until these lines are deleted.
     missing : tuple of str
         Facts that neither the file nor an answer provided; a mapping with such lines cannot be used.
     """

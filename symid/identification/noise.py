@@ -172,7 +172,7 @@ def response_of_rows(
     return np.stack([np.interp(frequency, known, one) for one in response])
 
 
-def quiet_widening(
+def noise_limited_widening(
     model: GeneratedModel, log: Log, cutoff_hz: float, levels: Mapping[str, float], widest: float
 ) -> float:
     """How many times wider motion is filtered, from 2 up to `widest`, so that laws that jump keep their reversals.

@@ -21,8 +21,8 @@ from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import shiftable
-from symid.identification.misfit import unexplained
 from symid.identification.observation import SignalRows
+from symid.identification.poor_fit import unexplained
 from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5

@@ -52,8 +52,8 @@ def fault_of(
             if is_force and is_switched(x):
                 continue
             slow = slow_update(x, name)
-            if (said := channel_fault(x, name, criteria, is_force=is_force)) or (slow and not is_force):
-                return slow or said
+            if (fault := channel_fault(x, name, criteria, is_force=is_force)) or (slow and not is_force):
+                return slow or fault
             if held := _held(x, mover if is_force else None):
                 return (
                     f"{name} keeps exactly one value over {held} spans of {_SPAN} samples and more while the axis "

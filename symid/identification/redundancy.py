@@ -42,7 +42,7 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
                 f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
                 f"({what}): correct its unit, sign or gain (`units`, `gains`)"
             )
-        if late := _late(own, other):
+        if late := _samples_late(own, other):
             shift = f"{1e3 * abs(late) * parts[0].log.sampling_period:.3g} ms {'later' if late > 0 else 'earlier'}"
             return (
                 f"{name} is {shift} than what other sensors say ({what}): correct the time of one of them (`late`), "
@@ -58,7 +58,7 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
     return ""
 
 
-def _late(own: FloatArray, other: FloatArray) -> float:
+def _samples_late(own: FloatArray, other: FloatArray) -> float:
     """Samples by which a signal is later than what it should be; 0 if that does not explain most of the difference."""
     late, places = 0.0, np.arange(own.size)
     for _ in range(_ROUNDS):

@@ -10,7 +10,7 @@ from symid.data import central_difference
 DIFFERENCE_ORDER = 10
 """Order of accuracy of differences. Those of order 2, the paper's, lose 3 % of a fourth derivative at 0.028 of the
 sampling frequency, and the loss differs between the columns; those of order 10 lose as much at 0.18 of it (measured on
-nine axes: shared/mission_check.md, section 1: 6 % of Ms against 0.00 %)."""
+nine axes: an error of Ms of 6 % against 0.00 %)."""
 SHARPER = 4
 """Increment of the difference order in the sharper rows that rows are compared with."""
 

@@ -13,14 +13,14 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, LowPass, derivatives, difference_factors, differencing_bandwidth
 from symid.data.density import explained_power, mean_power, segment_spectra
 from symid.errors import SettingError
-from symid.identification.noise import noise_levels, quiet_widening, spread_excerpts
+from symid.identification.noise import noise_levels, noise_limited_widening, spread_excerpts
 from symid.identification.scheme import DIFFERENCE_ORDER
 
 _COHERENT = 0.8
 _MARGIN, _HIGHEST_MARGIN = 1.5, 3.0
 _LEAST_SEGMENTS = 8
 _NOISE_SHARE = 0.005
-_FAITHFUL = 0.97
+_KEPT_AMPLITUDE = 0.97
 _LOW_PASSED = 0.5
 """Cutoff, over the Nyquist frequency of the rows, up to which rows of filtered signals need no filter of their own:
 above that frequency the low-pass leaves a 256th. A sharp filter at the cutoff lets jumps of friction at rest ring for
@@ -118,7 +118,7 @@ class Preparation:
         return late
 
 
-def said_declared(
+def notes_on_declared(
     declared: Mapping[str, float],
     late: Mapping[str, float],
     passed_over: Sequence[str] = (),
@@ -128,11 +128,11 @@ def said_declared(
 
     A held force acts another `hold` seconds later.
 
-    >>> said_declared({"q": 3e-3, "F": -1e-3}, {"q": 3e-3, "F": -2e-3})
+    >>> notes_on_declared({"q": 3e-3, "F": -1e-3}, {"q": 3e-3, "F": -2e-3})
     ('q is read 3 ms late, as the axis declares: this is taken off',)
-    >>> said_declared({"F": -1e-3}, {"F": -1e-3})
+    >>> notes_on_declared({"F": -1e-3}, {"F": -1e-3})
     ('F acts 1 ms late, as the axis declares: this is taken off',)
-    >>> said_declared({}, {}, ["ForceLimit"])[0][:50]
+    >>> notes_on_declared({}, {}, ["ForceLimit"])[0][:50]
     'ForceLimit is declared, but this method passes it '
     """
     notes = [
@@ -206,7 +206,7 @@ def coherent_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = 
     return float(seen.frequency[above[-1]]) if above.size else log.sampling_frequency / 20
 
 
-def quiet_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = None) -> float:
+def noise_limited_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = None) -> float:
     """Highest cutoff at which noise is no more than `_NOISE_SHARE` of the power of the highest derivative, in Hz.
 
     Noise in the columns of W draws the parameters towards zero by about this share (errors in variables). Its level is
@@ -221,13 +221,13 @@ def quiet_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = Non
     return float(frequency[1:][quiet[-1]]) if quiet.size else float(frequency[1:][np.argmin(share)])
 
 
-def faithful_band(log: AnyLog, model: GeneratedModel, difference_order: int) -> float:
+def accurate_band(log: AnyLog, model: GeneratedModel, difference_order: int) -> float:
     """Frequency at which repeated central differences of an order lose 3 % of the highest derivative [36], in Hz.
 
     Models with derivatives of different orders in one equation are biased by the difference of these losses.
     """
     order = max(model.highest_derivatives.values())
-    share = differencing_bandwidth(order, _FAITHFUL, order=difference_order) if order else 0.5
+    share = differencing_bandwidth(order, _KEPT_AMPLITUDE, order=difference_order) if order else 0.5
     return share * log.sampling_frequency
 
 
@@ -239,10 +239,10 @@ def cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> t
     are.
     """
     spectra = Spectra.of(log, model)
-    coherent, quiet = coherent_band(log, model, spectra), quiet_band(log, model, spectra)
-    first = min(_MARGIN * coherent, quiet, faithful_band(log, model, _BAND_ORDER))
+    coherent, quiet = coherent_band(log, model, spectra), noise_limited_band(log, model, spectra)
+    first = min(_MARGIN * coherent, quiet, accurate_band(log, model, _BAND_ORDER))
     order = max(difference_order, _BAND_ORDER)
-    highest = min(quiet, faithful_band(log, model, order))
+    highest = min(quiet, accurate_band(log, model, order))
     return float(f"{first:.3g}"), min(_HIGHEST_MARGIN * coherent, highest), highest
 
 
@@ -283,4 +283,4 @@ def widening_of(
     stop = min(first + _LAWS_SEEN, log.n_samples)
     part = log if isinstance(log, Log) and not first else log.window(first, stop)
     own = noise_levels(model, part, forces=False) if levels is None else levels
-    return quiet_widening(model, part, cutoff, own, _WIDEST)
+    return noise_limited_widening(model, part, cutoff, own, _WIDEST)

@@ -193,7 +193,7 @@ def _timing_of(
         found = _refined(parts, shifting, fit, late) or _Delay(
             late, row / _ROWS_A_DEVIATION, float(np.sqrt(left)), there
         )
-    found = next((one for one in (found, near) if one and _is_machine(model, one.parameters, fit)), None)
+    found = next((one for one in (found, near) if one and _keeps_signs(model, one.parameters, fit)), None)
     if found is None:
         return None
     return Timing(
@@ -209,7 +209,7 @@ def _timing_of(
     )
 
 
-def _is_machine(model: GeneratedModel, minimal: FloatArray, fit: LeastSquares) -> bool:
+def _keeps_signs(model: GeneratedModel, minimal: FloatArray, fit: LeastSquares) -> bool:
     """Whether no parameter that is positive without a delay is negative with it.
 
     Half a period late, a periodic motion is explained as well by an inertia or friction of the opposite sign.

@@ -21,7 +21,7 @@ _LARGE_BIAS = 0.05
 _CERTAIN = 2.0
 """Standard deviations that a change or a bias must have for a status."""
 _NOISE_IN_W = "noise of the sensors in the columns of W"
-_FAITHFUL = 0.997
+_GAIN_OF_DIFFERENCES = 0.997
 """Gain of the differences at the cutoff above which they are not the cause of a bias."""
 
 
@@ -33,7 +33,7 @@ class Faults:
     """
 
     recording: str = ""
-    misfit: str = ""
+    poor_fit: str = ""
     drift: str = ""
     hint: str = ""
 
@@ -42,8 +42,8 @@ def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERI
     """The identification with status, message and notes about all that was examined.
 
     A status that it has already stays, and learns of a fault or the timing as a possible cause. Otherwise the first of
-    these is the status: a fault of a channel, the timing, a bias by noise, a misfit, another bias, a parameter that is
-    not determined.
+    these is the status: a fault of a channel, the timing, a bias by noise, a poor fit, another bias, a parameter that
+    is not determined.
     """
     timing = found.timing if found.timing is not None and found.timing.is_significant else None
     status, message, notes = found.status, found.message, list(found.notes)
@@ -57,13 +57,13 @@ def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERI
         ("timing", faults.drift),
         ("timing", timing.statement if timing is not None and _is_fault(found, timing) else ""),
         ("biased", large_bias if _NOISE_IN_W in large_bias else ""),
-        ("poor_fit", faults.misfit),
+        ("poor_fit", faults.poor_fit),
         ("biased", large_bias),
         ("undetermined", _undetermined(found, criteria)),
     ]
-    said = [cause for cause in causes if cause[1]]
-    if status == "ok" and said:
-        status, message = said[0]
+    stated = [cause for cause in causes if cause[1]]
+    if status == "ok" and stated:
+        status, message = stated[0]
     elif status != "ok":
         hints = [faults.recording, faults.drift, timing.statement if timing is not None else ""]
         message = "; ".join([message, *[hint for hint in hints if hint][:1]])
@@ -162,6 +162,6 @@ def _cause_of_preparation(found: Identification) -> str:
     differences = max(found.model.highest_derivatives.values())
     order = chosen.difference_order
     gain = float(central_difference_gain(chosen.cutoff_hz, found.sampling_period, order=order)) ** differences
-    if gain < _FAITHFUL:
+    if gain < _GAIN_OF_DIFFERENCES:
         return "central differences lose what is fast: lower `cutoff_hz`, or record faster"
     return "the low-pass moves the reversals of friction: raise `cutoff_hz`"

@@ -55,9 +55,9 @@ class ErrorModel:
             return ClosedLoopError(self.loop, log, self.model.measured)
         declared = {d.signal: self.preparation.late.get(d.signal, 0.0) for d in self.dynamics.axis.drives}
         if late is None and len(set(declared.values())) > 1:
-            said = ", ".join(f"{signal} {seconds:g} s" for signal, seconds in declared.items())
+            delays = ", ".join(f"{signal} {seconds:g} s" for signal, seconds in declared.items())
             raise SettingError(
-                f"the forces are late by different times ({said}): output error takes one for all drives, "
+                f"the forces are late by different times ({delays}): output error takes one for all drives, "
                 "give each the same `late` or take `method=wls`"
             )
         run = run_of(

@@ -8,9 +8,9 @@ import numpy as np
 
 from symid.identification import Identification
 from symid.identification.criteria import CRITERIA, Criteria
-from symid.identification.misfit import said_unexplained
 from symid.identification.noise import noise_deviations
 from symid.identification.physical import negative_parameters
+from symid.identification.poor_fit import unexplained_statement
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification, Status
 
@@ -54,13 +54,13 @@ def verdict_of(
             "the iterations did not come to rest: give `nominal`, values to start from",
         )
     values = np.array(list(found.physical_parameters.values()))
-    absent = _absent(found)
+    absent = _absent_friction(found)
     if below := [name for name in negative_parameters(found.model, values) if name not in absent]:
         return (
             "not_physical",
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
         )
-    if vague := _vague(found, criteria.undetermined):
+    if vague := _uncertain_parameters(found, criteria.undetermined):
         return (
             "undetermined",
             f"the log does not determine {', '.join(vague)}: excite it more, or record longer",
@@ -85,19 +85,19 @@ def verdict_of(
     return "ok", ""
 
 
-def _vague(found: OutputErrorIdentification, most: float) -> list[str]:
+def _uncertain_parameters(found: OutputErrorIdentification, most: float) -> list[str]:
     """Parameters whose deviation exceeds a share of their value, except those that may be 0 by declaration."""
     values = found.physical_parameters
     return [
         name
         for (name, value), deviation in zip(values.items(), found.physical_deviations, strict=True)
-        if name not in (*found.model.signed, *_absent(found))
+        if name not in (*found.model.signed, *_absent_friction(found))
         and np.isfinite(value)
         and not deviation < most * abs(value)
     ]
 
 
-def _absent(found: OutputErrorIdentification) -> frozenset[str]:
+def _absent_friction(found: OutputErrorIdentification) -> frozenset[str]:
     """Friction levels that are 0 within three deviations, where these are small compared with the force."""
     model = found.model
     force = max(float(np.sqrt(np.mean(log[name] ** 2))) for log in found.logs for name in model.forces)
@@ -117,7 +117,7 @@ def _absent(found: OutputErrorIdentification) -> frozenset[str]:
 
 def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
     """Remark on forces and accelerations that are mostly noise, beyond the noise that their spectra show."""
-    log, said = found.logs[0], []
+    log, parts = found.logs[0], []
     levels = noise_deviations(found.model, log)
     orders = {signal: sensor.order for signal, sensor in found.comparison.dynamics.sensors.items()}
     for signal, noise in found.noise.items():
@@ -125,8 +125,8 @@ def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
         seen = levels.get(signal, 0.0)
         is_position = orders.get(signal) in (0, 1)
         if not is_position and noise > max(criteria.worst_fit * size, criteria.noise_explains * seen):
-            said.append(f"{100 * noise / size:.3g} % of {signal}")
-    return said_unexplained(said)
+            parts.append(f"{100 * noise / size:.3g} % of {signal}")
+    return unexplained_statement(parts)
 
 
 def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:

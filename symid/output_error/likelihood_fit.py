@@ -126,7 +126,9 @@ def _promising(
 ) -> list[Search]:
     """Trials from all starts after a few iterations, in order of cost, without hopeless ones."""
     limit = nyquist if any(dynamics.at(start).highest_mode < nyquist for start in starts) else math.inf
-    beginnings = [Search.at(dynamics, excerpts, _seen(model, start), start, limit) for start in starts]
+    beginnings = [
+        Search.at(dynamics, excerpts, _visible_parameters(model, start), start, limit) for start in starts
+    ]
     trials = [search for search in beginnings if np.isfinite(search.cost)]
     if not trials:
         raise np.linalg.LinAlgError("no start can be evaluated")
@@ -151,7 +153,7 @@ def _is_same(trial: Search, better: Search) -> bool:
     return all(abs(x - y) <= 10 * _SAME * abs(y) for x, y in pairs)
 
 
-def _seen(model: GeneratedModel, values: Mapping[str, float]) -> tuple[str, ...]:
+def _visible_parameters(model: GeneratedModel, values: Mapping[str, float]) -> tuple[str, ...]:
     """Physical parameters on which any minimal parameter depends."""
     names = list(model.physical_units)
     slopes = jacobian(model, np.array([values[name] for name in names]))

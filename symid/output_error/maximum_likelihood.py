@@ -12,7 +12,7 @@ from symid.codegen import GeneratedModel, delays_of, passed_over
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
-from symid.identification.settings import said_declared
+from symid.identification.settings import notes_on_declared
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.fit_status import remarks_on, verdict_of
 from symid.output_error.hidden_laws import Models, models_of
@@ -110,7 +110,7 @@ def identify_output_error(
         message="",
         notes=(
             *(note for log in runs for note in log.notes),
-            *said_declared(delays, prepared.late, () if loop else passed_over(axis)),
+            *notes_on_declared(delays, prepared.late, () if loop else passed_over(axis)),
         ),
     )
     status, message = verdict_of(found, regression if visible is whole else None, own)

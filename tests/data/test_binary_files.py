@@ -6,7 +6,7 @@ import pytest
 import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from log_files import EXPECTED, FM, Q2, N, T, columns, said, write
+from log_files import EXPECTED, FM, Q2, N, T, columns, error_of, write
 
 from symid.data import read_log
 from symid.errors import LogError
@@ -22,7 +22,7 @@ def test_truncated_binary_files(tmp_path, kind, share):
         scipy.io.savemat(path, columns(), do_compression=True)
     content = path.read_bytes()
     path.write_bytes(content[: int(share * len(content))])
-    said(path)
+    error_of(path)
 
 
 @given(seed=st.integers(0, 10_000), kind=st.sampled_from(["csv", "parquet"]))
@@ -49,26 +49,26 @@ def test_matlab_7_3(tmp_path):
     path = tmp_path / "a.mat"
     text = b"MATLAB 7.3 MAT-file, Platform: GLNXA64"
     path.write_bytes(text.ljust(512) + b"\x89HDF\r\n\x1a\n" + bytes(500))
-    assert "is damaged or no HDF5 file" in said(path)
+    assert "is damaged or no HDF5 file" in error_of(path)
 
 
 def test_matlab_arrays_that_are_no_signals(tmp_path):
     path = tmp_path / "a.mat"
     scipy.io.savemat(path, columns(q2=np.outer(Q2, Q2), Fm=FM * (1.0 + 1.0j)))
-    message = said(path)
+    message = error_of(path)
     assert "column 'q2' is an array of 200 x 200 where a vector is required" in message
     assert "column 'Fm' is complex" in message
     scipy.io.savemat(path, columns(q2=Q2[:150], ref=np.zeros(9)))
-    assert "differ in length (t 200, q2 150, Fm 200)" in said(path)
+    assert "differ in length (t 200, q2 150, Fm 200)" in error_of(path)
     scipy.io.savemat(path, {"t": T, "q2": Q2, "Fm": "text"})
     assert list(read_log(path, expected=EXPECTED).signals) == ["q2"]
-    assert "no column 'Fm'" in said(path, columns={"Fm": "Fm"})
+    assert "no column 'Fm'" in error_of(path, columns={"Fm": "Fm"})
 
 
 def test_parquet_columns_that_are_no_numbers(tmp_path):
     path = tmp_path / "a.parquet"
     pl.DataFrame({**columns(), "q2": ["x"] * N}).write_parquet(path)
-    assert "column 'q2' holds String where numbers are required" in said(path)
+    assert "column 'q2' holds String where numbers are required" in error_of(path)
     pl.DataFrame({"t": T, "q2": (1e6 * Q2).astype(np.int32), "Fm": FM.astype(np.float32)}).write_parquet(path)
     log = read_log(path, expected=EXPECTED, units={"q2": "um"})
     assert log["q2"] == pytest.approx(Q2, abs=1e-6)

@@ -6,7 +6,7 @@ import pytest
 import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from log_files import EXPECTED, FM, Q2, N, T, columns, said, write
+from log_files import EXPECTED, FM, Q2, N, T, columns, error_of, write
 
 from symid.data import Log, read_log
 from symid.errors import LogError
@@ -92,7 +92,7 @@ def test_reference_is_kept_if_it_can_be(tmp_path):
         log = read_log(write(tmp_path / "b.csv", columns(reference=bad)), expected=EXPECTED)
         assert "reference" not in log.signals
         assert len(log.notes) == 1
-    assert "a number is required" in said(
+    assert "a number is required" in error_of(
         write(tmp_path / "c.csv", columns(cmd=["up"] * N)), columns={"reference": "cmd"}
     )
 
@@ -109,47 +109,47 @@ def test_alternative_column(tmp_path):
         path, expected=EXPECTED, alternatives=alternatives, columns={"Fm": "vir"}, gains={"Fm": 35.0}
     )
     assert_same(named)
-    assert "add `columns` Fm=vir" in said(path, alternatives=alternatives, gains={"Fm": 2.0})
+    assert "add `columns` Fm=vir" in error_of(path, alternatives=alternatives, gains={"Fm": 2.0})
 
 
 def test_named_columns_that_are_missing(tmp_path):
     path = write(tmp_path / "a.csv", {"t": T, "pos_mm": Q2, "force [N]": FM})
-    message = said(path, columns={"q2": "posmm", "Fm": "kraft"})
+    message = error_of(path, columns={"q2": "posmm", "Fm": "kraft"})
     assert "no column 'posmm' for the signal 'q2' (did you mean 'pos_mm'?)" in message
     assert "no column 'kraft'" in message
     assert "the file has t, pos_mm, force [N]" in message
-    message = said(path, columns={"q2": "pos_mm", "q3": "pos_mm"}, gains={"Fn": 2.0})
+    message = error_of(path, columns={"q2": "pos_mm", "q3": "pos_mm"}, gains={"Fn": 2.0})
     assert "signal 'q3' is not known (did you mean 'q2'?)" in message
     assert "signal 'Fn'" in message
 
 
 def test_no_time_and_no_signal(tmp_path):
     path = write(tmp_path / "a.csv", {"time": T, "q2": Q2, "Fm": FM})
-    message = said(path)
+    message = error_of(path)
     assert "the file has time, q2, Fm" in message
     assert "`columns` t=NAME" in message
     path = write(tmp_path / "b.csv", {"t": T, "x": Q2})
-    assert "has none of the signals q2, ddq1, Fm" in said(path)
+    assert "has none of the signals q2, ddq1, Fm" in error_of(path)
 
 
 def test_swapped_units_are_told_together(tmp_path):
-    message = said(write(tmp_path / "a.csv", {"t": T, "q2 [N]": Q2, "Fm [mm]": FM}))
+    message = error_of(write(tmp_path / "a.csv", {"t": T, "q2 [N]": Q2, "Fm [mm]": FM}))
     assert "column 'q2 [N]': unit 'N' does not measure" in message
     assert "column 'Fm [mm]': unit 'mm' does not measure" in message
-    assert "unit 'furlogs' is not known" in said(
+    assert "unit 'furlogs' is not known" in error_of(
         write(tmp_path / "b.csv", columns()), units={"q2": "furlogs"}
     )
     for gain in (0.0, float("nan")):
-        assert "gain" in said(tmp_path / "b.csv", gains={"q2": gain})
+        assert "gain" in error_of(tmp_path / "b.csv", gains={"q2": gain})
 
 
 def test_duplicate_headers(tmp_path):
     path = tmp_path / "a.csv"
     rows = "\n".join(f"{t},{q},{q},{f}" for t, q, f in zip(T, Q2, FM, strict=True))
     path.write_text("t,q2,q2,Fm\n" + rows + "\n", encoding="utf-8")
-    assert "column 'q2' is there 2 times" in said(path)
+    assert "column 'q2' is there 2 times" in error_of(path)
     path.write_text("t,q2 [m],q2 [mm],Fm\n" + rows + "\n", encoding="utf-8")
-    assert "('q2 [m]', 'q2 [mm]')" in said(path)
+    assert "('q2 [m]', 'q2 [mm]')" in error_of(path)
     assert read_log(path, expected=EXPECTED, columns={"q2": "q2 [m]"})["q2"] == pytest.approx(Q2)
     path.write_text("t,x,x,Fm\n" + rows + "\n", encoding="utf-8")
     assert list(read_log(path, expected=EXPECTED).signals) == ["Fm"]
@@ -159,7 +159,7 @@ def test_duplicate_headers(tmp_path):
 def test_text_in_numbers(tmp_path, separator):
     q2 = [*Q2[:50].tolist(), "err", *Q2[51:150].tolist(), "off", *Q2[151:].tolist()]
     fm = [*FM[:7].tolist(), "1.2.3", *FM[8:].tolist()]
-    message = said(write(tmp_path / "a.csv", columns(q2=q2, Fm=fm), separator))
+    message = error_of(write(tmp_path / "a.csv", columns(q2=q2, Fm=fm), separator))
     assert "column 'q2' has 'err' in row 51 and in 1 more" in message
     assert "column 'Fm' has '1.2.3' in row 8" in message
 
@@ -168,11 +168,11 @@ def test_runs_of_missing_values(tmp_path):
     q2 = Q2.copy()
     q2[60:70] = np.nan
     fm = [*FM[:9].tolist(), "", *FM[10:].tolist()]
-    message = said(write(tmp_path / "a.csv", columns(q2=q2, Fm=fm)))
+    message = error_of(write(tmp_path / "a.csv", columns(q2=q2, Fm=fm)))
     assert "'q2' has 10 values empty or not finite, the first at t = 0.24 s (row 61)" in message
     assert "'Fm' has 1 value empty or not finite, the first at t = 0.036 s (row 10)" in message
     pl.DataFrame({**columns(), "q2": [None, *Q2[1:].tolist()]}).write_parquet(tmp_path / "a.parquet")
-    assert "'q2' has 1 value empty or not finite" in said(tmp_path / "a.parquet")
+    assert "'q2' has 1 value empty or not finite" in error_of(tmp_path / "a.parquet")
 
 
 def test_faults_of_clock_and_channels_are_told_together(tmp_path):
@@ -181,65 +181,65 @@ def test_faults_of_clock_and_channels_are_told_together(tmp_path):
     time[120:] += 1.0
     q2 = Q2.copy()
     q2[5] = np.inf
-    message = said(write(tmp_path / "a.csv", columns(t=time, q2=q2, Fm=np.full(N, 3.0))))
+    message = error_of(write(tmp_path / "a.csv", columns(t=time, q2=q2, Fm=np.full(N, 3.0))))
     for part in ("1 repeated time", "gap", "'q2' has 1 value", "'Fm' is constant (3)"):
         assert part in message
-    assert "1 step backwards" in said(write(tmp_path / "b.csv", columns(t=np.where(T < 0.4, T, T - 0.2))))
+    assert "1 step backwards" in error_of(write(tmp_path / "b.csv", columns(t=np.where(T < 0.4, T, T - 0.2))))
 
 
 def test_a_constant_column_matters_only_if_the_axis_uses_it(tmp_path):
     path = write(tmp_path / "a.csv", columns(ddq1=np.zeros(N), supply=np.full(N, 24.0)))
-    assert "'ddq1' is constant (0)" in said(path)
+    assert "'ddq1' is constant (0)" in error_of(path)
     assert_same(read_log(path, expected={name: EXPECTED[name] for name in ("q2", "Fm")}))
 
 
 def test_short_logs(tmp_path):
     short = {name: column[:3] for name, column in columns().items()}
-    assert "has only 3 samples: at least 25 are required" in said(write(tmp_path / "a.csv", short))
+    assert "has only 3 samples: at least 25 are required" in error_of(write(tmp_path / "a.csv", short))
     pl.DataFrame(columns()).head(0).write_parquet(tmp_path / "a.parquet")
-    assert "has no rows" in said(tmp_path / "a.parquet")
+    assert "has no rows" in error_of(tmp_path / "a.parquet")
     (tmp_path / "b.csv").write_text("t,q2,Fm\n", encoding="utf-8")
-    assert "has no rows" in said(tmp_path / "b.csv")
+    assert "has no rows" in error_of(tmp_path / "b.csv")
     (tmp_path / "c.csv").write_text("t,q2,Fm", encoding="utf-8")
-    assert "has no rows" in said(tmp_path / "c.csv")
+    assert "has no rows" in error_of(tmp_path / "c.csv")
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet", ".mat"])
 def test_empty_and_foreign_bytes(tmp_path, suffix):
     path = tmp_path / f"a{suffix}"
     path.write_bytes(b"")
-    assert "is empty" in said(path)
+    assert "is empty" in error_of(path)
     path.write_bytes(bytes(range(256)) * 20)
-    said(path)
-    assert "no such file" in said(tmp_path / f"b{suffix}")
+    error_of(path)
+    assert "no such file" in error_of(tmp_path / f"b{suffix}")
 
 
 def test_directories_and_other_suffixes(tmp_path):
-    assert "is a directory" in said(tmp_path)
+    assert "is a directory" in error_of(tmp_path)
     (tmp_path / "a.docx").write_bytes(b"PK")
-    assert "suffix '.docx' is not known: give a .csv, .parquet or .mat file" in said(tmp_path / "a.docx")
+    assert "suffix '.docx' is not known: give a .csv, .parquet or .mat file" in error_of(tmp_path / "a.docx")
 
 
 def test_headers_that_are_none(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("0,1,2\n1,2,3\n", encoding="utf-8")
-    assert "the first line holds numbers" in said(path)
+    assert "the first line holds numbers" in error_of(path)
     path.write_text("\n0,1,2\n", encoding="utf-8")
-    assert "the first line is empty" in said(path)
+    assert "the first line is empty" in error_of(path)
     path.write_text("t,q2,Fm\n0,1,2\n", encoding="utf-16")
-    assert "not text in UTF-8" in said(path)
+    assert "not text in UTF-8" in error_of(path)
 
 
 def test_rows_with_too_many_fields(tmp_path):
     path = write(tmp_path / "a.csv", columns(Fm=[*FM[:30].tolist(), "1,5", *FM[31:].tolist()]))
-    assert "row 31 has 4 fields where there are 3 columns" in said(path)
+    assert "row 31 has 4 fields where there are 3 columns" in error_of(path)
 
 
 def test_a_log_cut_off_in_its_last_line(tmp_path):
     path = write(tmp_path / "a.csv", columns())
     content = path.read_text(encoding="utf-8")
     path.write_text(content[: content.rindex(",", 0, content.rindex(",")) + 4], encoding="utf-8")
-    assert "'Fm' has 1 value empty or not finite, the first at t = 0.796 s (row 200)" in said(path)
+    assert "'Fm' has 1 value empty or not finite, the first at t = 0.796 s (row 200)" in error_of(path)
 
 
 @pytest.mark.parametrize("unit", ["µ?", "mm!", "m;", "?"])

@@ -8,7 +8,7 @@ import pytest
 from symid import Log, Preparation, identify, load_generated
 from symid.identification import observe
 from symid.identification.bias import _rest_of_sharper_rows
-from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
+from symid.identification.noise import noise_levels, noise_limited_widening, noise_of_rows
 from symid.identification.scheme import DIFFERENCE_ORDER, sharper
 
 SHARP = sharper(DIFFERENCE_ORDER)
@@ -140,7 +140,7 @@ def test_the_rest_of_sharper_rows_is_what_all_their_columns_leave(wide: bool) ->
     seen = observe(model, log, Preparation(cutoff_hz=40.0, decimation=3, widening=1.0))
     levels = {"q": 0.0, "F": 0.0} if wide else {"q": 1e-3, "F": 0.0}
     X = np.array([90.0, 180.0, 2.0])
-    widening = quiet_widening(model, log, 40.0, levels, SHARP.widening)
+    widening = noise_limited_widening(model, log, 40.0, levels, SHARP.widening)
     assert widening == (SHARP.widening if wide else 2.0)
     whole = observe(model, log, seen.preparation, replace(SHARP, widening=widening))
     expected = np.where(seen.valid, whole.y - whole.W @ X, 0.0)

@@ -6,7 +6,7 @@ from scipy import signal
 
 from symid import Log, load_generated
 from symid.data import derivatives
-from symid.identification.settings import Spectra, coherent_band, quiet_band
+from symid.identification.settings import Spectra, coherent_band, noise_limited_band
 
 RIGID = load_generated("rigid_1m")
 
@@ -42,4 +42,4 @@ def test_spectra_are_those_of_scipy(samples: int) -> None:
 def test_bands_follow_what_the_log_holds() -> None:
     log = noisy(20_000)
     assert 300 / (2 * np.pi) < coherent_band(log, RIGID) < 70
-    assert quiet_band(log, RIGID) < 400
+    assert noise_limited_band(log, RIGID) < 400

@@ -40,8 +40,8 @@ def open_mdf(path: Path, memory: int | None = None) -> Table:
         except subprocess.TimeoutExpired as error:
             raise damaged(path, "MDF", error) from error
         if done.returncode or not written.exists():
-            said = done.stderr.decode("utf-8", "replace").strip().splitlines()
-            raise damaged(path, "MDF", ValueError(said[-1] if said else "its parser ended"))
+            printed = done.stderr.decode("utf-8", "replace").strip().splitlines()
+            raise damaged(path, "MDF", ValueError(printed[-1] if printed else "its parser ended"))
         with np.load(written) as arrays:
             clocks = [arrays[f"time_{clock}"] for clock in arrays["clocks"]]
             values = [arrays[f"values_{place}"] for place in range(len(clocks))]

@@ -23,7 +23,7 @@ from symid.data.formats.messages import open_mcap, open_rosbag
 from symid.data.formats.scope_text import open_scope_text, writer_of
 from symid.data.formats.tdms import open_tdms
 from symid.data.layout import Layout
-from symid.data.table import Table, first_line, said_of
+from symid.data.table import Table, first_line, naming_file
 from symid.errors import LogError
 from symid.files import require_regular
 
@@ -117,7 +117,7 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
             return open_gzipped(path, memory, layout)
         if layout is not None and (suffix == ".csv" or suffix not in SUFFIXES):
             return open_laid_out(path, layout)
-        with said_of(path):
+        with naming_file(path):
             return READERS[suffix](path, memory)
     except OSError as error:
         raise LogError(f"{path}: cannot be read ({first_line(error)}): check the file") from error

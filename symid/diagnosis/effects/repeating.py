@@ -171,7 +171,7 @@ def repeating_pitches(
     used = (waves > 1.0 / (high - low)) & (waves < 1 / least)
     if not used.any():
         return ()
-    score = strength[used] / _felt(prediction, joint, waves[used], response, weight)
+    score = strength[used] / _mean_square_of_waves(prediction, joint, waves[used], response, weight)
     return [(1 / wave,) for wave in best_peaks(score, waves[used], _TRIALS)]
 
 
@@ -190,7 +190,7 @@ def _of_output(prediction: Prediction, output: int) -> ComplexArray:
     return response
 
 
-def _felt(
+def _mean_square_of_waves(
     prediction: Prediction, joint: Joint, waves: FloatArray, response: ComplexArray, weight: FloatArray
 ) -> FloatArray:
     """Mean square of a unit wave along the stroke in the weighted outputs, from its frequency at each speed."""

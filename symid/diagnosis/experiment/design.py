@@ -147,9 +147,11 @@ def next_experiment_of(
     decisive = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
     if not decisive:
         return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
-    chosen, run, message = _kept(rivals, decisive, limits, forces)
+    chosen, run, message = _best_within_limits(rivals, decisive, limits, forces)
     if chosen is None:
-        return Experiment(_none_is_kept(rivals, message), rivals.keys, considered=considered, message=message)
+        return Experiment(
+            _none_within_limits(rivals, message), rivals.keys, considered=considered, message=message
+        )
     further = _against_further(rivals, chosen.trajectory) if run else {}
     reference = _words(rivals, chosen.trajectory, chosen.log_odds) + _words_of_drives(record)
     return Experiment(
@@ -181,20 +183,20 @@ def _against_further(rivals: Rivals, trajectory: Trajectory) -> dict[Key, float]
     return found
 
 
-def _kept(
+def _best_within_limits(
     rivals: Rivals, decisive: Sequence[CandidateExperiment], limits: Limits, forces: Mapping[str, float]
 ) -> tuple[CandidateExperiment | None, SimulatedExperiment | None, str]:
     """The best motion with which the simulated axis keeps its limits, or the best one if simulation is not possible."""
-    said: list[str] = []
+    excesses: list[str] = []
     for trial in decisive:
         try:
             run = simulated_experiment(rivals, trial.trajectory)
         except (SymidError, np.linalg.LinAlgError, OverflowError) as error:
             return trial, None, str(error)
         if not (excess := run.exceeds(limits, forces)):
-            return trial, run, "; ".join(said)
-        said.append(f"{trial.trajectory.name}: {excess}")
-    return None, None, "; ".join(said)
+            return trial, run, "; ".join(excesses)
+        excesses.append(f"{trial.trajectory.name}: {excess}")
+    return None, None, "; ".join(excesses)
 
 
 def limits_seen(record: Record) -> Limits:
@@ -287,7 +289,7 @@ def _per_cent(probability: float) -> str:
     return f"{'more than ' * (probability > 0.999)}{100 * min(probability, 0.999):.3g} %"
 
 
-def _none_is_kept(rivals: Rivals, message: str) -> str:
+def _none_within_limits(rivals: Rivals, message: str) -> str:
     (one, at), (other, place) = rivals.keys
     return (
         f"No motion that distinguishes {one} at {at} from {other} at {place} stays within the limits in simulation "

@@ -69,8 +69,8 @@ class SimulatedExperiment:
             "speed": (self.demand.speed, limits.speed),
             "acceleration": (self.demand.acceleration, limits.acceleration),
         }
-        said = "force" if len(forces) == 1 else "force {}"
-        pairs |= {said.format(name): (self.forces[name], limit) for name, limit in forces.items()}
+        label = "force" if len(forces) == 1 else "force {}"
+        pairs |= {label.format(name): (self.forces[name], limit) for name, limit in forces.items()}
         for what, (value, limit) in pairs.items():
             if value > (1 + _MARGIN) * limit:
                 return f"{what} reaches {value:.3g} instead of {limit:.3g}"

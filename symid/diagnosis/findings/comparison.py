@@ -78,7 +78,7 @@ class Comparison:
     @property
     def upheld(self) -> int:
         """Number of effects that hold on these data; further ones increase the error, or may do so."""
-        errors = [self._misfit(model) for model in range(1, len(self.states))]
+        errors = [self._relative_error(model) for model in range(1, len(self.states))]
         held = [n for n in range(1, len(errors)) if errors[n] <= THRESHOLDS.falls * min(errors[:n])]
         last = max(held, default=0)
         while last > 1 and not self.removed(last, last + 1).low > 0:
@@ -95,11 +95,11 @@ class Comparison:
         return next(grows, None) if n_effects > 1 else None
 
     @property
-    def misfit(self) -> float:
+    def relative_error(self) -> float:
         """Error with the effects that hold, relative to the re-identified model."""
-        return self._misfit(1 + self.upheld)
+        return self._relative_error(1 + self.upheld)
 
-    def _misfit(self, model: int) -> float:
+    def _relative_error(self, model: int) -> float:
         """Rms error over all outputs, each relative to the error of the re-identified model."""
         outputs = range(len(self.weighting.density))
         shares = [np.mean(self.squares(model, o)) / np.mean(self.squares(1, o)) for o in outputs]

@@ -315,9 +315,11 @@ def _declared(comparison: Comparison) -> tuple[str, ...]:
     ]
     known = [f"{item.effect.name} at {item.at}" for effects in elements for item in effects]
     passed_over = sum(not effects for effects in elements)
-    said = []
+    sentences = []
     if known:
-        said.append(f"Declared, and identified with the parameters: {', '.join(known)}.")
+        sentences.append(f"Declared, and identified with the parameters: {', '.join(known)}.")
     if passed_over:
-        said.append(f"{passed_over} declared imperfections are passed over, as the log cannot show them.")
-    return tuple(said)
+        sentences.append(
+            f"{passed_over} declared imperfections are passed over, as the log cannot show them."
+        )
+    return tuple(sentences)

@@ -61,14 +61,16 @@ def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
     record = begun.state.prediction.record
     names = (*record.forces, *record.signals)
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
-    faults = [_destroyed(log[name], name, is_force=name in record.forces) for log in logs for name in names]
+    faults = [
+        _fault_of_channel(log[name], name, is_force=name in record.forces) for log in logs for name in names
+    ]
     notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
     signs = [_wrong_sign(begun, found, drive) for drive in range(record.n_drives)]
     fatal = tuple(dict.fromkeys(text for text in (*signs, *faults) if text))
     return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
 
 
-def _destroyed(x: FloatArray, name: str, *, is_force: bool) -> str:
+def _fault_of_channel(x: FloatArray, name: str, *, is_force: bool) -> str:
     """Fault that makes a channel useless, in words; empty if there is none."""
     found = channel_fault(x, name, _LOST, is_force=is_force)
     return channel_fault(x, name, _REPEATED, is_force=is_force) if "repeats" in found else found

@@ -18,7 +18,7 @@ _AS_GOOD = 1.2
 def feedback_law(fit: Fit) -> str:
     """Sentence if a log shows its controller, that is, if the fitted model is a feedback law; otherwise empty."""
     record = fit.state.prediction.record
-    if record.n_drives > 1 or not _feeds_energy(fit):
+    if record.n_drives > 1 or not _has_negative_damping(fit):
         return ""
     motion, constant = record.motions[0], np.zeros(record.n_bins, dtype=complex)
     constant[0] = record.n_extended
@@ -40,7 +40,7 @@ def feedback_law(fit: Fit) -> str:
     )
 
 
-def _feeds_energy(fit: Fit) -> bool:
+def _has_negative_damping(fit: Fit) -> bool:
     """Whether a damping of the model is negative."""
     dampings = fit.state.prediction.record.dynamics.parameters_of("damping")
     return any(fit.parameters[name] < 0 for name in dampings)

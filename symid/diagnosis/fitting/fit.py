@@ -152,7 +152,7 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolAr
     """Fit a state and its effects by Gauss-Newton steps; `free` marks the values that may change."""
     fit = Fit(state, weighting)
     for _ in range(iterations):
-        found = _searched(fit, free)
+        found = _step_within_bounds(fit, free)
         if found is None:
             break
         before, fit = fit, found
@@ -235,7 +235,7 @@ def masses_and_stiffnesses(axis: Axis) -> list[str]:
     return [*(name for name in inertials if name in axis.physical_parameters), *stiffnesses(axis)]
 
 
-def _searched(fit: Fit, free: BoolArray | None) -> Fit | None:
+def _step_within_bounds(fit: Fit, free: BoolArray | None) -> Fit | None:
     """The next step of a fit, with declared effects within the bounds of machines; None if no step lowers the cost.
 
     Where a step leaves a bound, the effect goes to its bound and the other values take a step again (active set).
@@ -243,14 +243,14 @@ def _searched(fit: Fit, free: BoolArray | None) -> Fit | None:
     found = _stepped(fit, free)
     if found is None or not (outside := beyond_bounds(found.state)):
         return found
-    held = _held(fit, free, outside)
+    held = _free_without(fit, free, outside)
     placed = moved_to_bounds(fit.state, found.state.placed, outside)
     bound = Fit(evaluated(fit.state, fit.weighting, fit.parameters, placed), fit.weighting)
     after = _stepped(bound, held) or bound
     return after if after.cost < fit.cost else _stepped(fit, held)
 
 
-def _held(fit: Fit, free: BoolArray | None, keys: set[Key]) -> BoolArray:
+def _free_without(fit: Fit, free: BoolArray | None, keys: set[Key]) -> BoolArray:
     """The values that may change, without those of some effects."""
     moves = np.ones(len(fit.columns), dtype=bool) if free is None else free.copy()
     at = len(fit.state.prediction.record.dynamics.parameters)

@@ -88,7 +88,7 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
     The re-identified model `fit` gives all values that are not hidden; `nominal` is the model before re-identification.
     """
     for spring, body in _hidden_springs(nominal.state.prediction):
-        grid = list(_near(fit, nominal, spring, body))
+        grid = list(_near_nominal(fit, nominal, spring, body))
         for effect, place in product(library, {place_of(spring), body.name}):
             starts = [
                 Start(near, nominal.weighting, placed)
@@ -96,7 +96,7 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
                 for placed in _placed(effect, place, near.prediction, spring)
                 if can_integrate(near.prediction, placed)
             ]
-            yield from sorted(starts, key=_left)[:_KEPT]
+            yield from sorted(starts, key=_sum_of_squares)[:_KEPT]
 
 
 def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) -> Iterable[Placed]:
@@ -109,7 +109,7 @@ def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) 
             yield Placed(effect, place, shape, amplitudes, integrated=True)
 
 
-def _left(start: Start) -> float:
+def _sum_of_squares(start: Start) -> float:
     """Sum of squares that a start leaves, apart from unknown initial states; infinite if the motion diverges."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
@@ -121,7 +121,7 @@ def _left(start: Start) -> float:
     return Fit(state, start.weighting).cost
 
 
-def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:
+def _near_nominal(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:
     """Models near the nominal one, with re-identified values of everything that is not hidden."""
     prediction, weighting = nominal.state.prediction, nominal.weighting
     axis, mass = prediction.axis, body.inertial

@@ -89,7 +89,7 @@ def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:
     rippled = {item.signal for item in explained.axis.imperfections if isinstance(item, EncoderRipple)}
     sensors = tuple(
         found[sensor.signal]
-        if sensor.signal in rippled or (_alike(sensor, found.get(sensor.signal)))
+        if sensor.signal in rippled or (_reads_declared(sensor, found.get(sensor.signal)))
         else replace(sensor, delay=found.get(sensor.signal, sensor).delay)
         for sensor in declared.sensors
     )
@@ -97,7 +97,7 @@ def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:
     return replace(explained, axis=replace(explained.axis, sensors=sensors, known=known))
 
 
-def _alike(declared: Sensor, found: Sensor | None) -> bool:
+def _reads_declared(declared: Sensor, found: Sensor | None) -> bool:
     """Whether a sensor of a model reads the declared quantity."""
     return found is not None and not declared.is_scaled and found.quantity == declared.quantity
 

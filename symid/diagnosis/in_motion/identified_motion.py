@@ -46,7 +46,7 @@ def identified_motion(
 ) -> IdentifiedMotion:
     """Simulate an identified axis from the measured force, under the controller that the log shows or an observer.
 
-    What fails is said in the message.
+    The message states what fails.
 
     Parameters
     ----------

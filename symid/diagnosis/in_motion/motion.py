@@ -166,7 +166,7 @@ def errors_of_axis(
             simulated = [simulated_positions(explained, parts, drivers) for parts in logs]
     except (SymidError, np.linalg.LinAlgError, ArithmeticError, ValueError) as error:
         return [MotionError("failed", message=str(error))] * len(drivers)
-    if not all(map(_stays, chain(*logs), chain(*simulated))):
+    if not all(map(_stays_near, chain(*logs), chain(*simulated))):
         return [MotionError("failed", message="the simulated axis runs away")] * len(drivers)
     message = "; ".join(explained.left_out)
     return [
@@ -175,7 +175,7 @@ def errors_of_axis(
     ]
 
 
-def _stays(part: Part, position: FloatArray) -> bool:
+def _stays_near(part: Part, position: FloatArray) -> bool:
     """Whether a simulated axis stays near the range of the measured one."""
     away = np.abs(position - part.position).max()
     return bool(away < _AWAY * np.ptp(part.position))  # False for nan too

@@ -70,7 +70,7 @@ class HiddenMotion:
 
 def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
     """The hidden coordinate of two bodies; `driven` is the sensor row of the driven position."""
-    free, balance = _beside(tuple(driven)), _beside(tuple(plant.drive))
+    free, balance = _orthogonal_to(tuple(driven)), _orthogonal_to(tuple(plant.drive))
     carried = driven / (driven @ driven)
     stiffness = balance @ plant.stiffness @ free
     if stiffness:
@@ -79,7 +79,7 @@ def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
 
 
 @lru_cache(maxsize=_KEPT)
-def _beside(row: tuple[float, ...]) -> FloatArray:
+def _orthogonal_to(row: tuple[float, ...]) -> FloatArray:
     """Unit vector orthogonal to a row of two entries."""
     return read_only(np.linalg.svd(np.array([row]))[2][-1])
 

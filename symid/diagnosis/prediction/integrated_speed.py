@@ -34,8 +34,8 @@ def with_positions(axis: Axis, logs: Sequence[Log]) -> tuple[Axis, list[Log], tu
     >>> motor = Body("motor", inertia="J")
     >>> axis = Axis("fan", (motor,), Drive("T", motor), (Velocity("w", motor),))
     >>> log = Log.from_arrays({"w": np.full(50, 3.0), "T": np.ones(50)}, sampling_period=0.1)
-    >>> moved, logs, said = with_positions(axis, [log])
-    >>> type(moved.sensors[0]).__name__, round(float(logs[0]["w"][-1]), 9), said[0]
+    >>> moved, logs, notes = with_positions(axis, [log])
+    >>> type(moved.sensors[0]).__name__, round(float(logs[0]["w"][-1]), 9), notes[0]
     ('Position', 14.7, 'No position was logged: that of w is its integral from 0 on.')
     """
     held = set.intersection(*(set(log.signals) for log in logs))
@@ -56,8 +56,8 @@ def with_positions(axis: Axis, logs: Sequence[Log]) -> tuple[Axis, list[Log], tu
         replace(log, signals={**log.signals, **{name: _integral(log, name) for name in speeds}})
         for log in logs
     ]
-    said = f"No position was logged: that of {', '.join(speeds)} is its integral from 0 on."
-    return replace(axis, sensors=sensors), moved, (said,)
+    note = f"No position was logged: that of {', '.join(speeds)} is its integral from 0 on."
+    return replace(axis, sensors=sensors), moved, (note,)
 
 
 def _integral(log: Log, name: str) -> FloatArray:

@@ -73,13 +73,13 @@ def with_common_zeros(logs: Sequence[Log], driven: Sequence[str], others: Sequen
     for log in logs[1:]:
         signals = dict(log.signals)
         for name in others:
-            zeros = [_zero(each, driven, name) for each in (logs[0], log)]
+            zeros = [_zero_reading(each, driven, name) for each in (logs[0], log)]
             signals[name] = log[name] + zeros[0] - zeros[1]
         found.append(replace(log, signals=signals))
     return found
 
 
-def _zero(log: Log, driven: Sequence[str], name: str) -> float:
+def _zero_reading(log: Log, driven: Sequence[str], name: str) -> float:
     """Reading of a further position where the driven ones read zero."""
     columns = np.stack([*(log[each] for each in driven), np.ones(log.n_samples)], axis=1)
     return float(np.linalg.lstsq(columns, log[name], rcond=None)[0][-1])

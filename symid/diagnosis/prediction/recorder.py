@@ -42,19 +42,19 @@ def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
     (1000, 'q is updated every 4th sample only: ')
     """
     whole, notes = zip(*(_restored(axis, log) for log in logs), strict=True)
-    said = [note for each in notes for note in each]
+    messages = [note for each in notes for note in each]
     slowest = {sensor.signal: _slowest(whole, sensor.signal) for sensor in axis.sensors}
     n = max((spacing for spacing, _ in slowest.values()), default=1)
     if n == 1 or min(log.n_samples for log in whole) < n * _SHORTEST:
-        return Recovered(whole, tuple(dict.fromkeys(said)), 1)
+        return Recovered(whole, tuple(dict.fromkeys(messages)), 1)
     rate = whole[0].sampling_frequency / n
-    said += [
+    messages += [
         f"{name} is {how} every {_ordinal(spacing)} sample only: all was thinned to {rate:g} Hz"
         for name, (spacing, how) in slowest.items()
         if spacing > 1
     ]
     drives = {drive.signal for drive in axis.drives}
-    return Recovered(tuple(_thinned(log, n, drives) for log in whole), tuple(dict.fromkeys(said)), n)
+    return Recovered(tuple(_thinned(log, n, drives) for log in whole), tuple(dict.fromkeys(messages)), n)
 
 
 def _ordinal(n: int) -> str:

@@ -21,7 +21,7 @@ class Unscaled(NamedTuple):
     axis: Axis
     logs: list[Log]
     declared: Axis  # with the gains and offsets that were taken as known
-    said: tuple[str, ...]  # sentences on the conversions
+    notes: tuple[str, ...]  # sentences on the conversions
 
 
 def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None = None) -> Unscaled:
@@ -41,7 +41,7 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
     >>> axis = Axis("t", (table,), Drive("F", table), (Position("q", table, gain="c", offset="o"),))
     >>> log = Log.from_arrays({"q": np.ones(3), "F": np.ones(3)}, sampling_period=0.1)
     >>> plain = with_quantities(axis, [log], {"M": 1.0, "c": 2.0, "o": 0.5})
-    >>> plain.axis.sensors[0].gain, plain.logs[0]["q"].tolist(), plain.said[0]
+    >>> plain.axis.sensors[0].gain, plain.logs[0]["q"].tolist(), plain.notes[0]
     (None, [2.5, 2.5, 2.5], 'q is taken with gain 2 and offset 0.5.')
     """
     scaled = [sensor for sensor in axis.sensors if sensor.is_scaled]
@@ -49,7 +49,7 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
         return Unscaled(axis, list(logs), axis, ())
     read = [sensor for sensor in scaled if all(sensor.signal in log.signals for log in logs)]
     values = _values(axis, read, logs[0], nominal or {})
-    said, changed = [], list(logs)
+    notes, changed = [], list(logs)
     for sensor in read:
         gain = 1.0 if sensor.gain is None else values[sensor.named("gain")]
         offset = 0.0 if sensor.offset is None else values[sensor.named("offset")]
@@ -57,7 +57,7 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
             replace(log, signals={**log.signals, sensor.signal: gain * log[sensor.signal] + offset})
             for log in changed
         ]
-        said.append(f"{sensor.signal} is taken with gain {gain:.6g} and offset {offset:.6g}.")
+        notes.append(f"{sensor.signal} is taken with gain {gain:.6g} and offset {offset:.6g}.")
     plain = tuple(
         replace(sensor, gain=None, offset=None, unit=None) if sensor in read else sensor
         for sensor in axis.sensors
@@ -66,7 +66,7 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
     own = {sensor.named(field) for sensor in scaled for field in ("gain", "offset")}
     known = {name: value for name, value in axis.known.items() if name not in own}
     taken = {name: values[name] for name in own if name in values and name in axis.physical_parameters}
-    return Unscaled(replace(axis, sensors=plain, known=known), changed, axis.with_known(taken), tuple(said))
+    return Unscaled(replace(axis, sensors=plain, known=known), changed, axis.with_known(taken), tuple(notes))
 
 
 def _values(axis: Axis, read: Sequence[Sensor], log: Log, nominal: Mapping[str, float]) -> dict[str, float]:

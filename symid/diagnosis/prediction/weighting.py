@@ -122,7 +122,7 @@ def weighting_of(
     step = record.fine_time[1]
     resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
     for speed in speeds:
-        moving &= ~_long(~record.moves(np.abs(speed)), round(max(_SHORTEST_REST, resolution) / step))
+        moving &= ~_long_rests(~record.moves(np.abs(speed)), round(max(_SHORTEST_REST, resolution) / step))
     ends = max(1, round(_END / step))
     moving[:ends] = False
     last = int(np.flatnonzero(record.in_log)[-1])
@@ -171,7 +171,7 @@ def _orthonormal(columns: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.qr((columns[seen] / norms[seen, None]).T)[0])
 
 
-def _long(still: BoolArray, least: int) -> BoolArray:
+def _long_rests(still: BoolArray, least: int) -> BoolArray:
     """Points of rests that have at least a given length."""
     labels, n = scipy.ndimage.label(still)
     lengths = np.bincount(labels, minlength=n + 1)

@@ -205,7 +205,7 @@ def _chosen(
     refused -= found.keys()
     prefer_coulomb(found)
     best = ranked(found.values(), before)
-    if best and own.key in found and not _clearly(best[0], found[own.key], first):
+    if best and own.key in found and not _is_clearly_better(best[0], found[own.key], first):
         best = [found[own.key], *(c for c in best if c.key != own.key)]
     chosen = SelectionStep(before.released(), tuple(best), step.screened, refused)
     if not chosen.justifies_another(first):
@@ -216,7 +216,7 @@ def _chosen(
     return _in_place_of(steps.get(best[0].key, step), before, best[0])
 
 
-def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
+def _is_clearly_better(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     """Whether a rival predicts blocks better than the effect that was found, by more than their scatter.
 
     A refinement of the effect, such as presliding of Coulomb friction, replaces it only if its prior odds are higher or

@@ -171,7 +171,7 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
         )  # neither the noise nor the force shows more than the rounding of a model
     if errors.largest < (THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white):
         there *= _covers(errors)  # some effect always explains a part of noise, or of errors at reversals
-    holds = there * (1 - _in_vain(errors))
+    holds = there * (1 - _removes_too_little(errors))
     causes = holds * _covers(errors) * (1 - _is_outdone(errors))
     good = 1.0
     if errors.nominal is not None:
@@ -214,7 +214,7 @@ def _is_outdone(errors: Errors) -> float:
     return _logistic((math.log(THRESHOLDS.outdone) - math.log(share)) / THRESHOLDS.outdone_width)
 
 
-def _in_vain(errors: Errors) -> float:
+def _removes_too_little(errors: Errors) -> float:
     """Probability that an effect found is only similar to a cause of the gap: it removes too little."""
     if errors.explained <= THRESHOLDS.noise_alone or not np.isfinite(errors.left):
         return 0.02

@@ -46,7 +46,7 @@ def forward_selection(
     # their end, and the better prediction of blocks left out decides.
     begun = (first, *first.other_timing(), *first.whole_before_part())
     branches = [_continued(fit, step, library) for step in begun]
-    return max(branches, key=lambda steps: _predicts(steps, fit.weighting))
+    return max(branches, key=lambda steps: _penalised_likelihood(steps, fit.weighting))
 
 
 def _with_least_inertia(fit: Fit, nominal: Fit | None) -> tuple[Fit, Fit | None]:
@@ -85,7 +85,7 @@ def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tup
     return tuple(steps)
 
 
-def _predicts(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
+def _penalised_likelihood(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
     """Cross-validated log-likelihood of the last model, less the penalties."""
     if not steps[-1].confirmed:
         return -math.inf

@@ -42,16 +42,16 @@ _MOST_SHOWN = 8
 
 
 def write_html(
-    found: Diagnosis, file: str | Path, said: Callable[[Any], Any] = as_it_is, command: str = ""
+    found: Diagnosis, file: str | Path, reword: Callable[[Any], Any] = as_it_is, command: str = ""
 ) -> None:
     """Write a diagnosis as one HTML file, which loads nothing; without JavaScript only its plots are missing.
 
-    `said` writes the settings that messages name; `command` is the command line that made it.
+    `reword` writes the settings that messages name; `command` is the command line that made it.
     """
     from symid.report.figures.schematic import schematic_svg
     from symid.report.pages.interactive import plots_of  # half a second to load: only where a page is written
 
-    path, record = html_path(file), said(diagnosis_record(found))
+    path, record = html_path(file), reword(diagnosis_record(found))
     accepted = {(effect.effect, effect.at) for effect in found.effects}
     ranked = list(enumerate(record["alternatives"], start=1))
     shown = [(k, one) for k, one in ranked if k <= _MOST_SHOWN or (one["effect"], one["at"]) in accepted]

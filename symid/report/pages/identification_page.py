@@ -48,18 +48,18 @@ def write_identification_html(
     axis: Axis | None = None,
     runs: Sequence[Log] = (),
     command: str = "",
-    said: Callable[[Any], Any] = as_it_is,
+    reword: Callable[[Any], Any] = as_it_is,
 ) -> None:
     """Write an identification as one HTML file, which loads nothing.
 
     With the axis and its logs, that of the validation last (without one, those that the result keeps), the page shows
     the residual over the motion, the simulated motion and the frequency response; `command` is the command line that
-    made it, `said` writes the settings that messages name.
+    made it, `reword` writes the settings that messages name.
     """
     path = html_path(file)
     if axis is None and validation is None:
         axis, runs = found.axis, found.runs
-    record = said(identification_record(found, validation))
+    record = reword(identification_record(found, validation))
     page = page_templates().get_template("identification.html")
     curves = identification_curves(found, validation, axis=axis, runs=runs)
     text = page.render(

@@ -270,7 +270,7 @@ def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> TextT
         deviations = (significant(p["std"]), significant(p["std_corrected"]))
         relative = significant(p["relative_std_corrected_percent"], 3)
         bias = MISSING if p["bias"] is None else significant(p["bias"], 2)
-        table.add(name, _rounded(p["value"], p["std"]), *deviations, relative, bias, p["unit"])
+        table.add(name, _rounded_to_deviation(p["value"], p["std"]), *deviations, relative, bias, p["unit"])
     return table
 
 
@@ -284,7 +284,7 @@ def _residual_table(title: str, residuals: dict[str, dict[str, Any]]) -> TextTab
     return table
 
 
-def _rounded(value: float, deviation: float) -> str:
+def _rounded_to_deviation(value: float, deviation: float) -> str:
     """Value with the digits that its deviation leaves, and some more for comparison."""
     if not math.isfinite(value) or not math.isfinite(deviation) or deviation <= 0 or value == 0:
         return significant(value, 7)

@@ -179,8 +179,8 @@ def _written(value: float | None) -> str:
 
 
 def _facts(record: Mapping[str, Any]) -> dict[str, str]:
-    """What a result says of itself in words."""
-    said = {
+    """Status, setting and statements of a result."""
+    statements = {
         "axis": record.get("axis"),
         "sensors": record.get("measured"),
         "logs": record.get("log", record.get("logs")),
@@ -190,7 +190,7 @@ def _facts(record: Mapping[str, Any]) -> dict[str, str]:
         "sentence": record.get("sentence") or record.get("message"),
         "effects": _effects(record),
     }
-    facts = {name: [value] if isinstance(value, str) else value for name, value in said.items()}
+    facts = {name: [value] if isinstance(value, str) else value for name, value in statements.items()}
     return {
         name: ", ".join(map(str, value))
         for name, value in facts.items()

@@ -40,7 +40,7 @@ _OPTIONS: Final = {
 _SETTING: Final = re.compile(r"`((\w+)(?:=([^`]+))?)`")
 
 
-def with_options(said: Any) -> Any:
+def with_options(value: Any) -> Any:
     """Text, or a record with texts, in which settings between backquotes are written as options.
 
     >>> with_options("jitters: give `resample=own`, or lower `cutoff_hz`")
@@ -48,13 +48,13 @@ def with_options(said: Any) -> Any:
     >>> with_options({"notes": ["take `filter_force=True`", "column `x`"]})
     {'notes': ['take --filter all', 'column `x`']}
     """
-    if isinstance(said, str):
-        return _SETTING.sub(_option, said) if "`" in said else said
-    if isinstance(said, dict):
-        return {name: with_options(part) for name, part in said.items()}
-    if isinstance(said, (list, tuple)):
-        return [with_options(part) for part in said]
-    return said
+    if isinstance(value, str):
+        return _SETTING.sub(_option, value) if "`" in value else value
+    if isinstance(value, dict):
+        return {name: with_options(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [with_options(part) for part in value]
+    return value
 
 
 def _option(found: re.Match[str]) -> str:

@@ -32,35 +32,35 @@ _LOCAL_RATIO = 20.0
 """Ratio to the median rms residual of all windows above which the residual of a window stands out."""
 _SILENT_RATIO = 30.0
 """Least ratio of the prediction to the output in a window with another unit, where few windows are left."""
-_SILENT_MISFIT = 3.0
+_SILENT_RESIDUAL = 3.0
 """Least ratio of such a window's residual to the median: an output may pass near zero."""
 _LOCAL_SHARE = 0.5
 """Least residual of such a window over its output: in a log that mostly rests, the median is low."""
 
 
-def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+def contradicting_part(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on a part of the logs that contradicts the parameters, all determined; empty without one."""
     return (
-        _cut(model, parts)
+        _end_of_range(model, parts)
         or next(filter(None, (_clipped(force, parts, fit) for force in model.forces)), "")
         or next(filter(None, (_stands_out(parts, fit, j) for j in range(len(model.output_names)))), "")
     )
 
 
-def noiseless_misfit(
+def unexplained_outputs(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
     """Statement on outputs with a large residual that the noise of the signals does not explain."""
     shares = unexplained(model, parts, fit, criteria)
-    said = [
+    named = [
         f"{100 * share:.3g} % of {name}"
         for name, share in zip(model.output_names, shares, strict=True)
         if share > criteria.worst_fit
     ]
-    return said_unexplained(said)
+    return unexplained_statement(named)
 
 
-def said_unexplained(parts: Sequence[str]) -> str:
+def unexplained_statement(parts: Sequence[str]) -> str:
     """Statement on signals that the parameters leave partly unexplained; empty without any."""
     cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
     return f"the parameters leave {', '.join(parts)}, more than noise explains: {cause}" if parts else ""
@@ -83,7 +83,7 @@ def unexplained(
     return np.asarray(np.where(residual > expected, share, 0.0))
 
 
-def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+def _end_of_range(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Statement on a motion sensor whose range ended while the axis moved on; empty without one."""
     for name in model.highest_derivatives:
         samples = 0 if name in model.forces else sum(cut_in_motion(part.log[name]) for part in parts)
@@ -162,7 +162,7 @@ def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> s
             f"near t = {time[worst]:.5g} s the residual is {times:.2g} times what it is elsewhere, and as large as the "
             "output: the log is damaged there, or the model lacks an effect"
         )
-    large = (predicted > 0.5 * np.median(predicted)) & (residual > _SILENT_MISFIT * usual)
+    large = (predicted > 0.5 * np.median(predicted)) & (residual > _SILENT_RESIDUAL * usual)
     silent = large & (predicted > _SILENT_RATIO * output)
     if not silent.any():
         return ""
