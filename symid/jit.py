@@ -55,7 +55,7 @@ def _compiled(function: Callable[..., Any], **options: bool) -> Callable[..., An
 
 
 def _fingerprint(function: Callable[..., Any]) -> str:
-    """Of the module of a function, and of the compiled functions and constants that it takes from others.
+    """Hash of the module of a function, and of the compiled functions and constants that it imports.
 
     Numba asks for changes of the function's file only, though machine code contains what it calls.
     """

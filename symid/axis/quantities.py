@@ -42,7 +42,7 @@ def quantity_unit(drives: Sequence[Drive], sensor: Sensor) -> Unit:
 
 
 def signal_unit(drives: Sequence[Drive], sensor: Sensor) -> Unit:
-    """Unit of its signal."""
+    """SI unit of a sensor's signal."""
     return quantity_unit(drives, sensor) if sensor.unit is None else Unit.of(sensor.unit)
 
 

@@ -53,7 +53,7 @@ class Sensor(Parametrised):
 
     @property
     def quantity(self) -> str:
-        """What is read: position, velocity, acceleration or force."""
+        """Quantity read: position, velocity, acceleration or force."""
         raise NotImplementedError
 
     @property
@@ -153,7 +153,7 @@ class Velocity(MotionSensor):
 
 @dataclass(frozen=True)
 class Acceleration(MotionSensor):
-    """An accelerometer."""
+    """An accelerometer: the second derivative of a displacement, m/s^2 or rad/s^2."""
 
     derivative: ClassVar = 2
 

@@ -255,7 +255,7 @@ def _sensor_faults(
 
 
 def _beside_bent_spring(spring: Spring, elements: Sequence[object]) -> list[Law | JointImperfection]:
-    """Other laws in the joint of a spring with a nonlinear law, which a force sensor in it cannot tell from that."""
+    """Other laws in the joint of a spring with a nonlinear law: a force sensor in it cannot separate them from that."""
     there = [e for e in elements if isinstance(e, (Law, JointImperfection)) and e.at == spring.at]
     own = [e for e in there if isinstance(e, Law) and e.in_spring]
     return [e for e in there if e not in own] if own else []

@@ -21,7 +21,7 @@ from symid.report.tables.identification import identification_record, print_iden
 PUBLISHED_RECIPE = Preparation(
     cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0, difference_order=2
 )
-"""Of the report of Janot, Gautier and Brunot (2019); its deviations divide by the number of rows less one."""
+"""Settings of the report of Janot, Gautier and Brunot (2019); its deviations divide by the number of rows less one."""
 
 
 @click.command("demo", cls=SafeCommand, epilog="Example: symid demo --report emps_report.html")

@@ -47,7 +47,7 @@ class _Runs:
 
     @property
     def none(self) -> _Runs:
-        """No run."""
+        """An empty set of runs."""
         return _Runs(self.start[:0], self.length[:0])
 
 

@@ -1,4 +1,4 @@
-"""What a residual is measured by: the fit in per cent, and means in bins of position or velocity."""
+"""Measures of a residual: the fit in per cent, and means in bins of position or velocity."""
 
 from __future__ import annotations
 

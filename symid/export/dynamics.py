@@ -21,7 +21,7 @@ from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import by_power
 
 DISPLACEMENT, VELOCITY = sp.Symbol("joint_q_"), sp.Symbol("joint_v_")
-"""Of a joint, in the force of its laws; no parameter's name ends with an underscore."""
+"""Motion of a joint in the force of its laws; no parameter's name ends with an underscore."""
 _OF_JOINT = {sp.Symbol("q"): DISPLACEMENT, sp.Symbol("v"): VELOCITY}
 
 
@@ -45,7 +45,7 @@ class LawJoint:
 
 
 class SymbolicReading(NamedTuple):
-    """What a sensor reads: as `SensorRow`, but SymPy's matrices."""
+    """Reading of a sensor, as `SensorRow` with SymPy's matrices."""
 
     row: sp.Matrix
     order: int | None
@@ -158,7 +158,7 @@ class _Parts:
         return named
 
     def reading(self, sensor: Sensor, drives: Sequence[Drive]) -> SymbolicReading:
-        """What a sensor reads: (motion + drives - offset) / gain."""
+        """Reading of a sensor: (motion + drives - offset) / gain."""
         read, zero = self.terms.readings[sensor.signal], self.terms.operators.ring.zero
         gain = read.gain.as_expr()
         motion = [[by_power(read.motion.get(b)).get(k, zero) for b in self.terms.bodies] for k in range(3)]

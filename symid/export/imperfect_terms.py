@@ -123,5 +123,5 @@ def sent(element: DriveImperfection) -> sp.Expr:
 
 
 def added(change: PayloadChange) -> sp.Symbol:
-    """Increase of a mass."""
+    """Mass that a declared change adds to a body over time."""
     return sp.Symbol(f"added_{change.body.inertial}_")

@@ -74,7 +74,7 @@ class Journal:
             self._write(b"\n")  # ends an incomplete line
 
     def append(self, row: Row) -> None:
-        """Append a row."""
+        """Append a row as a line of JSON; the file is forced to disk every few rows."""
         self._write(json.dumps(row, allow_nan=False).encode() + b"\n")
         self._pending += 1
         if self._pending >= _ROWS or time.monotonic() - self._since > _SECONDS:

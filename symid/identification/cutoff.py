@@ -218,7 +218,7 @@ def _upward(highest: float) -> list[float]:
 
 
 def _gauge(sizes: FloatArray) -> float:
-    """Geometric mean of relative deviations, 1 without any. Below `_KNOWN` a smaller deviation is no gain."""
+    """Geometric mean of relative deviations, 1 without any. Below `_KNOWN` a smaller deviation does not count."""
     if not sizes.size:
         return 1.0
     return float(np.exp(np.mean(np.log(np.maximum(sizes, _KNOWN)))))

@@ -71,7 +71,7 @@ class SharedIdentification(Shown):
 
     @property
     def physical_parameters(self) -> dict[str, float]:
-        """Values by name, SI."""
+        """Physical parameters by name, SI."""
         return dict(zip(self.physical_units, map(float, self.parameters), strict=True))
 
     @property
@@ -90,7 +90,7 @@ class SharedIdentification(Shown):
 
     @property
     def headline(self) -> str:
-        """The result in a line."""
+        """Status and parameters in one line."""
         model = self.groups[0].model
         return headline_of(
             model, self.status, self.physical_parameters, self.standard_deviations, self.physical_units

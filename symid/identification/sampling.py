@@ -46,7 +46,7 @@ class Filtered:
 
     @property
     def size(self) -> int:
-        """Number of samples."""
+        """Number of samples of the recorded signal."""
         return self.recorded.size
 
     def __getitem__(self, part: slice) -> FloatArray:
@@ -80,12 +80,12 @@ class Sampling:
 
     @property
     def factor(self) -> int:
-        """Samples per row."""
+        """Decimation: samples of the log for each row."""
         return self.chosen.decimation or 1
 
     @property
     def n_rows(self) -> int:
-        """Number of rows."""
+        """Number of rows that remain after decimation."""
         return -(-self.n_samples // self.factor)
 
     @cached_property

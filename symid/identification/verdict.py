@@ -35,7 +35,7 @@ _HIGHEST_CONDITION = 1e5
 _FEW_ROWS = 10
 """Rows for each parameter below which a residual that is hardly independent gives no deviation."""
 _FEWEST_ROWS = 4
-"""The same for a residual whose correlation does not die out within the lags that so few rows show."""
+"""Rows for each parameter for a residual whose correlation does not decay within the lags that so few rows show."""
 _WORST_FIT = 0.5
 """Residual beyond which, as part of the output, an equation is worthless: a quarter of the power is unexplained."""
 

@@ -17,7 +17,7 @@ SLIDING, STUCK, VARYING = 1, 2, 4
 
 
 class EventNumbers(NamedTuple):
-    """What events need of each mode: m counts modes, j laws."""
+    """Numbers of each mode that the location of events needs: m counts modes, j laws."""
 
     signs: FloatArray  # shape (m, j): directions of sliding joints
     kinds: IntArray  # shape (m, j): sums of the kinds above
@@ -34,7 +34,7 @@ class EventNumbers(NamedTuple):
 
 
 class ModeTable(NamedTuple):
-    """All modes met so far."""
+    """Numbers of all modes that the simulation has met so far."""
 
     # drives: shape (n, n_drives); durations: of the pieces of a sample, s
     drives: FloatArray

@@ -96,7 +96,7 @@ class SensorChannel:
         return in_steps(values + self.noise, self.step)
 
     def _of_law(self, states: FloatArray) -> FloatArray:
-        """What the nonlinear laws of a spring add to the reading of its force, at all states."""
+        """Part of the reading of a spring's force that its nonlinear laws add, at all states."""
         if self.law is None:
             return np.zeros(len(states))
         q, v = np.split(states, 2, axis=1)

@@ -75,7 +75,7 @@ class Trajectory:
 
     @property
     def n_samples(self) -> int:
-        """Number of samples."""
+        """Number of samples of the trajectory."""
         return self.position.size
 
     @property

@@ -1,8 +1,8 @@
-"""What sensors read, as operators: motion x + drives F + values of laws = gain * signal + offset.
+"""Readings of sensors as operators: motion x + drives F + values of laws = gain * signal + offset.
 
-A sensor whose reading is a derivative of a displacement, without parameters, is no equation: it says what is measured
-(`symid.symbolic.measurement`). Any other adds an equation to the balances. Where its force stands in a balance too, the
-reading replaces it there: the balance is then free of the noise that a stiff spring makes of its deflection.
+A sensor whose reading is a derivative of a displacement, without parameters, adds no equation: it states what is
+measured (`symid.symbolic.measurement`). Any other adds an equation to the balances. Where its force stands in a balance
+too, the reading replaces it there: the balance is then free of the noise that a stiff spring makes of its deflection.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ _MOST_PRODUCTS = 50_000
 
 @dataclass(frozen=True)
 class SolvedUnknown:
-    """One solved unknown."""
+    """An unknown, and the linear or quadratic equation that determines it."""
 
     unknown: int  # index of the generator
     # of the linear or quadratic equation in the unknown, by descending power; they hold unknowns solved later only

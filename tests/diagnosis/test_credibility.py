@@ -110,7 +110,7 @@ def test_a_mass_and_the_force_constant_beside_it_are_not_determined() -> None:
     loose = diagnose(axis, log, nominal=values, library=())
     assert [parameter.reidentified_std for parameter in loose.parameters] == [np.inf] * 4
     assert loose.next_experiment.startswith(
-        "Take over the re-identified values but M, Fv, Fs and Kt, which the sensors used do not tell apart"
+        "Take over the re-identified values but M, Fv, Fs and Kt, which the sensors used do not separate"
     )
     known = diagnose(axis.with_known({"Kt": 1.0}), log, nominal=values, library=()).parameters
     assert all(np.isfinite(parameter.reidentified_std) for parameter in known)

@@ -33,7 +33,7 @@ class OffsetForce(Law):
 class UnknownZero(Law):
     """The force of a spring whose deflection is measured from an unknown zero, as between two incremental encoders.
 
-    It acts like a preload, but its value differs from log to log: it is estimated for each log and is no property of
+    It acts like a preload, but its value differs from log to log: it is estimated for each log and is not a property of
     the axis.
 
     Parameters

@@ -24,8 +24,8 @@ Key = tuple[str, str]
 """Names of an effect and of its place."""
 
 MatchedFilter = Callable[[ComplexArray], FloatArray]
-"""From the response of the outputs to a signal: the correlation of that signal with the residual over time, on the fine
-grid (the adjoint of the weighting, applied to the residual)."""
+"""Correlation of a signal with the residual over time, on the fine grid, from the response of the outputs to it
+(the adjoint of the weighting, applied to the residual)."""
 
 ACTUATOR = "actuator"
 
@@ -72,7 +72,7 @@ class Effect(ABC):
         """Places at which the effect is possible."""
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        """Shapes to be tried."""
+        """Shapes that the search tries at a place; one empty shape for an effect that is linear in its values."""
         return ((),)
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
@@ -129,7 +129,7 @@ class JointEffect(Effect):
         return ()
 
     def joint(self, prediction: Prediction, place: str) -> Joint:
-        """The joint at a place."""
+        """The joint whose motion the effect depends on, from the name of its place."""
         return prediction.joints[place]
 
     def places(self, prediction: Prediction) -> Iterable[str]:

@@ -35,7 +35,8 @@ _SHARE_OF_MOTION = 0.9
 _MODES_APART = 1.5
 """Steps of the frequency of a mode, relative to its damping ratio: half the width of its resonance is 2."""
 _MOST_DAMPING = 0.3  # damping ratio from which on a mode, beside a delay, looks like a lag
-# Half of the squared acceleration must be more than 25 % off the mode: a single sine does not tell mode from inertia.
+# Half of the squared acceleration must be more than 25 % off the mode, as a single sine does not separate the mode
+# from inertia.
 _NEAR_MODE, _AT_MODE = 0.25, 0.5
 _MOST_OF_MASS = 0.95
 _INSIDE = 0.99

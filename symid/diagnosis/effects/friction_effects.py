@@ -22,13 +22,13 @@ from symid.units import Unit
 
 _DRIFTING = "_course * (amplitude * np.sign(v) + viscous * v)"
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
-"""Of a slide, m."""
+"""Reaches of presliding to try in a slide, m."""
 _HIDDEN_REACHES = (0.03, 0.15)
 """Reaches of friction that holds a hidden joint, relative to its largest deflection, with which a fit may begin."""
 _TURNED = np.geomspace(1e-5, 1e-2, 12)
-"""Of a turning joint, relative to its stroke: gears and bearings differ by more than slides do."""
+"""Reaches to try in a turning joint, relative to its stroke: gears and bearings differ by more than slides do."""
 _SAMPLES = 2.0
-"""Distances that a sample passes after a reversal, below which a reach is none: the instant at which the friction jumps
+"""Least reach, in distances that a sample passes after a reversal: the instant at which the friction jumps
 is known to a fraction of a sample."""
 _ONE_WAY = 0.02
 """Share of the motion backward below which a joint moves one way only: its friction builds up once."""

@@ -293,7 +293,7 @@ def damped_springs(prediction: Prediction) -> set[str]:
 
 
 def _scale(number: ShapeParameter, joint: Joint) -> float:
-    """What a shape parameter is compared with."""
+    """Size of the motion by which a shape parameter is scaled."""
     if number.scale == "deflection":
         return max(map(abs, joint.range))
     return joint.top_speed if number.scale == "speed" else joint.stroke

@@ -29,7 +29,7 @@ _MOST_MOVES = 200
 
 @dataclass(frozen=True)
 class Envelope:
-    """Limits of a motion."""
+    """Limits that candidate motions stay within: travel, speed, acceleration, jerk and band."""
 
     limits: Limits  # travel, speed, acceleration and jerk
     seconds: float  # approximate duration
@@ -50,7 +50,7 @@ class Envelope:
 
     @property
     def centre(self) -> float:
-        """Middle of the travel."""
+        """Middle of the travel, m or rad."""
         return float(np.mean(self.limits.travel))
 
     def gentler(self, share: float) -> Envelope:

@@ -43,7 +43,7 @@ class Comparison:
 
     @property
     def record(self) -> Record:
-        """The log."""
+        """The log in the frequency domain on which the models are compared."""
         return self.weighting.record
 
     def with_effects(self, n: int) -> Comparison:
@@ -289,7 +289,7 @@ class Comparison:
 
     @property
     def row_rate(self) -> float:
-        """Rate of the rows, Hz."""
+        """Rows per second of the log, Hz."""
         return self.record.n_rows / self.record.period
 
     @property

@@ -294,7 +294,7 @@ def _assumptions(comparison: Comparison, gap: Gap, validation: Log | None) -> tu
         "Each sample is the value at its time; the force is compared as it is recorded.",
         f"Noise is white, at the level of the readings beyond their motion, which ends at {record.motion_hz:.0f} Hz; "
         f"it is the floor of what the sensors alone leave, {new}.",
-        "Rests and some milliseconds around them are left out, as no model tells friction at rest; reversals count.",
+        "Rests and some milliseconds around them are left out: no model determines friction at rest. Reversals count.",
         "The gap is measured on "
         + (
             "parts of the log that took no part in the identification."

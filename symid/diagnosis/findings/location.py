@@ -77,7 +77,7 @@ class _Motion:
         ]
 
     def directions(self) -> list[tuple[str, float, float, BoolArray]]:
-        """Directions of motion."""
+        """Names, limits and flags of forward and backward motion."""
         forward = self.velocity > 0
         return [("forward", math.nan, math.nan, forward), ("backward", math.nan, math.nan, ~forward)]
 

@@ -102,7 +102,7 @@ def _lacking(effects: Sequence[FoundEffect]) -> str:
         *others_like_it, last = (spoken(*key) for key in doubt)
         rest = ", ".join(others_like_it)
         either = f"{rest} or {last}" if rest else last
-        first += f" (or {either}: this log does not tell them apart)"
+        first += f" (or {either}: this log does not distinguish them)"
     return f"{lacks} {' and '.join([first, *further])}"
 
 
@@ -185,7 +185,7 @@ def next_experiment(
     if verdict == "parameters":
         values = "Take over the re-identified values"
         if undetermined:
-            values += f" but {_listed(undetermined)}, which the sensors used do not tell apart"
+            values += f" but {_listed(undetermined)}, which the sensors used do not separate"
         return f"{values}, and repeat the diagnosis on another motion."
     if verdict == "recording":
         return "Record the log again; until then, trust neither parameters nor effects."
@@ -195,7 +195,7 @@ def next_experiment(
     doubt = effects[0].indistinguishable_from
     advice = _ADVICE.get(effects[0].effect, "repeat the diagnosis on another motion")
     if doubt and doubt[0][0] == effects[0].effect:
-        return f"Measure the motion of {doubt[0][1]} too: the sensors used do not tell both places apart."
+        return f"Measure the motion of {doubt[0][1]} too: the sensors used do not distinguish the two places."
     if doubt:
         return f"To distinguish {spoken(effects[0].effect)} from {spoken(doubt[0][0])}: {advice}."
     return f"To confirm {spoken(effects[0].effect)}: {advice}."

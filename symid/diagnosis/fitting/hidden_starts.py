@@ -40,7 +40,7 @@ class Start:
 
     @classmethod
     def of(cls, fit: Fit, placed: Placed) -> Start:
-        """From a fitted model."""
+        """Start of a fit that adds an effect to a fitted model."""
         return cls(fit.state, fit.weighting, placed)
 
     def placed_state(self) -> State:

@@ -24,7 +24,7 @@ _ENDS = 8
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """Joined logs."""
+    """Logs joined to one, with the rows that belong to each."""
 
     log: Log  # all of them, with smooth bridges in between
     recorded: BoolArray  # shape (n_samples,): samples that belong to a log

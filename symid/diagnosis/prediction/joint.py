@@ -92,7 +92,7 @@ class Joint:
 
     @property
     def stroke(self) -> float:
-        """Length of `range`."""
+        """Highest less lowest displacement within the log, m or rad."""
         return self.range[1] - self.range[0]
 
     @cached_property

@@ -41,7 +41,7 @@ class PeriodicLog:
 
     @cached_property
     def n_extended(self) -> int:
-        """Samples of a period."""
+        """Samples of the periodic continuation of the log."""
         pad = int(_CONTINUATION * self.log.sampling_frequency)
         return scipy.fft.next_fast_len(self.log.n_samples + max(pad, 64), real=True)
 
@@ -101,7 +101,7 @@ class PeriodicLog:
 
     @cached_property
     def row_time(self) -> FloatArray:
-        """Time of the rows, s."""
+        """Time of each row of the period, s, of shape (n_rows,)."""
         return np.asarray(np.arange(self.n_rows) * (self.period / self.n_rows), dtype=np.float64)
 
     @cached_property
@@ -111,7 +111,7 @@ class PeriodicLog:
 
     @cached_property
     def rows_in_log(self) -> BoolArray:
-        """Rows within the log."""
+        """Flags of the rows within the log, of shape (n_rows,)."""
         return np.asarray(self.row_time < self.duration)
 
     @cached_property
@@ -129,7 +129,7 @@ class PeriodicLog:
         return self.grid(spectrum, self.n_fine)
 
     def rows(self, spectrum: ComplexArray) -> FloatArray:
-        """Signal at the rows."""
+        """Signal of a spectrum at the rows, of shape (..., n_rows)."""
         return self.grid(spectrum, self.n_rows)
 
     def course(self, spectrum: ComplexArray) -> FloatArray:

@@ -196,7 +196,7 @@ class Prediction:
 
     @property
     def axis(self) -> Axis:
-        """The declared axis."""
+        """The axis as declared, without the effects that were found."""
         return self.record.dynamics.axis
 
     def column(self, joint: Joint, force: ComplexArray) -> ComplexArray:

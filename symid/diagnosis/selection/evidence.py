@@ -180,7 +180,7 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
     most = THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white
     excess = min(errors.reidentified / most, errors.relative / THRESHOLDS.negligible)
     fits = _logistic(-math.log(max(excess, 1e-9)) / 0.08)
-    # An effect that was found but does not hold is no evidence against a model that leaves hardly more than noise.
+    # An effect that was found but does not hold is not evidence against a model that leaves hardly more than noise.
     plain = (1 - holds) * fits
     return Outcome(
         no_gap=plain * good,

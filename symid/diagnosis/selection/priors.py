@@ -20,7 +20,7 @@ from symid.diagnosis.fitting.state import State
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _USUAL = ("coulomb_friction", "viscous_friction", "offset_force", "weight", "delay")
-"""What most machines have, and first models lack."""
+"""Effects of most machines that first models omit."""
 _LEVELS = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
 
 

@@ -46,7 +46,7 @@ class Confirmed:
 
     @property
     def effect(self) -> Effect:
-        """The effect added."""
+        """The effect that this candidate adds to the model."""
         return self.placed.effect
 
     @property

@@ -10,7 +10,7 @@ EXPLAINED, NOMINAL, NOISE = "#009E73", "#CC79A7", "#777777"
 INK, PAPER = "#222222", "#FFFFFF"
 
 DARK_FILTER = "invert(0.91) hue-rotate(180deg)"
-"""Of CSS: turns a picture in light colours into a dark one, hues kept; a picture saved from the page stays light."""
+"""CSS filter that makes a light picture dark and keeps its hues; a picture saved from the page stays light."""
 
 
 def in_dark(colour: str) -> str:

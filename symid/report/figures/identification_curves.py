@@ -28,7 +28,7 @@ _MOST_RESPONSES = 2
 
 @dataclass(frozen=True, eq=False)
 class IdentificationCurves:
-    """What the figures of an identification show."""
+    """Curves that the figures of an identification show."""
 
     panels: tuple[Panel, ...]  # for each output of each log
     # of the first sensors to the only drive; none without the axis, or where it is not known well enough

@@ -1,4 +1,4 @@
-"""What acts between the bodies of an axis, as links with a sign and a label for its schematic."""
+"""Elements between the bodies of an axis, as links with a symbol and a label for its schematic."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the catalogue of effects says of each: its law, in which its parameters stand, and the remedy on the machine."""
+"""Entries of the catalogue of effects: the law with its parameters, and the remedy on the machine."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ from symid.simulation.frequency_response import (
 
 _MOST_SENSORS = 2
 _BEYOND = 1.25
-"""Of the highest frequency that is excited: up to there it is drawn."""
+"""Multiple of the highest excited frequency up to which a response is drawn."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from symid.simulation.frequency_response import FrequencyResponse
 from symid.simulation.response_band import ResponseBand
 
 _MOST_POINTS = 10_000
-"""Of a curve over time; of a longer one, the envelope."""
+"""Points up to which a curve over time is drawn as it is; a longer one is drawn as its envelope."""
 
 
 @dataclass(frozen=True)

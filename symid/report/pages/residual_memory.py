@@ -1,4 +1,4 @@
-"""What a residual remembers: the section of a page on its correlations."""
+"""Correlations of a residual: their section of a page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NAME = "memory-plot"
 
 
 def remembered(parts: Sequence[tuple[str, Correlation, Correlation]]) -> dict[str, Any]:
-    """What `memory.html` needs: the figure, its numbers, and the shares outside the bands of each part."""
+    """Fields of `memory.html`: the figure, its numbers, and the shares outside the bands of each part."""
     return {
         "remembered": wide_and_narrow(lambda narrow: correlation_figure(parts, narrow=narrow), _NAME),
         "remembered_data": correlation_data(parts),

@@ -37,7 +37,7 @@ class ReportConsole(Console):
             return super().render_str(shown, markup=False, **options)
 
     def on_broken_pipe(self) -> None:
-        """Whoever read has read enough, which is no failure; rich would exit with 1."""
+        """The reader of the output has closed it. That is not a failure; rich would exit with 1."""
         raise BrokenPipeError
 
 
