@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,15 @@ from symid.cli.options import as_json, json_option, measured_option, parameter_f
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import say
 from symid.errors import EliminationError, SettingError
-from symid.export import Exported, c_source, mjcf, parameter_record, structured_text, urdf, write_fmu
+from symid.export import TEXT_TARGETS, Exported, c_source, parameter_record, write_fmu
 from symid.files import is_finite_number, read_json, write_whole
 from symid.symbolic import derive
 
-FORMATS = ("c", "mjcf", "urdf", "fmu", "st", "json")
+_PROGRAMS = ", ".join(target.program for target in TEXT_TARGETS.values())
+
+
+def _kind_of_file(options: Mapping[str, Any]) -> str:
+    return "exported" if options["to"] in TEXT_TARGETS else str(options["to"])
 
 
 @click.command(
@@ -35,9 +40,9 @@ FORMATS = ("c", "mjcf", "urdf", "fmu", "st", "json")
 )
 @option(
     "--to",
-    type=Choice(FORMATS),
+    type=Choice(("c", "fmu", "json", *TEXT_TARGETS)),
     required=True,
-    help="C99, MuJoCo, URDF, unit for co-simulation (FMI), feed-forward in Structured Text, or JSON.",
+    help=f"C99, unit for co-simulation (FMI), {_PROGRAMS}, or JSON.",
 )
 @option("--fmi", type=Choice(["2", "3"]), default="2", help="With --to fmu: FMI 2.0 or 3.0.")
 @measured_option
@@ -45,7 +50,7 @@ FORMATS = ("c", "mjcf", "urdf", "fmu", "st", "json")
     "-o",
     "--output",
     metavar="FILE",
-    type=Output(lambda options: str(options["to"])),
+    type=Output(_kind_of_file),
     help="Where to write [standard output].",
 )
 @json_option
@@ -67,8 +72,8 @@ def command(axis: str, **options: Any) -> None:
 
 
 def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any]) -> Exported:
-    if write := {"mjcf": mjcf, "urdf": urdf, "st": structured_text}.get(options["to"]):
-        return write(declared, values)
+    if target := TEXT_TARGETS.get(options["to"]):
+        return target.write(declared, values)
     if options["to"] == "fmu":
         if not options["output"]:
             raise SettingError("a unit is a file: give its name with -o FILE.fmu")

@@ -21,9 +21,7 @@ _BEGINNINGS: Final[Mapping[str, tuple[bytes, ...]]] = {
     "html": (b"<!doctype html",),
     "picture": (b"\x89png", b"%pdf", b"<?xml", b"<svg"),
     "c": (b"#include <math.h>", b"/* axis "),
-    "mjcf": (b"<",),
-    "urdf": (b"<",),
-    "st": (b"(* feed-forward of axis",),
+    "exported": (b"<", b"(*"),
     "fmu": (b"pk\x03\x04",),
     "log": (),
     "axis": (),
@@ -58,7 +56,7 @@ overwrite_option = option("--overwrite", is_flag=True, help="Replace an existing
 
 
 class Output(click.types.StringParamType):
-    """A file to write, of one of the kinds json, mapping, html, picture, c, mjcf, urdf, fmu, st, log, axis and results.
+    """A file to write, of one of the kinds json, mapping, html, picture, c, exported, fmu, log, axis and results.
 
     A function of all options may give the kind.
     """
@@ -214,6 +212,6 @@ def _is_of_kind(path: Path, kind: str) -> bool:
         begin = file.read(_LOOK).removeprefix(b"\xef\xbb\xbf").lstrip().lower()
     if kind == "axis":
         return b"with what a diagnosis found." in begin.partition(b"\n")[0]
-    if kind == "c" and b"symid" not in begin:
+    if kind in ("c", "exported") and b"symid" not in begin:
         return False
     return begin.startswith(_BEGINNINGS[kind]) if _BEGINNINGS[kind] else False

@@ -42,6 +42,7 @@ def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
     machine = mechanism(axis, values)
     losses = (*machine.losses, *losses_of_signals(axis), *_losses(axis, machine))
     lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(axis.name)}>"]
+    lines.append("  <!-- Exported by symid. SI units; slides along x, hinges about x. -->")
     lines += [f"  <!-- Lost: {loss.replace('--', '- -')} -->" for loss in losses]
     lines += ['  <link name="ground"/>']
     for body in machine.roots:

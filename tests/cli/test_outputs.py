@@ -25,6 +25,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         Path(name).write_text("t,q,F\n" + rows, encoding="utf-8")
     Path("notes.html").write_text("my notes", encoding="utf-8")
     Path("mine.py").write_text("# by hand\n", encoding="utf-8")
+    Path("mine.xml").write_text('<robot name="mine"/>', encoding="utf-8")
     Path("picture.png").write_text("t,q,F\n", encoding="utf-8")
     Path("hard.json").hardlink_to("P.json")
     Path("log.json").write_text(json.dumps({"t": [0.0, 0.1], "q": [1.0, 2.0]}), encoding="utf-8")
@@ -69,6 +70,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "export rigid_1m --parameters P.json --to c -o P.json",
         "export rigid_1m --parameters P.json --to json -o P.json",
         "export rigid_1m --parameters P.json --to c -o mine.py",
+        "export rigid_1m --parameters P.json --to mjcf -o mine.xml",
+        "export rigid_1m --parameters P.json --to urdf -o mine.xml",
         "show rigid_1m --json in.csv",
         "show mine.py --json mine.py",
         "new axis --json in.csv",
@@ -87,7 +90,10 @@ def test_nothing_is_overwritten(arguments: str, folder: Path, capsys: pytest.Cap
 def test_results_are_written_again(folder: Path) -> None:
     for _ in range(2):
         assert run("show", "rigid_1m", "--json", "r.json", "--plot", "r.svg") == 0
-        assert run("export", "rigid_1m", "--parameters", "P.json", "--to", "c", "-o", "r.c") == 0
+        for target in ("c", "mjcf", "urdf", "st", "fmu"):
+            assert (
+                run("export", "rigid_1m", "--parameters", "P.json", "--to", target, "-o", f"r.{target}") == 0
+            )
         assert run("import", "in.csv", "--axis", "rigid_1m", "-o", "map.json", "--plot", "in.pdf") == 0
     assert {"r.json", "r.svg", "r.c", "r.h", "map.json", "in.pdf"} < {path.name for path in folder.iterdir()}
 
