@@ -19,8 +19,10 @@ from typing import Any
 
 import sympy as sp
 
+from symid.axis import Axis
 from symid.errors import EliminationError
 from symid.signal_names import derivative_name
+from symid.symbolic.column_units import unit_of
 from symid.symbolic.elimination import InputOutputModel
 from symid.symbolic.equations import InputOutputEquation
 from symid.symbolic.expressions import exact
@@ -101,9 +103,8 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     drives = sorted(named, key=lambda signal: signal not in differentiated)
     basis, rows = _basis(model, [_with_output(equation, drives) for equation in model.equations])
     order = sorted(range(1, len(basis)), key=lambda j: _place(j, basis, rows))
-    units = axis.parameter_units
     parameters = tuple(
-        MinimalParameter(f"X{i + 1}", basis[j], basis[j].unit(units)) for i, j in enumerate(order)
+        MinimalParameter(f"X{i + 1}", basis[j], _unit(j, basis, rows, axis)) for i, j in enumerate(order)
     )
     if not parameters:
         raise EliminationError(
@@ -212,6 +213,22 @@ def _without_constant(function: ParameterFunction, known: Mapping[int, Any]) -> 
         if any(a != b for i, (a, b) in enumerate(zip(m, below, strict=True)) if i not in known)
     }
     return ParameterFunction(function.numerator.ring.from_dict(terms), function.denominator)
+
+
+def _unit(j: int, basis: Sequence[ParameterFunction], rows: Sequence[_Row], axis: Axis) -> Unit:
+    """Unit of basis function j: that of an output over its column there.
+
+    Its own factors do not tell it where it holds ratios, as J + r^2 M does. They do for a physical parameter, and for
+    a column in which numbers have units, such as the derivative of a cogging.
+    """
+    function, signals = basis[j], axis.signal_units
+    if not function.is_parameter:
+        columns = ((row, c.expression) for row in rows for c in row.columns if c.shares.get(j) == 1)
+        for row, expression in columns:
+            output, column = unit_of(row.output, signals), unit_of(expression, signals)
+            if output and column:
+                return output / column
+    return function.unit(axis.parameter_units)
 
 
 def _place(j: int, basis: Sequence[ParameterFunction], rows: Sequence[_Row]) -> tuple[int, ...]:

@@ -73,6 +73,11 @@ class ParameterFunction:
         return {str(x) for x, used in zip(self.numerator.ring.symbols, powers, strict=True) if any(used)}
 
     @property
+    def is_parameter(self) -> bool:
+        """Whether it is one physical parameter."""
+        return self.denominator == 1 and self.numerator.is_generator
+
+    @property
     def is_linear(self) -> bool:
         """Whether it is a sum of physical parameters times numbers."""
         return self.denominator.is_ground and all(sum(m) == 1 for m in self.numerator.itermonoms())
@@ -102,7 +107,7 @@ class ParameterFunction:
         return " + ".join(written)
 
     def unit(self, units: dict[str, Unit]) -> Unit:
-        """Unit, from those of the physical parameters."""
+        """Unit, from those of the physical parameters; numbers and known constants have none."""
         total = Unit()
         names = [str(symbol) for symbol in self.numerator.ring.symbols[1:]]
         for sign, part in ((1, self.numerator), (-1, self.denominator)):

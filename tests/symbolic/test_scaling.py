@@ -6,22 +6,18 @@ from axes.catalogue import cases, derived, every_set, generated
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symid import (
-    Axis,
-    Between,
-    PendulumWeight,
-    Weight,
-)
+from symid import Axis, Between, Body, Drive, Law, PendulumWeight, Position, Spring, Weight, derive
 from symid.units import BASE_UNITS, Unit
 
 
 def knows_a_number(axis: Axis) -> bool:
-    """Whether an axis is declared with a ratio or with gravity."""
+    """Whether an axis is declared with a ratio, a pitch or gravity."""
     joints = [getattr(element, "at", None) for element in axis.elements]
     ratios = [joint.ratio for joint in joints if isinstance(joint, Between)]
     ratios += [body.geared.ratio for body in axis.bodies if body.geared]
     weighs = any(isinstance(element, (Weight, PendulumWeight)) for element in axis.elements)
-    return weighs or any(ratio != 1 for ratio in ratios)
+    shaped = any(isinstance(element, Law) and element.shape for element in axis.elements)
+    return weighs or shaped or any(ratio != 1 for ratio in ratios)
 
 
 @pytest.mark.parametrize(("name", "chosen"), every_set())
@@ -30,7 +26,7 @@ def knows_a_number(axis: Axis) -> bool:
 def test_minimal_parameters_change_with_the_units_as_their_own_unit_says(
     name: str, chosen: tuple[str, ...], powers: tuple[float, ...]
 ) -> None:
-    """Known ratios (m/rad) and gravity (m/s^2) keep their numbers: beside them only kg and A may change."""
+    """Known ratios (m/rad), gravity (m/s^2) and pitches keep their numbers: beside them only kg and A may change."""
     model, derivation = generated(name, chosen), derived(name, chosen)
     free = ("kg", "A") if knows_a_number(cases()[name].declared) else BASE_UNITS
     sizes = {
@@ -62,6 +58,17 @@ def test_millimetres_scale_the_paper_s_parameters_by_hand() -> None:
         "X6": "kg*s",
         "X7": "kg*s^2",
     }
+
+
+def test_units_of_minimal_parameters_include_those_of_the_ratio_of_a_screw() -> None:
+    """The screw's shares of the slide's mass and weight are an inertia and a torque, over the constant in N*m/A."""
+    slide, screw = Body("slide", mass="M"), Body("screw", inertia="J")
+    nut = Spring("nut", Between(first=screw, second=slide, ratio=0.00159), stiffness="K")
+    drive = Drive("iq", screw, gain="Kt", unit="A")
+    model = derive(Axis("hoist", (slide, screw, nut, Weight(slide)), drive, (Position("q", screw),)))
+    (row,) = model.minimal.regressor
+    units = {str(c): str(p.unit) for c, p in zip(row, model.minimal.parameters, strict=True)}
+    assert units == {"-iq_d2": "s^2", "q_d2": "A*s^2/rad", "q_d4": "A*s^4/rad", "1": "A"}
 
 
 def test_a_stiff_foundation_leaves_the_rigid_motor() -> None:
