@@ -167,8 +167,9 @@ class _Problem:
         return cls(model, minimal, whitening, *constraints.ranges(names), *constraints.means(names))
 
     def residual(self, theta: FloatArray) -> FloatArray:
-        """Residual of the estimate and of the priors, in deviations."""
-        of_data = self.whitening @ (self.model.minimal_parameters(*theta) - self.minimal)
+        """Residual of the estimate and of the priors, in deviations; not finite where a divisor is at a bound of 0."""
+        with np.errstate(all="ignore"):
+            of_data = self.whitening @ (self.model.minimal_parameters(*theta) - self.minimal)
         return np.concatenate([of_data, self.precision * (theta - self.mean)])
 
     def slope(self, theta: FloatArray) -> FloatArray:

@@ -25,6 +25,7 @@ from symid.identification.physical import (
     correlation_root,
     jacobian,
     negative_parameters,
+    open_by_structure,
     open_directions,
 )
 from symid.identification.settings import Preparation
@@ -254,11 +255,10 @@ class _Stacked:
 
     def covariance(self, physical: FloatArray, names: list[str]) -> tuple[FloatArray, list[str]]:
         """Covariance of the parameters, nan for those that are not determined, and the names of these."""
-        scale, size = _scale(physical), len(names)
+        scale = _scale(physical)
         # the structural rank, at a generic point, and the rank at the estimate, which may be lower
-        generic = np.exp(np.random.default_rng(0).normal(size=size))
-        loose = open_directions(self.slope(generic))[1] | open_directions(self.slope(physical))[1]
-        axes, _ = open_directions(self.slope(physical))
+        axes, lost = open_directions(self.slope(physical))
+        loose = lost | np.isin(names, open_by_structure(*self.models))
         covariance = np.asarray((axes.T @ axes) * np.outer(scale, scale))
         covariance[loose, :] = covariance[:, loose] = np.nan
         return covariance, [name for name, is_loose in zip(names, loose, strict=True) if is_loose]

@@ -120,13 +120,17 @@ def open_directions(slope: FloatArray) -> tuple[FloatArray, BoolArray]:
     return axes[determined] / sizes[determined, None], np.any(np.abs(axes[~determined]) > _PART, axis=0)
 
 
-def open_by_structure(model: GeneratedModel) -> tuple[str, ...]:
-    """Parameters that no log of these signals determines, judged at a generic point of all parameters."""
-    generic = np.exp(np.random.default_rng(0).normal(size=len(model.physical_units)))
-    rows = jacobian(model, generic) * generic
+def open_by_structure(*models: GeneratedModel) -> tuple[str, ...]:
+    """Parameters that no log of these signals determines, judged at a generic point of all parameters.
+
+    Several models of the same parameters, whose known values differ, are judged together.
+    """
+    names = list(models[0].physical_units)
+    generic = np.exp(np.random.default_rng(0).normal(size=len(names)))
+    rows = np.vstack([jacobian(model, generic) for model in models]) * generic
     size = np.max(np.abs(rows), axis=1, keepdims=True)
     is_open = open_directions(rows / np.where(size > 0.0, size, 1.0))[1]
-    return tuple(name for name, it in zip(model.physical_units, is_open, strict=True) if it)
+    return tuple(name for name, it in zip(names, is_open, strict=True) if it)
 
 
 def physical_estimates(

@@ -21,7 +21,7 @@ from symid.symbolic.kernel import EliminationRow
 from symid.symbolic.lagrange import ONE_INPUT, Kinematics, LawInput
 from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, add, by_power
-from symid.symbolic.readings import sensor_terms
+from symid.symbolic.readings import reading_of, sensor_terms
 
 
 @dataclass(frozen=True)
@@ -94,10 +94,11 @@ class SignalWriter:
     def _motion_terms(self, row: EliminationRow) -> tuple[list[RegressorTerm], PolyElement]:
         """Terms of the measured motion, and the constant that the offsets of sensors leave."""
         offsets = self.operators.ring.zero
+        own = {signal for signal in self.known.in_equations if reading_of(signal) in row.multipliers}
         collected: dict[tuple[str, int], RegressorTerm] = {}
         for index in range(len(self.known.basis)):
             for order, coefficient in sorted(by_power(row.entries.get(f"y{index}")).items(), reverse=True):
-                for signal, left, share in self.known.derivative(index, order):
+                for signal, left, share in self.known.derivative(index, order, own):
                     previous = collected.get((signal, left))
                     part = coefficient * share
                     if scale := self.scales.get(signal):

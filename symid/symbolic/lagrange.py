@@ -85,7 +85,7 @@ class Kinematics:
     def __init__(self, axis: Axis) -> None:
         self.coordinates = {body: f"q_{body.name}" for body in axis.free_bodies}
         self.constants: dict[str, float] = {}
-        self._values = _ratios(axis)
+        self._values = _values_of_constants(axis)
         self._absent = {name for name, value in axis.known_parameters.items() if value == 0}
 
     def symbol(self, body: Body, order: int = 0) -> sp.Symbol:
@@ -100,7 +100,7 @@ class Kinematics:
         """Exact number if it is an integer, else a symbol for it."""
         if float(value).is_integer():
             return sp.Integer(int(value))
-        # Other ratios between the same bodies have names of their own, the same in every process.
+        # Another ratio between the same bodies, or acceleration, has a name of its own, the same in every process.
         name += "_" * self._values.get(name, [value]).index(value)
         self.constants[name] = float(value)
         return sp.Symbol(name)
@@ -144,8 +144,8 @@ class Kinematics:
         )
 
 
-def _ratios(axis: Axis) -> dict[str, list[float]]:
-    """Different ratios between two bodies, by the name of their constant."""
+def _values_of_constants(axis: Axis) -> dict[str, list[float]]:
+    """Different ratios between two bodies, and accelerations of weights, by the name of their constant."""
     joints = (getattr(holder, "at", None) for holder in (*axis.elements, *axis.drives))
     pairs = [(gear.to.name, body.name, gear.ratio) for body in axis.bodies for gear in body.gears]
     pairs += [
@@ -153,11 +153,13 @@ def _ratios(axis: Axis) -> dict[str, list[float]]:
         for joint in (*joints, *(sensor.joint for sensor in axis.sensors))
         if isinstance(joint, Between)
     ]
+    named = [(f"ratio_{first}_{second}", ratio) for first, second, ratio in pairs]
+    named += [("gravity", e.acceleration) for e in axis.elements if isinstance(e, (Weight, PendulumWeight))]
     found: dict[str, list[float]] = {}
-    for first, second, ratio in pairs:
-        values = found.setdefault(f"ratio_{first}_{second}", [])
-        if ratio not in values:
-            values.append(ratio)
+    for name, value in named:
+        values = found.setdefault(name, [])
+        if value not in values:
+            values.append(value)
     return found
 
 
@@ -215,7 +217,7 @@ def _weights(axis: Axis, kinematics: Kinematics) -> sp.Expr:
     energy = sp.Integer(0)
     for element in axis.elements:
         if isinstance(element, Weight):
-            gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
+            gravity = kinematics.constant("gravity", element.acceleration)
             height = kinematics.absolute(element.body)
             energy += kinematics.parameter(element.body.inertial) * gravity * height * ONE_INPUT
     return energy
@@ -248,7 +250,7 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
                 if not term.is_linear:
                     resist(kinematics.parameter(term.parameter), law_expression(term.expression), at, label)
         elif isinstance(element, PendulumWeight):
-            gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
+            gravity = kinematics.constant("gravity", element.acceleration)
             moment = kinematics.parameter(element.named("moment")) * gravity
             at, label = Between(first=GROUND, second=element.body), f"PendulumWeight of {element.body.name!r}"
             resist(moment, sp.sin(sp.Symbol("q")), at, label)

@@ -7,7 +7,7 @@ the basis at a higher order serves for the higher derivatives, as in method 3 of
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -68,12 +68,17 @@ class Measurement:
                 row = add(row, {column: coefficient * share}, 1)
         return row
 
-    def derivative(self, index: int, order: int) -> tuple[tuple[str, int, Any], ...]:
-        """The derivative of a basis function as (signal, order, coefficient), differentiating as little as possible."""
+    def derivative(
+        self, index: int, order: int, without: Collection[str] = ()
+    ) -> tuple[tuple[str, int, Any], ...]:
+        """The derivative of a basis function as (signal, order, coefficient), differentiating as little as possible.
+
+        Signals `without` do not serve for it: an equation of their reading would otherwise say 0 = 0.
+        """
         function = self.basis[index]
         best: tuple[tuple[str, int, Any], ...] = ((function.signal, order - function.order, 1),)
         reached = function.order
-        for other in self.repeated:
+        for other in (one for one in self.repeated if one.signal not in without):
             share = other.combination.get(index)
             rest = {i: c for i, c in other.combination.items() if i != index}
             saves = reached < other.order <= order and all(self.basis[i].order == other.order for i in rest)

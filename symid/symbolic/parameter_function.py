@@ -75,7 +75,7 @@ class ParameterFunction:
     @property
     def is_parameter(self) -> bool:
         """Whether it is one physical parameter."""
-        return self.denominator == 1 and self.numerator.is_generator
+        return bool(self.denominator == 1 and self.numerator.is_generator)
 
     @property
     def is_linear(self) -> bool:

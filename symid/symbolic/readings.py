@@ -82,6 +82,11 @@ def _laws_read(operators: OperatorModel, sensor: Sensor) -> Row:
     return found
 
 
+def reading_of(signal: str) -> str:
+    """Name of the equation of a sensor's reading, which no body can have."""
+    return f"reading of {signal}"
+
+
 def with_readings(
     operators: OperatorModel, sensors: Sequence[Sensor], repeated: Sequence[str]
 ) -> tuple[OperatorModel, tuple[str, ...]]:
@@ -112,7 +117,7 @@ def _with_equation(operators: OperatorModel, sensor: Sensor, terms: ReadingTerms
             motion[body] = add(motion[body], terms.motion, factor)
             force[body] = add(force[body], own, factor)
             inputs[body] = add(inputs[body], constant, factor)
-    name = f"reading of {sensor.signal}"  # no body is called so
+    name = reading_of(sensor.signal)
     motion[name], force[name], inputs[name] = terms.motion, own, constant
     return replace(operators, motion=motion, inputs=inputs, force=force)
 

@@ -21,14 +21,17 @@ from symid import (
     Position,
     Spring,
     ViscousFriction,
+    Weight,
     derive,
     identify,
     load_axis,
     write_axis,
 )
+from symid.codegen.generate import compiled
 from symid.data import write_log
 from symid.errors import DeclarationError, SettingError
 from symid.identification import identify_with_known
+from symid.identification.physical import open_by_structure
 from symid.simulation import Cascade, plant_of, simulate, trapezoids
 
 TABLE = Body("table", mass="M")
@@ -165,6 +168,20 @@ def test_a_ball_screw_in_current_units_is_found_without_a_start() -> None:
     assert set(found.physical_parameters) == set(true)
     for name in ("Mm", "Kt", "Kt_drive"):
         assert found.physical_parameters[name] == pytest.approx(true[name], rel=0.05), name
+
+
+def test_a_stiff_screw_with_a_payload_in_one_log_is_determined_with_its_constant() -> None:
+    """Kn/(Mz + Ml) of the slide's balance tells Kn, and Kn/Kt of the motor's the constant; -g is no parameter."""
+    screw, slide = Body("screw", inertia="J"), Body("slide", mass="Mz")
+    load = Body("load", mass="Ml", geared=Geared(to=slide, ratio=1.0))
+    nut = Spring("nut", Between(first=screw, second=slide, ratio=0.00159), stiffness="Kn")
+    sensors = (Position("th", screw), Position("d", slide, relative_to=screw, ratio=0.00159))
+    elements = (screw, slide, load, nut, ViscousFriction(screw, "Fv"), Weight(slide), Weight(load))
+    hoist = Axis("hoist", elements, Drive("iq", screw, gain="Kt", unit="A"), sensors)
+    assert any("gravity" in str(y) for y in derive(hoist, ("th", "d")).minimal.output)
+    models = [compiled(derive(hoist.with_known({"Ml": payload}), ("th", "d"))) for payload in (0.0, 40.0)]
+    assert "Kt" in open_by_structure(models[0])
+    assert open_by_structure(*models) == ()
 
 
 def test_the_constant_is_in_equations_and_simulation() -> None:

@@ -118,6 +118,15 @@ def test_a_ratio_is_that_of_a_reference() -> None:
         Axis("s", *turning, (Position("q", screw), Position("d", nut, ratio=0.002)))
 
 
+def test_an_accelerometer_beside_a_sensor_of_unknown_gain_tells_that_gain() -> None:
+    slide = Body("slide", mass="M")
+    sensors = (Position("wire", slide, gain="c", offset="o", unit="V"), Acceleration("a", slide))
+    axis = Axis("drawn", (slide, ViscousFriction(slide, "Fv")), Drive("F", slide), sensors)
+    model = derive(axis, ("wire", "a"))
+    assert "a = X3*(wire_d2)" in [line.strip() for line in str(model).splitlines()], model
+    assert model.parameter_map.identifiability["c"] == "unique"
+
+
 def test_gain_and_offset_of_a_force_sensor() -> None:
     cell = Force("cell", SHAFT, gain="cf", offset="of", unit="V")
     axis = celled((Position("qm", MOTOR), Position("ql", LOAD), cell))
