@@ -61,7 +61,11 @@ def matlab_7_3(path: Path) -> None:
 
 
 def struct(path: Path) -> None:
-    scipy.io.savemat(path, {"run": {"t": T, "axis": {"q": Q[:, None], "F": F}, "name": "x"}, "dt": PERIOD})
+    scipy.io.savemat(
+        path,
+        {"run": {"t": T, "axis": {"q": Q[:, None], "F": F}, "name": "x"}, "dt": PERIOD},
+        do_compression=True,
+    )
 
 
 def structure_with_time(path: Path) -> None:
@@ -76,7 +80,9 @@ def dspace(path: Path) -> None:
     """What ControlDesk saves: one clock, signals by name."""
     ys = np.empty((1, 2), dtype=object)
     ys[0, 0], ys[0, 1] = {"Name": "q", "Data": Q, "Unit": "m"}, {"Name": "F", "Data": F, "Unit": "N"}
-    scipy.io.savemat(path, {"rec1": {"X": {"Name": "t", "Data": T}, "Y": ys, "Description": "x"}})
+    scipy.io.savemat(
+        path, {"rec1": {"X": {"Name": "t", "Data": T}, "Y": ys, "Description": "x"}}, do_compression=True
+    )
 
 
 def tdms(path: Path) -> None:

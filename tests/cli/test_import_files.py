@@ -30,7 +30,7 @@ def test_a_struct_and_a_json_log_are_no_empty_tables(
     recorded, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     columns = {"time": recorded.time, "position": recorded["q"], "force": recorded["F"]}
-    scipy.io.savemat(folder / "s.mat", {"run": columns})
+    scipy.io.savemat(folder / "s.mat", {"run": columns}, do_compression=True)
     (folder / "s.json").write_text(json.dumps({"run": {k: v.tolist() for k, v in columns.items()}}))
     for name in ("s.mat", "s.json"):
         assert run("import", name, "--axis", "rigid_1m", "-o", "m.json") == 0

@@ -54,13 +54,13 @@ def test_matlab_7_3(tmp_path):
 
 def test_matlab_arrays_that_are_no_signals(tmp_path):
     path = tmp_path / "a.mat"
-    scipy.io.savemat(path, columns(q2=np.outer(Q2, Q2), Fm=FM * (1.0 + 1.0j)))
+    scipy.io.savemat(path, columns(q2=np.outer(Q2, Q2), Fm=FM * (1.0 + 1.0j)), do_compression=True)
     message = error_of(path)
     assert "column 'q2' is an array of 200 x 200 where a vector is required" in message
     assert "column 'Fm' is complex" in message
-    scipy.io.savemat(path, columns(q2=Q2[:150], ref=np.zeros(9)))
+    scipy.io.savemat(path, columns(q2=Q2[:150], ref=np.zeros(9)), do_compression=True)
     assert "differ in length (t 200, q2 150, Fm 200)" in error_of(path)
-    scipy.io.savemat(path, {"t": T, "q2": Q2, "Fm": "text"})
+    scipy.io.savemat(path, {"t": T, "q2": Q2, "Fm": "text"}, do_compression=True)
     assert list(read_log(path, expected=EXPECTED).signals) == ["q2"]
     assert "no column 'Fm'" in error_of(path, columns={"Fm": "Fm"})
 

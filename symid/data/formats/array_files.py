@@ -3,67 +3,137 @@
 from __future__ import annotations
 
 import math
+import warnings
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 import scipy
 
-from symid.data.formats.channels import short_names, table_of_arrays
-from symid.data.formats.hdf5 import MAGIC, open_hdf5
+from symid.data.formats.channels import Channel, columns_of, short_names, table_of_arrays, table_of_channels
+from symid.data.formats.hdf5 import MAGIC, open_hdf5, values_with_objects
+from symid.data.formats.matlab_objects import may_hold_objects, with_objects
+from symid.data.formats.separate import answer, channels_apart
 from symid.data.memory import require_room
-from symid.data.table import Table, parsing
+from symid.data.table import Table, first_line, parsing
 from symid.errors import LogError
 
 _VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name")
 """Field names of Simulink and dSPACE for the samples of a signal and for its name."""
 _DEEPEST = 12
+_COMPRESSED = 15
+"""Type of an element of a MATLAB file that is compressed."""
+_Leaf: TypeAlias = "npt.NDArray[Any] | Channel"
 
 
 def open_matlab(path: Path, memory: int | None = None) -> Table:
     """Table in a MATLAB file; LogError if it is damaged, or holds no numbers that can be read.
 
-    Fields of structs are columns, named after the signal where the struct names one.
+    Fields of structs are columns, named after the signal where the struct names one; time series keep their times.
     """
     with path.open("rb") as file:
         begin = file.read(520)
-    if b"MATLAB 7.3" in begin[:128] or MAGIC in begin:
-        return open_hdf5(path, memory)
-    with parsing(path, "MATLAB"):
+    if _is_hdf5(begin):
+        values = values_with_objects(path)
+        if not values:
+            return open_hdf5(path, memory)
+        require_room(values, memory)
+        try:
+            return table_of_channels(_channels_apart(path, memory))
+        except LogError as error:
+            return _otherwise(open_hdf5(path, memory), path, error)
+    # only compressed elements have a checksum, and a wrong element can end the process of its parser
+    if may_hold_objects(begin) or _COMPRESSED not in begin[128:132]:
+        return table_of_channels(_channels_apart(path, memory))
+    return table_of_channels(_channels(path, memory))
+
+
+def _is_hdf5(begin: bytes) -> bool:
+    return b"MATLAB 7.3" in begin[:128] or MAGIC in begin
+
+
+def _channels_apart(path: Path, memory: int | None) -> list[Channel]:
+    return channels_apart("symid.data.formats.array_files", path, memory, "MATLAB")
+
+
+def _parsed(path: Path, memory: int | None) -> list[Channel]:
+    """Channels of a file of any version, with those of its objects if they can be read."""
+    with path.open("rb") as file:
+        begin = file.read(520)
+    is_hdf5 = _is_hdf5(begin)
+    if not is_hdf5 and not may_hold_objects(begin):
+        return _channels(path, memory)
+    try:
+        _require_room_for(path, memory)
+        found = _as_channels(with_objects(path))
+        if not found:
+            raise LogError("no vectors of numbers in them")
+        return found
+    except Exception as error:  # noqa: BLE001  objects of an unknown kind; the vectors beside them are read
+        return _otherwise([] if is_hdf5 else _channels(path, memory), path, error)
+
+
+_Found = TypeVar("_Found", Table, list[Channel])
+
+
+def _otherwise(vectors: _Found, path: Path, error: Exception) -> _Found:
+    """What a file has beside objects that cannot be read; LogError if that is nothing."""
+    if vectors if isinstance(vectors, list) else vectors.headers:
+        return vectors
+    why = str(error).removeprefix(f"{path}: ") if isinstance(error, LogError) else first_line(error)
+    advice = "save the Time and Data of a timeseries as vectors"
+    raise LogError(f"{path}: holds objects only, which cannot be read ({why}): {advice}") from error
+
+
+def _channels(path: Path, memory: int | None) -> list[Channel]:
+    """Variables of a file before version 7.3, without its objects."""
+    with parsing(path, "MATLAB"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", scipy.io.matlab.MatReadWarning)  # two objects have one name to scipy
         _require_room_for(path, memory)
         variables = scipy.io.loadmat(path, simplify_cells=True)
-    public = {name: value for name, value in variables.items() if not name.startswith("__")}
-    found = [(names, array) for names, array in _arrays(public) if array.size != 1]
-    names = short_names([names for names, _ in found])
-    table = table_of_arrays(dict(zip(names, [array for _, array in found], strict=True)))
-    if not table.headers and any(type(value).__name__ == "MatlabOpaque" for value in public.values()):
-        raise LogError(
-            f"{path}: holds objects such as timeseries only, which MATLAB alone reads: "
-            "save their Time and Data as vectors"
-        )
-    return table
+    return _as_channels({name: value for name, value in variables.items() if not name.startswith("__")})
 
 
-def _arrays(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], npt.NDArray[Any]]]:
-    """Arrays of numbers in nested structs, with the names that lead to them."""
+def _as_channels(variables: Mapping[str, object]) -> list[Channel]:
+    """Columns of all arrays of numbers, with times where a time series gives them."""
+    no_times = Channel("", "", np.zeros(0), np.zeros(0))
+    paths, channels = [], []
+    for names, leaf in _leaves(variables):
+        channel = leaf if isinstance(leaf, Channel) else replace(no_times, values=leaf)
+        if channel.values.size == 1:
+            continue
+        paths.append((*names[:-1], channel.name) if channel.name else names)
+        channels.append(channel)
+    return [
+        replace(channel, name=column, values=values)
+        for name, channel in zip(short_names(paths), channels, strict=True)
+        for column, values in columns_of(name, channel.values)
+    ]
+
+
+def _leaves(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], _Leaf]]:
+    """Arrays of numbers and time series in nested structs, with the names that lead to them."""
     if len(names) > _DEEPEST:
         return
-    if isinstance(value, Mapping):
+    if isinstance(value, Channel):
+        yield names, value
+    elif isinstance(value, Mapping):
         labels = (value[key] for key in _NAMES if isinstance(value.get(key), str) and value[key])
         own = next(labels, None)
         for key, inner in value.items():
             labelled = own is not None and key in _VALUES
-            yield from _arrays(inner, (*names, str(own)) if labelled else (*names, str(key)))
+            yield from _leaves(inner, (*names, str(own)) if labelled else (*names, str(key)))
     elif isinstance(value, np.ndarray) and value.dtype.kind in "biufc" and value.dtype.names is None:
         yield names, value
     elif isinstance(value, (list, np.ndarray)) and (isinstance(value, list) or value.dtype == object):
         items: Sequence[object] = list(np.ravel(np.array(value, dtype=object))) if len(value) else []
         for i, inner in enumerate(items):
-            yield from _arrays(inner, (*names[:-1], f"{names[-1]}({i + 1})") if names else (str(i + 1),))
+            yield from _leaves(inner, (*names[:-1], f"{names[-1]}({i + 1})") if names else (str(i + 1),))
 
 
 def _require_room_for(path: Path, memory: int | None) -> None:
@@ -86,3 +156,7 @@ def open_npz(path: Path, memory: int | None = None) -> Table:
             require_room(sum(entry.file_size for entry in archive.infolist()) // 8, memory)
         with np.load(path, allow_pickle=False) as arrays:
             return table_of_arrays({name: arrays[name] for name in arrays.files})
+
+
+if __name__ == "__main__":
+    answer(_parsed)

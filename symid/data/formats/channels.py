@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,28 +62,36 @@ def table_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> Table:
     """
     columns: dict[str, npt.NDArray[Any]] = {}
     for name, array in arrays.items():
-        if array.dtype.kind not in _NUMBERS + "mM" or array.size == 1:
-            continue
-        if are_columns(array.shape):
-            rows = array if array.shape[0] > array.shape[1] else array.T
-            columns |= {f"{name}(:,{j + 1})": rows[:, j] for j in range(rows.shape[1])}
-        else:
-            columns[name] = array
+        columns.update(columns_of(name, array))
     headers = tuple(columns)
     return Table(headers, lambda positions: [vector(columns[headers[position]]) for position in positions])
+
+
+def columns_of(name: str, array: npt.NDArray[Any]) -> Iterator[tuple[str, npt.NDArray[Any]]]:
+    """Columns of an array of numbers by name; none of texts and single values."""
+    if array.dtype.kind not in _NUMBERS + "mM" or array.size == 1:
+        return
+    if not are_columns(array.shape):
+        yield name, array
+        return
+    rows = array if array.shape[0] > array.shape[1] else array.T
+    for j in range(rows.shape[1]):
+        yield f"{name}(:,{j + 1})", rows[:, j]
 
 
 def table_of_channels(channels: Sequence[Channel]) -> Table:
     """Channels as a table; those that share their times share a column of them.
 
-    The first column of times is called ``t``, others are named after the first channel that they belong to.
+    The first column of times is called ``t`` if no channel is, others are named after the first channel that they
+    belong to.
     """
+    taken = any(channel.name == TIME for channel in channels)
     times: list[tuple[str, FloatArray]] = []
     headers: list[str] = []
     columns: list[npt.NDArray[Any]] = []
     clock_of: dict[int, str] = {}
     for channel in channels:
-        clock_of[len(columns)] = _clock_of(channel, times)
+        clock_of[len(columns)] = _clock_of(channel, times, taken)
         headers.append(channel.header)
         columns.append(channel.values)
     places = {name: len(columns) + i for i, (name, _) in enumerate(times)}
@@ -112,12 +120,12 @@ def are_columns(shape: Sequence[int]) -> bool:
     return len(shape) == 2 and 1 < min(shape) <= _MOST_COLUMNS and max(shape) >= 2 * min(shape)
 
 
-def _clock_of(channel: Channel, times: list[tuple[str, FloatArray]]) -> str:
+def _clock_of(channel: Channel, times: list[tuple[str, FloatArray]], taken: bool) -> str:
     """Name of the column of a channel's times, which is added if there is none like it."""
     if not channel.time.size:
         return ""
     for name, time in times:
         if time is channel.time or np.array_equal(time, channel.time):
             return name
-    times.append((f"t of {channel.name}" if times else TIME, channel.time))
+    times.append((f"t of {channel.name}" if times or taken else TIME, channel.time))
     return times[-1][0]

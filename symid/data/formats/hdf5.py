@@ -39,6 +39,19 @@ def open_hdf5(path: Path, memory: int | None = None) -> Table:
     return Table(headers, read, n_rows=max((one.size for one in found), default=0))
 
 
+def values_with_objects(path: Path) -> int:
+    """Number of all values in a file of MATLAB 7.3 that holds objects, 0 if it holds none."""
+    h5py, sizes = required("h5py", path), [0]
+
+    def visit(_: str, item: Any) -> None:
+        sizes.append(int(item.size or 0) if isinstance(item, h5py.Dataset) else 0)
+
+    with parsing(path, "HDF5"), h5py.File(path, "r") as file:
+        if "#subsystem#" in file:
+            file.visititems(visit)
+    return sum(sizes)
+
+
 @dataclass(frozen=True)
 class _Vector:
     """A vector of a file, or a column of an array (by its number) or of a compound (by its name)."""
@@ -70,6 +83,8 @@ def _vectors(file: Any, h5py: Any) -> list[_Vector]:
 
     def visit(name: str, item: Any) -> None:
         if not isinstance(item, h5py.Dataset) or name.startswith("#") or item.size is None or item.size <= 1:
+            return
+        if "MATLAB_object_decode" in item.attrs:  # refers to an object
             return
         path, unit = tuple(name.split("/")), _unit(item)
         if item.dtype.names:
