@@ -55,6 +55,7 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
             "scale": numbers([scale])[0],
         }
 
+    # Only polynomials with numbers and NumPy code of laws: a simulation reads this without sympy.
     return {
         "generators": list(map(str, ring.symbols[1:])),
         "bodies": [body for body, entries in zip(bodies, terms.mass, strict=True) if any(entries)],

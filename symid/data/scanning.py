@@ -56,6 +56,7 @@ def scanned(
             values = values_of(first, stop)
         return {name: x for name, x in values.items() if name != TIME}
 
+    # One pass over the blocks: clock, finite values, jumps; the range of each channel shows a constant one at the end.
     clock = ClockOfBlocks()
     lowest: dict[str, float] = {}
     highest: dict[str, float] = {}

@@ -199,6 +199,7 @@ def _without_nodes(dynamics: SymbolicDynamics, is_node: list[bool]) -> SymbolicD
             f"axis {dynamics.axis.name!r} has bodies without mass ({names}) that carry more than springs, "
             "or none, which cannot be exported: give each a mass"
         )
+    # 0 = K_nn x_n + K_nh x_h gives the nodes by the heavy bodies: x_n = -K_nn^-1 K_nh x_h (static condensation).
     balanced = (-springs.LUsolve(dynamics.stiffness.extract(nodes, heavy))).applyfunc(sp.cancel)
     T = sp.zeros(len(is_node), len(heavy))
     for k, i in enumerate(heavy):

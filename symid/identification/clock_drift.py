@@ -95,6 +95,8 @@ def _growth(parts: Sequence[Excerpt], fit: LeastSquares, delay: Timing) -> _Grow
             rows.append(weight * np.column_stack([seen.W[j], seen.y[j]])[used])
             growing.append(rows[-1][:, -2] * course[used])
             blocks.append(place[used])
+    # Frisch, Waugh and Lovell: the column and the output without what the parameters and the mean delay explain; their
+    # ratio is the growth. Its deviation comes from the scatter of sums over blocks, as residuals are correlated.
     every, column, block = np.concatenate(rows), np.concatenate(growing), np.concatenate(blocks)
     columns = every[:, :-1] / np.maximum(np.linalg.norm(every[:, :-1], axis=0), np.finfo(float).tiny)
     both = np.column_stack([column, every[:, -1]])

@@ -129,6 +129,7 @@ def identify(
             parts_of=parts_of if examine else None,
         )
 
+    # The first cutoff comes from spectra; another replaces it where the estimate is less uncertain with that.
     parts_of = lru_cache(maxsize=1)(partial(excerpts, model, every))
     trial = estimation.trial()
     if trial.fit.status == "too_few_rows":
@@ -180,6 +181,7 @@ def found_from(
         correction = Correction.of(model, parts, fit)
         bias, spread = correction.bias, correction.grown(_scatter(segments(parts, fit), fit))
         fit, correlated = correction.applied(fit, correlated)
+    # From here on the covariance includes the correlation of the residual, and scatter and bias where they are known.
     physical: tuple[PhysicalEstimate, ...] = ()
     if fit.status == "ok":
         covariance = trusted_covariance(fit, correlated)

@@ -128,6 +128,7 @@ def observe(
     needs_velocities = any(model.sliding) and chosen.standstill != 0
     beside_drives = friction or bool(chosen.coulomb)
     p, more = len(model.minimal_units), more_columns(model) if beside_drives else 0
+    # Columns are contiguous while they are filled; at the end W is transposed to rows.
     W = np.empty((len(model.output_names), p + more, sampling.n_rows))
     y = np.empty((W.shape[0], W.shape[2]))
     n_sliding = len(model.sliding_velocities(*np.zeros((len(model.signals), 1))))

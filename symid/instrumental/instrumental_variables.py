@@ -105,6 +105,8 @@ def identify_by_instruments(
     loop, controlled = _with_controller(loop, runs, first, start)
     found, weak = first, ""
     parameters = start
+    # Instruments are rows of the axis simulated with the last estimate: without the noise of the log, but correlated
+    # with its motion. They improve with the estimate until that settles.
     for _ in range(_MOST_ROUNDS):
         try:
             Z = _instruments(model, runs, loop, first, parameters)
@@ -166,6 +168,7 @@ def _with_controller(
     if len(read) < len(found):
         return loop, tuned
     recorded, misfits = np.stack([log[force] for force in forces]), []
+    # The controller whose simulated force is nearer to the recorded one makes the stronger instruments.
     for candidate in (replace(loop, controller=read), loop):
         try:
             simulated = candidate.run(start, log)

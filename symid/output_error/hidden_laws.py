@@ -45,6 +45,8 @@ def models_of(axis: Axis, measured: Sequence[str]) -> Models:
         names = _at_hidden_joints(axis, measured)
         if not names:
             raise
+    # Regressors exist without the hidden laws. Their parameters join the minimal ones as they are; only the simulation
+    # of output error uses them.
     laws = [
         law for law in axis.laws if names.intersection(t.parameter for t in law.terms() if not t.is_linear)
     ]

@@ -37,6 +37,7 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     orders = {name: sensor.order for name, sensor in sensors.items() if sensor.order is not None}
     known = [name for name, order in orders.items() if order == min(orders.values())]
     found = []
+    # F = m a + c v + Fc sign(v) + F0 by least squares, with a and v from the signal of the lowest derivative
     for drive, own in zip(axis.drives, axis.controlled_signals, strict=True):
         signal = own if own in known else known[0]
         read = lowpass.apply(log[signal], log.sampling_frequency)
@@ -53,6 +54,7 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     gains = {sensor.named("gain") for sensor in axis.sensors} | {drive.constant for drive in axis.drives}
     values |= {name: 1.0 for name in values if name in gains}
     masses, springs = dynamics.parameters_of("mass"), dynamics.parameters_of("stiffness")
+    # springs begin with a mode at a tenth of the sampling frequency
     stiffness = mass * (2 * np.pi * 0.1 * log.sampling_frequency) ** 2
     for name in values:
         if name in masses:

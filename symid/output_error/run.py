@@ -99,6 +99,7 @@ class LogRun:
         total = len(self.readings)
         if total <= n_samples:
             return self
+        # Every part begins with an unknown state, as does each stretch within it.
         length = n_samples // _EXCERPTS
         firsts = np.linspace(0, total - length, _EXCERPTS).astype(int)
         chosen = (firsts[:, None] + np.arange(length)).ravel()
@@ -156,6 +157,7 @@ def run_of(
         _measured_motion(dynamics, direction, log, lowpass, parts) for direction, _ in dynamics.laws
     )
     margin = math.ceil(0.5 * log.sampling_frequency / lowpass.cutoff_hz)
+    # While friction may hold a joint, its force is not a function of the motion: long rests are left out.
     moving = np.ones(log.n_samples, dtype=bool)
     for motion, (direction, terms) in zip(motions, dynamics.laws, strict=True):
         can_hold = JointLaw(direction, tuple(ScaledLaw(1.0, t.force, t.code) for t in terms)).can_hold

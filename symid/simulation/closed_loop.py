@@ -119,6 +119,7 @@ def simulate(
         SensorChannel(sensor, plant, n_samples, period, random, misread_code(axis, sensor.signal))
         for sensor in axis.sensors
     ]
+    # Lags, delays and limits of a drive act between its controller and the plant.
     controllers = tuple(
         ThroughDrive(one, chain, np.zeros(n_samples), period) if chain else one
         for one, chain in zip(controllers, map(axis.imperfections_of, axis.drives), strict=True)

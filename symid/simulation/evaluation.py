@@ -9,6 +9,7 @@ from symid.simulation.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MAXIMUM,
 @compiled
 def evaluate(operations, operands, arguments, stack):  # type: ignore[no-untyped-def]  # compiled for arrays
     """Value of a program; `stack` is an array of at least its depth."""
+    # a stack machine: operands are pushed, operations replace the topmost values by their result
     top = -1
     for i in range(operations.size):
         operation = operations[i]

@@ -92,6 +92,7 @@ def response_of(
         uy = uy + scipy.signal.csd(u, y, **settings)[1]
     kept = (frequency > 0) & (frequency <= _TOP / period)
     frequency, uu, uy, yy = frequency[kept], uu[kept], uy[kept], yy[kept]
+    # The central difference of a position attenuates by sinc(2 f T); delays of the records turn the phase.
     attenuation = np.sinc(2 * frequency * period) if sensor.derivative == 0 else np.ones(frequency.size)
     delay = (late or {}).get(signal, 0.0) - (late or {}).get(force, 0.0)
     in_time = np.exp(2j * np.pi * frequency * delay)

@@ -76,6 +76,7 @@ class KnownModes:
     def _made(self) -> ModeTable:
         loop, plant, modes = self._loop, self._loop.plant, self.modes
         n, n_laws = len(plant.bodies), len(plant.laws)
+        # Compiled code takes arrays of one type: the numbers of all modes in one vector, with the place of each mode.
         flat = [
             np.concatenate([x.ravel() for x in (b.begins, b.ends, b.rates, b.signs, b.limits)])
             for b in self._numbers

@@ -45,6 +45,8 @@ def acceleration(current, state, drive, laws, modes, out):  # type: ignore[no-un
 @inner
 def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[no-untyped-def]
     """Advance to the next event, at most by a duration; return the mode after it and the time advanced."""
+    # The steps are those of `Engine._until_event`: a Taylor series of the motion, for each joint the polynomial whose
+    # first zero is its event, and the earliest of these. A law that is not affine acts with its force at the middle.
     n, n_laws, reach = drive.size, len(modes.directions), modes.reach[current]
     made = min(duration, reach)
     whole = made / reach
@@ -60,6 +62,7 @@ def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[
     polynomial = np.zeros(len(terms))
     for j in range(n_laws):
         if modes.kinds[current, j] & SLIDING:
+            # sliding: the speed in its direction falls to zero, and the joint sticks (sign 0)
             towards = modes.signs[current, j]
             if towards * _along(modes.directions, j, end, n) >= 0:
                 continue
@@ -67,6 +70,7 @@ def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[
             for k in range(len(terms)):
                 polynomial[k] = towards * _along(modes.directions, j, terms[k], n)
         elif modes.kinds[current, j] & STUCK:
+            # stuck: the force that holds it reaches the limit of its law, and the joint slides to that side
             excess = _excess(current, j, end, z, laws, modes)
             if excess == 0:
                 continue
@@ -87,6 +91,7 @@ def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[
         state[i] = end[i]
     if joint < 0:
         return current, made
+    # Rounding leaves a speed at the zero; an impulse in the joint removes it exactly.
     if sign == 0:
         residue = _along(modes.directions, joint, state, n)
         for i in range(n):

@@ -84,6 +84,8 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
         if sum(len(entry) for row in found_rows for entry in row.entries.values()) > _MOST_TERMS_WITH_RATIOS:
             operators, known, same = _posed(model, measured, tuple(model.constants))
         combined = [scaling.restored(row, operators.ring, model.constants) for row in found_rows]
+    # The entries are polynomials in s, and s^k of a measured function is its k-th derivative: each row is an equation
+    # in derivatives of signals. Equations with the force in its lowest derivative come first.
     signals = SignalWriter(operators, known)
     equations = [signals.equation(row) for row in combined]
     drives = [*(d.signal for d in model.axis.drives), *(s.signal for s in model.axis.sensors)]

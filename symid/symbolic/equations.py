@@ -153,6 +153,8 @@ class SignalWriter:
             more = ((other, measurement(self.operators, [*sensors, other])) for other in others)
             helps = (o.signal for o, known in more if _sees(known, known.substitute(functional), lowest))
             raise EliminationError(_advice(self.axis, entry, lowest, next(helps, None)))
+        # Each derivative of the joint's displacement is a sum of measured functions; a sensor with gain and offset
+        # enters as gain * reading + offset.
         field, values = self.operators.ring.domain, dict.fromkeys(used, sp.Integer(0))
         for symbol, order in used.items():
             for column, weight in columns.items():

@@ -231,6 +231,8 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
         gain = ONE if drive.constant is None else kinematics.parameter(drive.constant)
         power += gain * sp.Symbol(drive.signal) * kinematics.rate(kinematics.displacement(drive.at), 1)
 
+    # Each nonlinear expression of a joint's motion is one input of the linear equations, whatever laws it stands in.
+    # Its parameter is a coefficient; constant forces share the input 1.
     def resist(parameter: sp.Expr, expression: sp.Expr, joint: Joint, element: str) -> None:
         nonlocal power
         constant, displacement = not expression.free_symbols, kinematics.displacement(joint)

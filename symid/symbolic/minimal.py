@@ -97,6 +97,8 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     >>> print(minimal.parameters[4].function.expression)
     Fvm*Fvs/Ks + Mm
     """
+    # Coefficients that are linear combinations of others need no parameter of their own: a basis of their span over the
+    # numbers gives the minimal parameters, and each column is written in that basis.
     differentiated = {signal for e in model.equations for order, signal in e.force if order}
     axis = model.source.axis
     named = [*(drive.signal for drive in axis.drives), *(sensor.signal for sensor in axis.sensors)]

@@ -100,6 +100,8 @@ def lowest_within(
             seen[frequency] = errors_at(frequency)
         return largest(seen[frequency])
 
+    # Errors oscillate with frequency: the bound must hold at a scanned frequency and at the next one, from where the
+    # crossing is refined.
     scanned = np.array([error(f) for f in track(frequencies)])
     met = scanned <= bound
     lasting = met & np.append(met[1:], True)

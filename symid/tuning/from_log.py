@@ -182,6 +182,7 @@ def plausible_parameters(
     positive = [name for name in (*inertias, *springs) if name in axis.physical_parameters]
     first = completed(settings, log, model).cutoff_hz
     assert first is not None
+    # A cutoff that admits noise, or removes a resonance, makes masses and springs negative: nearby ones are tried.
     for factor in (1.0, 0.7, 1.4, 0.5, 2.0, 0.3, 3.0):
         cutoff = min(first * factor, 0.4 * log.sampling_frequency)
         decimation = settings.decimation if factor == 1.0 else None

@@ -193,6 +193,8 @@ def tune(
     tuned = axis if keep_jumps else without_jumps(axis)
     left_out = tuple(name for name in axis.physical_parameters if name not in tuned.physical_parameters)
     parameters = axis.with_known_values(parameters)
+    # The chain of the paper: the cutoff from the error of the low-pass alone [35], a first sampling frequency from the
+    # loss of the differences at that cutoff [36], and the lowest one that keeps the error of the whole [37].
     run = noise_free_run(tuned, parameters, trajectory, controller)
     low_pass = LowPassErrors(standard_model(tuned), run, parameters, CUTOFF_DATA_HZ, order, filter_force)
     cutoff = lowest_within(low_pass.errors, low_pass.scan(_CUTOFFS), max_lowpass_error, track)

@@ -142,6 +142,8 @@ def next_experiment_of(
     limits = Limits(ends, speed or seen.speed, acceleration or seen.acceleration)
     envelope = _envelope(record, limits, seconds or record.duration, jerk)
     forces = {name: force or float(np.abs(record.log[name]).max()) for name in record.forces}
+    # Candidates are ranked by the log-odds expected of the linear prediction. The best that can decide is simulated
+    # with its controller, since limits must hold there.
     best = simulated_trials(rivals, trials(rivals, envelope, forces))
     considered = {trial.trajectory.name: _odds(trial.log_odds) for trial in best}
     decisive = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]

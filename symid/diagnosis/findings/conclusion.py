@@ -49,6 +49,7 @@ def concluded(
     shapeless = _shapeless(gaps, share, fits)
     chances = outcome(steps, upheld, _errors(gaps, share, comparison.is_stationary, fits[0], shapeless.share))
     verdict = _verdict(chances, gaps, share, damaged.fatal)
+    # Effects are reported where the verdict names them; otherwise the gap stays that of the re-identified model.
     accepted = [step for step in steps if step.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
