@@ -11,12 +11,11 @@ in memory.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray, fast_length, read_only
+from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
 from symid.estimation.correlation import (
     ResidualCovariance,
@@ -25,6 +24,7 @@ from symid.estimation.correlation import (
     effective_samples,
     flat_top,
 )
+from symid.estimation.kernel_sums import KernelSpectra, pair_sum, with_nonnegative_spectrum
 from symid.estimation.least_squares import LeastSquares, residuals
 from symid.estimation.triangular import checked_observation
 
@@ -183,7 +183,7 @@ def corrected_covariance_of_blocks(
     kernel = (gamma * taper)[..., lags - bandwidth + 1 : lags + bandwidth]
     # The taper has negative side lobes and can make Gamma indefinite; its spectrum is clipped to be positive.
     weighted = {
-        first: _with_nonnegative_spectrum(own * np.multiply.outer(weights, weights)[:, :, None])
+        first: with_nonnegative_spectrum(own * np.multiply.outer(weights, weights)[:, :, None])
         for first, own in zip(by_log, kernel, strict=True)
         for weights in (fit.weights[first : first + len(own)],)
     }
@@ -247,30 +247,6 @@ def _residual_covariances(
     return {first: found.covariance() for first, found in sums.items()}
 
 
-def _with_nonnegative_spectrum(kernel: FloatArray) -> FloatArray:
-    """Covariances with a non-negative spectrum: the given ones, or clipped ones up to twice the lag.
-
-    The side lobes of the taper and masked pairs can make the spectrum negative. It is clipped at 0 (for several
-    equations, its eigenvalues are), and what clipping spreads beyond twice the lag is left out.
-    """
-    reach = kernel.shape[2] // 2
-    size = fast_length(8 * reach + 1)
-    values, vectors = np.linalg.eigh(np.moveaxis(_spectrum(kernel, size), 2, 0))
-    if values.min() >= -1e-12 * max(float(values.max()), 0.0):
-        return kernel
-    clipped = (vectors * np.maximum(values, 0.0)[:, None, :]) @ np.conj(np.swapaxes(vectors, 1, 2))
-    circular = np.fft.irfft(np.moveaxis(clipped, 0, 2), size, axis=2)
-    return np.concatenate([circular[..., size - 2 * reach :], circular[..., : 2 * reach + 1]], axis=2)
-
-
-def _spectrum(kernel: FloatArray, size: int) -> ComplexArray:
-    reach = kernel.shape[2] // 2
-    circular = np.zeros((*kernel.shape[:2], size))
-    circular[..., : reach + 1] = kernel[..., reach:]
-    circular[..., size - reach :] = kernel[..., :reach]
-    return np.asarray(np.fft.rfft(circular, axis=2), dtype=np.complex128)
-
-
 def _score_covariance(
     read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares, kernels: Mapping[int, FloatArray]
 ) -> FloatArray:
@@ -280,7 +256,7 @@ def _score_covariance(
     previous window and are subtracted.
     """
     total = np.zeros((fit.rank.rank, fit.rank.rank))
-    spectra = {first: _KernelSpectra(kernel) for first, kernel in kernels.items()}
+    spectra = {first: KernelSpectra(kernel) for first, kernel in kernels.items()}
     tails: dict[int, FloatArray] = {}
     for block in read():
         kernel = spectra[block.equation]
@@ -289,7 +265,7 @@ def _score_covariance(
             tail = tails.get(block.equation, tail)
         for U in _orthonormal_windows(block, fit, max(_WINDOW, 8 * kernel.reach)):
             window = np.concatenate([tail, U], axis=2)
-            total += _pair_sum(window, kernel) - _pair_sum(tail, kernel)
+            total += pair_sum(window, kernel) - pair_sum(tail, kernel)
             tail = window[..., max(window.shape[2] - kernel.reach, 0) :]
         tails[block.equation] = tail
     values, vectors = np.linalg.eigh(0.5 * (total + total.T))
@@ -306,34 +282,3 @@ def _orthonormal_windows(block: ObservationBlock, fit: LeastSquares, step: int) 
         if block.valid is not None:
             columns = np.where(block.valid[:, None, part], columns, 0.0)
         yield np.stack([T @ w for T, w in zip(transform, columns, strict=True)])
-
-
-class _KernelSpectra:
-    """Conjugate spectra of kernels for transforms of some lengths, each frequency standing for its negative too."""
-
-    def __init__(self, kernel: FloatArray) -> None:
-        self.reach = kernel.shape[2] // 2
-        self.of_size = cache(lambda size: self._of_size(kernel, size))
-
-    @staticmethod
-    def _of_size(kernel: FloatArray, size: int) -> ComplexArray:
-        G = _spectrum(kernel, size).conj() * (2.0 / size)
-        G[..., 0] *= 0.5  # these have no negative
-        if size % 2 == 0:
-            G[..., -1] *= 0.5
-        return G
-
-
-def _pair_sum(U: FloatArray, kernel: _KernelSpectra) -> FloatArray:
-    """Sum over i, j, k and t of kernel_ij(k) u_i(t) u_j(t+k)', by Parseval's theorem."""
-    total = np.zeros((U.shape[1], U.shape[1]))
-    if U.shape[2] == 0:
-        return total
-    size = fast_length(U.shape[2] + kernel.reach)
-    X = np.fft.rfft(U, size, axis=2)
-    for own, G in zip(X, kernel.of_size(size), strict=True):
-        filtered = G[0] * X[0]
-        for other, g in zip(X[1:], G[1:], strict=True):
-            filtered += g * other
-        total += own.view(np.float64) @ filtered.view(np.float64).T  # the real part of conj(own) @ filtered.T
-    return total

@@ -19,6 +19,15 @@ from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_delays import SHORTEST_STEP, delay_fields
 from symid.export.c_motion import derivative, force_parameters, lines, members, readings, renamed, sent_forces
 from symid.export.c_step import step_function
+from symid.export.c_templates import (
+    FEEDFORWARD_HEADER,
+    FEEDFORWARD_SOURCE,
+    HEADER,
+    REGRESSOR_HEADER,
+    REGRESSOR_SIZES,
+    REGRESSOR_SOURCE,
+    SOURCE,
+)
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported, losses_of_signals
 from symid.export.feedforward import feedforward
@@ -26,135 +35,6 @@ from symid.simulation import plant_of
 from symid.symbolic.pipeline import DerivedModel
 
 _LONGEST, _STEPS_A_RADIAN = 2e-5, 100
-
-_HEADER = """\
-/* Axis {name}, exported by symid. {measured_line}
- *
-{notes}
- */
-#ifndef {guard}
-#define {guard}
-#ifdef __cplusplus
-extern "C" {{
-#endif
-
-enum {{
-    {name}_bodies = {bodies},         /* displacements in a state x: all displacements, then all velocities */
-    {name}_states = {n_state},{memory}{regressor_sizes}
-    {name}_readings = {n_sensors}
-}};
-
-/* Physical parameters. */
-typedef struct {{
-{members}
-}} {name}_parameters;
-
-/* The values of the export. */
-extern const {name}_parameters {name}_values;
-
-{regressor_header}/* dx = f(x, {force}) of the state x = {{{state}}}:
- * displacements of the bodies against the ground (of one on a geared body: against that), then velocities. */
-void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], {forces}, double dx[{n_state}]);
-
-/* Advance the state x by h under a constant {force}. Friction sticks and breaks loose; of first order in h. */
-void {name}_step(const {name}_parameters *p, double x[{n_state}], {forces}, double h);
-
-/* What the sensors read, y = {{{sensors}}}; dx is what {name}_derivative gave. */
-void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}]);
-
-{feedforward_header}{way_header}
-#ifdef __cplusplus
-}}
-#endif
-#endif
-"""
-
-_SOURCE = """\
-#include <math.h>
-#include "{header}"
-
-/* Speed below which friction is a straight line through 0; 0 is the law as it was identified. */
-#ifndef SYMID_REST_SPEED
-#define SYMID_REST_SPEED 0.0
-#endif
-
-{constants}const {name}_parameters {name}_values = {{
-{values}
-}};
-
-static inline double sign(double v)
-{{
-    const double rest = SYMID_REST_SPEED;
-    return v > rest ? 1.0 : v < -rest ? -1.0 : rest > 0.0 ? v/rest : 0.0;
-}}
-
-static inline double positive(double v)
-{{
-    const double rest = SYMID_REST_SPEED;
-    return v > rest ? 1.0 : v > -rest && rest > 0.0 ? (1.0 + v/rest)/2.0 : 0.0;
-}}
-
-{regressor_source}\
-void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], {forces}, double dx[{n_state}])
-{{
-{derivative}
-}}
-
-{step}
-void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}])
-{{
-{readings}
-}}
-{feedforward_source}{way_source}"""
-
-_REGRESSOR_SIZES = """
-    {name}_signals = {n_signals},
-    {name}_equations = {equations},
-    {name}_minimal = {n_minimal},"""
-
-_REGRESSOR_HEADER = """\
-/* Regressor W and output y of the minimal model, y = W X, for
- * signals = {{{signals}}}. */
-void {name}_regressor(const double signals[], double W[{equations}][{n_minimal}]);
-void {name}_output(const double signals[], double y[{equations}]);
-
-/* Minimal parameters X = {{{minimal}}}. */
-void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]);
-
-"""
-
-_REGRESSOR_SOURCE = """\
-void {name}_regressor(const double signals[], double W[{equations}][{n_minimal}])
-{{
-{regressor}
-}}
-
-void {name}_output(const double signals[], double y[{equations}])
-{{
-{output}
-}}
-
-void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}])
-{{
-{forward}
-}}
-
-"""
-
-_FEEDFORWARD_HEADER = """\
-/* Force that a motion of the drive needs: no feedback, no deflection of springs. Give it the reference. */
-double {name}_feedforward(const {name}_parameters *p, double position_, double velocity_, double acceleration_);
-
-"""
-
-_FEEDFORWARD_SOURCE = """\
-
-double {name}_feedforward(const {name}_parameters *p, double position_, double velocity_, double acceleration_)
-{{
-    (void)p, (void)position_, (void)velocity_, (void)acceleration_;
-{body}
-}}
-"""
 
 _REST = (
     "Friction at rest: the derivative takes sign(0) = 0 and seeks no event, so that a fixed-step solver chatters "
@@ -206,7 +86,7 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
         **_regressor_words(model),
         "header": f"{header or axis.name}.h",
     }
-    return Exported({".c": _SOURCE.format(**words), ".h": _HEADER.format(**words)}, losses)
+    return Exported({".c": SOURCE.format(**words), ".h": HEADER.format(**words)}, losses)
 
 
 def internal_step(axis: Axis, values: Mapping[str, float]) -> float:
@@ -268,9 +148,9 @@ def _regressor_words(model: DerivedModel | Axis) -> dict[str, str]:
     }
     return {
         "measured_line": f"Measured: {', '.join(model.measured)}.",
-        "regressor_sizes": _REGRESSOR_SIZES.format(**words),
-        "regressor_header": _REGRESSOR_HEADER.format(**words),
-        "regressor_source": _REGRESSOR_SOURCE.format(**words),
+        "regressor_sizes": REGRESSOR_SIZES.format(**words),
+        "regressor_header": REGRESSOR_HEADER.format(**words),
+        "regressor_source": REGRESSOR_SOURCE.format(**words),
     }
 
 
@@ -283,8 +163,8 @@ def _feedforward_words(axis: Axis) -> dict[str, str]:
     used = [name for name in axis.physical_parameters if sp.Symbol(name) in force.free_symbols]
     body = lines([*members(used), f"return {c_code(renamed(force))};"])
     return {
-        "feedforward_header": _FEEDFORWARD_HEADER.format(name=axis.name),
-        "feedforward_source": _FEEDFORWARD_SOURCE.format(name=axis.name, body=body),
+        "feedforward_header": FEEDFORWARD_HEADER.format(name=axis.name),
+        "feedforward_source": FEEDFORWARD_SOURCE.format(name=axis.name, body=body),
     }
 
 

@@ -1,7 +1,8 @@
 """Many logs: batches that identify each log, joint estimates, spread between runs, and the review of a fleet."""
 
-from symid.fleet.batch import Batch, Interrupted, identify_batch, summary_of
+from symid.fleet.batch import Batch, Interrupted, identify_batch
 from symid.fleet.batch_settings import BatchSettings
+from symid.fleet.batch_summary import summary_of
 from symid.fleet.control_chart import ControlChart, control_chart
 from symid.fleet.joint_estimate import JointIdentification, LogFactors, identify_jointly, log_factors
 from symid.fleet.journal import journal_file, read_journal

@@ -7,12 +7,11 @@ import shutil
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import polars as pl
 
 from symid.axis import AnyAxis
@@ -29,17 +28,15 @@ from symid.fleet.result_table import (
     units_of,
     write_table,
 )
-from symid.fleet.results import Units, count_effects, without_repeats
+from symid.fleet.results import Units
 from symid.fleet.row import Row
 from symid.fleet.schedulers import Scheduler, scheduler_of
-from symid.fleet.spread import robust_deviation
 from symid.fleet.work import Task, killed, work
 from symid.shown import Shown
 from symid.text import visible
 
 Track = Callable[[Iterable[Any], int], Iterable[Any]]
 _BEFORE = ".before"
-_MOST_TROUBLES = 20
 
 
 class Interrupted(KeyboardInterrupt):
@@ -55,7 +52,7 @@ class Interrupted(KeyboardInterrupt):
 
     def __init__(self, rows: int, journal: Path | None) -> None:
         self.rows, self.journal = rows, journal
-        super().__init__(f"interrupted: {_kept(rows, journal)}")
+        super().__init__(f"interrupted: {_words_on_rows(rows, journal)}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -203,7 +200,7 @@ def _identified(
     except KeyboardInterrupt as stop:
         raise Interrupted(len(rows), journal) from stop
     except SymidError as error:
-        raise SymidError(f"{error}; {_kept(len(rows), journal)}") from error
+        raise SymidError(f"{error}; {_words_on_rows(len(rows), journal)}") from error
     ordered = tuple(rows[name] for name in names)
     units = units_of(ordered, chosen)
     dropped = {str(row["log"]) for row in table}.difference(map(visible, names))
@@ -215,7 +212,7 @@ def _identified(
         for file in files:
             write_table(batch.table, units, file)
     except SymidError as error:
-        raise SymidError(f"{error}; {_kept(len(ordered), journal)}") from error
+        raise SymidError(f"{error}; {_words_on_rows(len(ordered), journal)}") from error
     if journal:
         journal.unlink(missing_ok=True)
     return batch
@@ -230,7 +227,7 @@ def _by_key(rows: Iterable[Row]) -> dict[str, dict[str, Row]]:
     return found
 
 
-def _kept(rows: int, journal: Path | None) -> str:
+def _words_on_rows(rows: int, journal: Path | None) -> str:
     if journal is None:
         return f"{rows} rows were finished and are lost: give an output file"
     kept = len(read_journal(journal))  # an interrupt may fall between the writing of a row and its counting
@@ -248,63 +245,3 @@ def _former_kept(files: Sequence[Path], dropped: set[str]) -> Path | None:
     except OSError as error:
         raise SymidError(f"{place}: cannot be written ({error.strerror}); {files[0]} is as it was") from error
     return place
-
-
-def summary_of(batch: Batch) -> dict[str, Any]:
-    """Summary of a batch, the record of `symid batch --json`.
-
-    ``spread`` is the robust standard deviation of a parameter over the logs of status "ok", from the median absolute
-    deviation; ``std`` is the median of the standard deviations of these logs; a minimal parameter ``repeats`` what the
-    physical ones say.
-
-    Parameters
-    ----------
-    batch : Batch
-        The batch.
-    """
-    troubles = [row for row in batch.rows if row["status"] != "ok"][:_MOST_TROUBLES]
-    record: dict[str, Any] = {
-        "logs": len(batch.rows),
-        "reused": batch.reused,
-        "status": batch.statuses,
-        "seconds_of_work": sum(float(row.get("seconds") or 0.0) for row in batch.rows),
-        "parameters": {axis: _parameters(batch, axis) for axis in batch.units},
-        "not_ok": [{name: row.get(name) for name in ("log", "status", "message")} for row in troubles],
-        "output": [str(file) for file in batch.files],
-        "former_table": str(batch.replaced) if batch.replaced else None,
-    }
-    if batch.diagnosed:
-        verdicts = Counter(row["verdict"] for row in batch.rows if row.get("verdict"))
-        record["verdicts"] = dict(verdicts.most_common())
-        found = ((str(row.get("axis")), row.get("effect"), row.get("at")) for row in batch.rows)
-        record["effects"] = [asdict(one) for one in count_effects(found)]
-    return record
-
-
-def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
-    """Statistics of each parameter over the logs of an axis, for each set of sensors."""
-    found = []
-    for measured, units in batch.units[axis].items():
-        wanted = {"axis": axis, "measured": measured, "status": "ok"}.items()
-        rows = [r for r in batch.rows if wanted <= r.items()]
-        known = [name for name in units if any(row.get(name) is not None for row in rows)]
-        shown = without_repeats(known, units)
-        for name, unit in units.items():
-            values, deviations = (
-                np.array([row[column] for row in rows if row.get(column) is not None], dtype=float)
-                for column in (name, f"{name}_std")
-            )
-            if values.size:
-                found.append(
-                    {
-                        "name": name,
-                        "measured": measured,
-                        "logs": values.size,
-                        "median": float(np.median(values)),
-                        "spread": robust_deviation(values),
-                        "std": float(np.median(deviations)) if deviations.size else None,
-                        "unit": unit,
-                        "repeats": name not in shown,
-                    }
-                )
-    return found
