@@ -68,8 +68,8 @@ def chain(
     bodies: list[Body] = []
     elements: list[Element] = []
     for i in range(1, masses + 1):
-        carrier: Body | Ground = bodies[-1] if bodies else GROUND
-        body = Body(f"mass{i}", mass=f"M{i}", on=carrier)
+        parent: Body | Ground = bodies[-1] if bodies else GROUND
+        body = Body(f"mass{i}", mass=f"M{i}", on=parent)
         bodies.append(body)
         elements.append(body)
         if damping:

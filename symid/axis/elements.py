@@ -139,7 +139,7 @@ class Body(Parametrised):
         return self.geared if isinstance(self.geared, tuple) else (self.geared,)
 
     @property
-    def carrier(self) -> Body | None:
+    def parent(self) -> Body | None:
         """The body with its own coordinate, of the same kind of motion, that carries it; None if there is none."""
         on = self.on
         return on if isinstance(on, Body) and on.geared is None and on.turns == self.turns else None

@@ -73,9 +73,9 @@ def sketch(
     elements: list[Element] = []
     for body in names:
         tag = _tag(body)
-        carrier = made["structure"] if body.startswith("motor") and structure else GROUND
+        parent = made["structure"] if body.startswith("motor") and structure else GROUND
         made[body] = (
-            Body(body, inertia=f"J{tag}", on=carrier) if rotary else Body(body, mass=f"M{tag}", on=carrier)
+            Body(body, inertia=f"J{tag}", on=parent) if rotary else Body(body, mass=f"M{tag}", on=parent)
         )
         elements += _joint(made, body, tag, held=springs == bodies, coulomb=coulomb)
         if body.startswith("motor") and body != "motor" and "load" not in names:

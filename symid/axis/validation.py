@@ -314,7 +314,7 @@ def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Ite
 def _connection_faults(
     bodies: Sequence[Body], elements: Sequence[object], drives: Sequence[Drive]
 ) -> Iterator[str]:
-    """Bodies that no drive can move: no spring, damper, law, gear or common carrier leads to them."""
+    """Bodies that no drive can move: no spring, damper, law, gear or common parent leads to them."""
     links = [ends_of(getattr(holder, "at", None)) for holder in (*elements, *drives)]
     links += [(body.name, gear.to.name) for body in bodies for gear in body.gears]
     # The inertia force of a body acts on what it is on only through its coordinate, which a law or a spring must hold.

@@ -113,8 +113,8 @@ def _jumps(x: FloatArray) -> list[int]:
     """Samples before which a position jumps: the step is far larger than those nearby, its neighbours left out."""
     if x.size < 2 * _NEAR:
         return []
-    bend = np.abs(np.diff(x, 2))
-    odd = np.minimum(bend[:-1], bend[1:])  # of the step from sample i + 1 to i + 2
+    curvature = np.abs(np.diff(x, 2))
+    odd = np.minimum(curvature[:-1], curvature[1:])  # of the step from sample i + 1 to i + 2
     coarse = np.abs(np.diff(x))
     finest = float(np.min(coarse, where=coarse > 0, initial=np.inf))
     least = max(_JUMP_STEPS * finest, _JUMP_RANGE * float(np.ptp(x)))

@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.clock import PLAUSIBLE_PERIODS
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.data.table import Table
 from symid.errors import LogError
 from symid.units import Unit, to_si
@@ -104,7 +104,7 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     table : Table
         Table in the file.
     """
-    require_room(len(table.headers) * (table.n_rows or 0))
+    require_memory(len(table.headers) * (table.n_rows or 0))
     values = table.read(range(len(table.headers)))
     clocks = dict.fromkeys(
         table.clocks.values(), "it holds the times of other columns, which are read in seconds"

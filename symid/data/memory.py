@@ -11,13 +11,13 @@ from symid.errors import LogError
 _VALUE = 8
 
 
-def require_room(n_values: int, memory: int | None = None) -> None:
+def require_memory(n_values: int, memory: int | None = None) -> None:
     """Raise LogError if numbers of 64 bit take more bytes than they may; by default, than this machine has free."""
-    needed, room = _VALUE * n_values, free_memory() if memory is None else memory
-    if needed > room:
-        allowed = "are free" if memory is None else "are allowed (`memory`)"
+    needed, allowed = _VALUE * n_values, free_memory() if memory is None else memory
+    if needed > allowed:
+        which = "are free" if memory is None else "are allowed (`memory`)"
         raise LogError(
-            f"takes {_size(needed)} of memory where {_size(room)} {allowed}: cut the log, or save it as a CSV or "
+            f"takes {_size(needed)} of memory where {_size(allowed)} {which}: cut the log, or save it as a CSV or "
             "Parquet file and identify it by wls, which reads blocks"
         )
 

@@ -13,7 +13,7 @@ from symid.data.clock import inspect_clock, require_seconds
 from symid.data.columns import TIME, Source, references_of
 from symid.data.log import Log
 from symid.data.lost_samples import restored
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.data.resampling import Rate, resampled
 from symid.data.stuck import inspect_spans
 from symid.data.table import Table
@@ -35,7 +35,7 @@ def read_table(
     Columns of the signals that the user has named must be usable. They may take `memory` bytes, by default those that
     are free.
     """
-    require_room(len(sources) * (table.n_rows or 0), memory)
+    require_memory(len(sources) * (table.n_rows or 0), memory)
     values, notes = _read(
         table,
         sources,

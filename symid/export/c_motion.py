@@ -137,8 +137,8 @@ def readings(dynamics: SymbolicDynamics) -> str:
         for joint in dynamics.laws if reading.per_force else ():
             if joint.direction == sp.ImmutableMatrix(reading.row):
                 q, v = (sp.Add(*map(sp.Mul, joint.direction, places[k : k + n])) for k in (0, n))
-                bent = joint.force.xreplace(given).xreplace({DISPLACEMENT: q, VELOCITY: v})
-                value += reading.per_force.xreplace(given) * bent
+                of_law = joint.force.xreplace(given).xreplace({DISPLACEMENT: q, VELOCITY: v})
+                value += reading.per_force.xreplace(given) * of_law
         found.append(f"y[{i}] = {c_code(value)};  /* {signal} */")
         if (law := misread(dynamics.axis, signal)) is not None:
             found.append(f"y[{i}] = {c_code(law.xreplace({READING: sp.Symbol(f'y[{i}]')}))};")

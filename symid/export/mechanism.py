@@ -132,7 +132,7 @@ def is_joint(path: Path) -> bool:
 def _parent_in_tree(body: Body) -> Body | None:
     """Parent of a body: the free body that carries it, or that turns the geared body that carries it."""
     gears = body.on.gears if isinstance(body.on, Body) else ()
-    return gears[0].to if gears else body.carrier
+    return gears[0].to if gears else body.parent
 
 
 def _upwards(body: Body, parent: Callable[[Body], Body | None]) -> list[Body]:
@@ -208,7 +208,7 @@ class _Collector:
 
     def _is_in_tree(self, body: Body) -> bool:
         """Whether the displacement of a body is the sum of the joints between it and the ground."""
-        joints = {above.name: 1.0 for above in _upwards(body, lambda one: one.carrier)}
+        joints = {above.name: 1.0 for above in _upwards(body, lambda one: one.parent)}
         return body.geared is None and dict(self.path(self.kinematics.absolute(body))) == joints
 
     def _element(self, element: object) -> None:

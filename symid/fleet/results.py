@@ -14,7 +14,7 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.errors import LogError, SettingError
 from symid.files import require_regular
 from symid.fleet.row import TEXT_COLUMNS, TIMES
@@ -62,7 +62,7 @@ def read_results(file: str | Path) -> pl.DataFrame:
     try:
         if kind == ".parquet":
             scanned = pl.scan_parquet(path, glob=False)
-            require_room(scanned.select(pl.len()).collect().item() * len(scanned.collect_schema()))
+            require_memory(scanned.select(pl.len()).collect().item() * len(scanned.collect_schema()))
             table = scanned.collect()
         else:
             texts = dict.fromkeys(TEXT_COLUMNS, pl.String)

@@ -72,8 +72,8 @@ class ColumnTests:
                 continue  # flexible bodies make the same difference
             if not beyond_noise[j]:
                 continue  # noise in W does too
-            bent = np.concatenate([self._second_difference(r.part, j) for r in rows])
-            missing = _AddedColumn.of(Z, rest, bent, y)
+            curvature = np.concatenate([self._second_difference(r.part, j) for r in rows])
+            missing = _AddedColumn.of(Z, rest, curvature, y)
             if missing.share > self.criteria.nonlinear and missing.size > self.criteria.smoothed_output:
                 return (
                     f"{force} does not contain the fast part of the motion (its second derivative takes away "
@@ -164,9 +164,9 @@ class ColumnTests:
         """Second difference of the predicted output at the used rows of a part."""
         seen = self.parts[part].observation
         predicted = seen.W[equation] @ self.fit.solution
-        bent = np.zeros_like(predicted)
-        bent[1:-1] = predicted[2:] - 2 * predicted[1:-1] + predicted[:-2]
-        return np.asarray(bent[seen.valid[equation]])
+        curvature = np.zeros_like(predicted)
+        curvature[1:-1] = predicted[2:] - 2 * predicted[1:-1] + predicted[:-2]
+        return np.asarray(curvature[seen.valid[equation]])
 
     def _growing(self, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]) -> FloatArray:
         """The part of the residual that W and y make, times the time within its log from -0.5 to 0.5."""

@@ -178,9 +178,9 @@ class Spectra:
         recorded = spread_excerpts(log, model.most_differentiated)
         segment = max(16, min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1)))
         length = min(segment, recorded.shape[1])
-        bent = derivatives(recorded, log.sampling_period, 2)[1]
+        acceleration = derivatives(recorded, log.sampling_period, 2)[1]
         forces = np.stack([segment_spectra(spread_excerpts(log, force), length) for force in model.forces])
-        motion, itself = (segment_spectra(x, length) for x in (bent, recorded))
+        motion, itself = (segment_spectra(x, length) for x in (acceleration, recorded))
         power = mean_power(itself)
         if length % 2 == 0:
             power[-1] *= 0.5  # every other line represents its negative frequency too

@@ -106,17 +106,17 @@ def interpolated_from(x: FloatArray) -> int:
     0
     """
     step = np.diff(x)
-    bent = np.abs(np.diff(step))
+    curvature = np.abs(np.diff(step))
     slopes = (step[1:] != 0.0) | (
         step[:-1] != 0.0
     )  # a held value, at rest or between two steps, is not a line
-    straight = slopes & (bent < _STRAIGHT * np.max(bent, initial=0.0))
+    straight = slopes & (curvature < _STRAIGHT * np.max(curvature, initial=0.0))
     if np.count_nonzero(straight) <= _LEAST_STRAIGHT * np.count_nonzero(slopes):
         return 0
     for n in SPACINGS:
-        if bent.size < 10 * n:
+        if curvature.size < 10 * n:
             break
-        phases = bent[: bent.size // n * n].reshape(-1, n)
+        phases = curvature[: curvature.size // n * n].reshape(-1, n)
         knots = np.median(phases, axis=0)
         k = int(np.argmax(knots))
         if np.quantile(np.delete(phases, k, axis=1), 0.9) < _STRAIGHT * knots[k]:

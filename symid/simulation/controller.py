@@ -42,10 +42,10 @@ class Command:
 
 @dataclass(frozen=True, eq=False)
 class LinearLaw:
-    """A controller and its drive as matrices: u = C x + D w + given is sent, f = bends(u), x' = A x + B w + E f.
+    """A controller and its drive as matrices: u = C x + D w + given is sent, f = n(u), x' = A x + B w + E f.
 
     x is the state; w holds the reference (position, velocity, acceleration) and then the readings, in the order of the
-    controller's `signals`. The force G x + H f acts. Without bends, E and G it is the force that is sent.
+    controller's `signals`. The force G x + H f acts. Without nonlinearities, E and G it is the force that is sent.
 
     Parameters
     ----------
@@ -57,10 +57,10 @@ class LinearLaw:
         Largest sent force for which the matrices are valid.
     given : array of shape (n,)
         Given force at each sample, added to that of the matrices; the last value is kept beyond the end. May be empty.
-    bends : tuple of str
-        Gains and limits of the drive that the sent force passes, as NumPy code in terms of F.
+    nonlinearities : tuple of str
+        Static nonlinearities n of the drive, its gains and limits, as NumPy code in terms of F.
     E, G : array of shape (n_state,), optional
-        What the drive remembers of the bent force f, and what it adds to the acting one; 0 by default.
+        Memory of the drive for the force f = n(u), and its part of the acting force; 0 by default.
     H : float
         Share of f that acts at once.
     """
@@ -71,7 +71,7 @@ class LinearLaw:
     D: FloatArray
     limit: float = math.inf
     given: FloatArray = field(default_factory=lambda: np.zeros(0))
-    bends: tuple[str, ...] = ()
+    nonlinearities: tuple[str, ...] = ()
     E: FloatArray | None = None
     G: FloatArray | None = None
     H: float = 1.0

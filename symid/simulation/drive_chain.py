@@ -49,7 +49,7 @@ class ThroughDrive(Controller):
         return sum(item.seconds for item in self.drive if isinstance(item, ActuatorDelay))
 
     @cached_property
-    def _bends(self) -> tuple[DriveImperfection, ...]:
+    def _nonlinearities(self) -> tuple[DriveImperfection, ...]:
         """Gains and limits, in the order in which they act."""
         return in_order(item for item in self.drive if not isinstance(item, (ActuatorLag, ActuatorDelay)))
 
@@ -76,8 +76,8 @@ class ThroughDrive(Controller):
         force, inner = self.inner.force(command, measured, state[:n], period)
         self.sent[command.index] = force
         acting = float(force)
-        for bend in self._bends:
-            acting = scalar_law(bend)(0.0, 0.0, acting, 0.0, 0.0)
+        for element in self._nonlinearities:
+            acting = scalar_law(element)(0.0, 0.0, acting, 0.0, 0.0)
         own = state[n:].tolist()
         if own and math.isnan(own[0]):  # the steady state of a constant force
             own = [acting] * len(own)
@@ -106,7 +106,7 @@ class ThroughDrive(Controller):
         if law is None or math.isfinite(law.limit):
             return None
         n, n_state = len(law.A), self.start.size
-        drive = np.eye(n_state + 1)  # rows on the state and the bent force
+        drive = np.eye(n_state + 1)  # rows on the state and the force after the nonlinearities
         acting, own = self._behind(drive[-1], list(drive[n:-1]))
         after = np.vstack([np.zeros((n, n_state + 1)), *own])
         added = n_state - n
@@ -115,7 +115,7 @@ class ThroughDrive(Controller):
             A=np.vstack([np.pad(law.A, ((0, 0), (0, added))), after[n:, :-1]]),
             B=np.pad(law.B, ((0, added), (0, 0))),
             C=np.pad(law.C, (0, added)),
-            bends=tuple(imperfection_code(bend) for bend in self._bends),
+            nonlinearities=tuple(map(imperfection_code, self._nonlinearities)),
             E=after[:, -1],
             G=acting[:-1],
             H=float(acting[-1]),

@@ -93,13 +93,14 @@ rad/s: multiply the amplitude by at most 0.8696
     time = sampling_period * np.arange(count + 1, dtype=np.float64)
     phase, *omega = _phase(f0, f1, time, count * sampling_period, sweep)
     window = envelope(count, n_fade, sampling_period)
-    g, slope, bend = _scaled(window, omega, DERIVATIVE_ORDER[quantity], size)
+    g, slope, curvature = _scaled(window, omega, DERIVATIVE_ORDER[quantity], size)
     # Position g(t) sin(phi(t)) and its derivatives, g being the amplitude of the position and phi' = omega.
     sine, cosine = np.sin(phase), np.cos(phase)
     return Trajectory(
         position=centre + g * sine,
         velocity=slope * sine + g * omega[0] * cosine,
-        acceleration=(bend - g * omega[0] ** 2) * sine + (2.0 * slope * omega[0] + g * omega[1]) * cosine,
+        acceleration=(curvature - g * omega[0] ** 2) * sine
+        + (2.0 * slope * omega[0] + g * omega[1]) * cosine,
         sampling_period=sampling_period,
         name=f"chirp from {f0:g} to {f1:g} Hz",
     ).checked(limits)
@@ -140,17 +141,17 @@ def _scaled(
     window: tuple[FloatArray, FloatArray, FloatArray], omega: Sequence[FloatArray], order: int, size: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Amplitude size * w * omega^-order of the position, with its first and second time derivatives."""
-    w, slope, bend = (size * part for part in window)
+    w, slope, curvature = (size * part for part in window)
     if order == 0:
-        return w, slope, bend
+        return w, slope, curvature
     power = omega[0] ** -order
     relative = omega[1] / omega[0]
     power_slope = -order * relative * power
-    power_bend = order * ((order + 1) * relative**2 - omega[2] / omega[0]) * power
+    power_curvature = order * ((order + 1) * relative**2 - omega[2] / omega[0]) * power
     return (
         w * power,
         slope * power + w * power_slope,
-        bend * power + 2.0 * slope * power_slope + w * power_bend,
+        curvature * power + 2.0 * slope * power_slope + w * power_curvature,
     )
 
 

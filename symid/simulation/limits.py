@@ -106,14 +106,14 @@ amplitude by at most 0.6666
     def _faults_of_travel(self, demand: Extremes) -> list[str]:
         low, high = self.travel
         below, above = low - demand.lowest, demand.highest - high
-        span, room = demand.highest - demand.lowest, high - low
+        span, travel = demand.highest - demand.lowest, high - low
         margin = _ROUNDING * span
         if max(below, above) <= margin:
             return []
-        if span <= room:
+        if span <= travel:
             advice = f"shift it by {below if below > margin else -above:g}"
         else:
-            advice = f"it spans {span:g}: shorten it to at most {_rounded_down(room / span)} of that"
+            advice = f"it spans {span:g}: shorten it to at most {_rounded_down(travel / span)} of that"
         ends = " and ".join(
             f"the {side} end of travel, {end:g} m or rad, by {excess:g}"
             for side, end, excess in (("lower", low, below), ("upper", high, above))

@@ -23,10 +23,10 @@ RUNAWAY = 1e100
 
 
 class LoopLaw(NamedTuple):
-    """The linear laws of all drives as one, in terms of w: the controllers' states, references, readings, bent forces.
+    """The linear laws of all drives as one, in terms of w: the controllers' states, references, readings and forces.
 
-    The references are position, velocity and acceleration for each drive. The bent forces are the sent ones after the
-    gains and limits of the drives.
+    The references are position, velocity and acceleration for each drive. The forces are the sent ones after the static
+    nonlinearities (gains and limits) of the drives.
     """
 
     after: FloatArray  # shape (n_state, n_w): the state after a sample is after @ w
@@ -100,9 +100,9 @@ class Loop:
         return LoopLaw.of(laws, places, len(signals))
 
     @cached_property
-    def bends(self) -> tuple[tuple[str, ...], ...]:
+    def nonlinearities(self) -> tuple[tuple[str, ...], ...]:
         """Gains and limits in the law of each drive, as NumPy code in terms of F; none without matrices."""
-        return tuple(() if law is None else law.bends for law in self._laws)
+        return tuple(() if law is None else law.nonlinearities for law in self._laws)
 
     @cached_property
     def start(self) -> Any:
@@ -119,9 +119,9 @@ class Loop:
             raise SettingError(
                 f"the controller reads {unknown[0]!r}, which is not a sensor of this axis: use {', '.join(by_signal)}"
             )
-        if bent := [signal for signal in signals if by_signal[signal].law is not None]:
+        if nonlinear := [signal for signal in signals if by_signal[signal].law is not None]:
             raise SettingError(
-                f"the controller reads {bent[0]!r}, the force of a nonlinear spring: use another sensor"
+                f"the controller reads {nonlinear[0]!r}, the force of a nonlinear spring: use another sensor"
             )
         return tuple(by_signal[signal] for signal in signals)
 

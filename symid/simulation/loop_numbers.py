@@ -31,7 +31,7 @@ class LawNumbers(NamedTuple):
     terms: IntArray  # shape (n_laws + 1,): first term of each law, and the end of the last
     parameters: FloatArray  # shape (n_terms,)
     remembers: IntArray  # shape (n_terms,): memory on which each term depends, or -1
-    bends: IntArray  # shape (n_drives + 1,): first program of each drive, and the end of the last
+    nonlinearities: IntArray  # shape (n_drives + 1,): first program of each drive, and the end of the last
     # operations, operands: all programs, concatenated
     operations: IntArray
     operands: FloatArray
@@ -50,8 +50,8 @@ class LawNumbers(NamedTuple):
         terms = [term for law in plant.laws for term in law.terms]
         programs = [_program(term.code, _ARGUMENTS) for term in terms]
         programs += [_program(r.misread, ("y",)) for r in loop.controlled if r.misread is not None]
-        bends = len(programs) + np.cumsum([0, *map(len, loop.bends)])
-        programs += [_program(bend, _ARGUMENTS) for bend in chain.from_iterable(loop.bends)]
+        nonlinearities = len(programs) + np.cumsum([0, *map(len, loop.nonlinearities)])
+        programs += [_program(code, _ARGUMENTS) for code in chain.from_iterable(loop.nonlinearities)]
         memories = loop.moment.memories if loop.moment else []
         return cls(
             directions=np.array([law.direction for law in plant.laws]).reshape(-1, n),
@@ -60,7 +60,7 @@ class LawNumbers(NamedTuple):
             terms=np.cumsum([0, *(len(law.terms) for law in plant.laws)]),
             parameters=np.array([term.parameter for term in terms], dtype=float),
             remembers=np.array([term.memory for term in terms], dtype=np.int64),
-            bends=bends,
+            nonlinearities=nonlinearities,
             operations=np.concatenate([np.zeros(0, np.int64), *(p.operations for p in programs)]),
             operands=np.concatenate([np.zeros(0), *(p.operands for p in programs)]),
             ends=np.cumsum([0, *(p.operations.size for p in programs)]),

@@ -284,5 +284,5 @@ def _faded(waves: FloatArray, n_steady: int, n_fade: int, sampling_period: float
     if not n_fade:
         return np.stack([x, v, a])
     # x w and its derivatives by the product rule: velocity and acceleration stay exact derivatives in the fades.
-    w, slope, bend = envelope(count - 1, n_fade, sampling_period)
-    return np.stack([w * x, w * v + slope * x, w * a + 2.0 * slope * v + bend * x])
+    w, slope, curvature = envelope(count - 1, n_fade, sampling_period)
+    return np.stack([w * x, w * v + slope * x, w * a + 2.0 * slope * v + curvature * x])

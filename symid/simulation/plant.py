@@ -258,8 +258,8 @@ def _shares(joint: Joint) -> Iterator[tuple[str, float]]:
         yield from ((name, gear.ratio * share) for gear in joint.gears for name, share in _shares(gear.to))
     else:
         yield joint.name, 1.0
-        if joint.carrier is not None:
-            yield joint.carrier.name, -1.0
+        if joint.parent is not None:
+            yield joint.parent.name, -1.0
 
 
 def _absolute(body: Body | Ground, factor: float) -> Iterator[tuple[str, float]]:

@@ -54,18 +54,22 @@ def envelope(
     The flanks, of `n_fade` of all `n_intervals`, are polynomials of degree 7 whose first three derivatives vanish at
     both ends: a faded motion begins and ends with zero velocity, acceleration and jerk.
 
-    >>> value, slope, bend = envelope(8, 4, 0.5)
-    >>> value.tolist()[:5], slope.tolist()[2], bend.tolist()[2]
+    >>> value, slope, curvature = envelope(8, 4, 0.5)
+    >>> value.tolist()[:5], slope.tolist()[2], curvature.tolist()[2]
     ([0.0, 0.070556640625, 0.5, 0.929443359375, 1.0], 1.09375, 0.0)
     """
-    value, slope, bend = np.ones(n_intervals + 1), np.zeros(n_intervals + 1), np.zeros(n_intervals + 1)
+    value, slope, curvature = np.ones(n_intervals + 1), np.zeros(n_intervals + 1), np.zeros(n_intervals + 1)
     if n_fade:
         s = np.arange(n_fade + 1) / n_fade
         rest, seconds = 1.0 - s, n_fade * sampling_period
         rise = s**4 * (35.0 + s * (-84.0 + s * (70.0 - 20.0 * s)))
         rise_slope = 140.0 * (s * rest) ** 3 / seconds
-        rise_bend = 420.0 * (s * rest) ** 2 * (rest - s) / seconds**2
-        for whole, flank, sign in ((value, rise, 1.0), (slope, rise_slope, -1.0), (bend, rise_bend, 1.0)):
+        rise_curvature = 420.0 * (s * rest) ** 2 * (rest - s) / seconds**2
+        for whole, flank, sign in (
+            (value, rise, 1.0),
+            (slope, rise_slope, -1.0),
+            (curvature, rise_curvature, 1.0),
+        ):
             whole[: n_fade + 1] = flank
             whole[-n_fade - 1 :] = sign * flank[::-1]
-    return value, slope, bend
+    return value, slope, curvature

@@ -113,7 +113,7 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
             return k - begin, False
         if not asked:
             for i in range(n_drives):
-                inputs[n_known + i] = _bent(i, forces[k, i], laws)
+                inputs[n_known + i] = _through_nonlinearities(i, forces[k, i], laws)
             for i in range(n_drives):
                 forces[k, i] = _dot(law_acting, i, inputs)
             _product(law_after, inputs, after)
@@ -124,7 +124,7 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
             _hold(z, laws, mode)
         for piece in range(len(ends)):
             if n_varying:
-                is_smooth = _bends(piece, z, out, laws, mode)
+                is_smooth = _moves_under_varying_laws(piece, z, out, laws, mode)
             else:
                 is_smooth = _moves(begins[piece], ends[piece], held, z, out)
             if not is_smooth:
@@ -181,11 +181,11 @@ def _dot(rows, i, values):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _bent(drive, force, laws):  # type: ignore[no-untyped-def]
+def _through_nonlinearities(drive, force, laws):  # type: ignore[no-untyped-def]
     """Force after the gains and limits of a drive."""
-    for bend in range(laws.bends[drive], laws.bends[drive + 1]):
+    for program in range(laws.nonlinearities[drive], laws.nonlinearities[drive + 1]):
         laws.arguments[2] = force
-        force = program_value(bend, laws)
+        force = program_value(program, laws)
     return force
 
 
@@ -226,7 +226,7 @@ def _moves(begin, end, held, z, out):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _bends(piece, z, out, laws, mode):  # type: ignore[no-untyped-def]
+def _moves_under_varying_laws(piece, z, out, laws, mode):  # type: ignore[no-untyped-def]
     """As `_moves` with varying laws, whose force at the middle of the piece acts (exponential midpoint rule)."""
     n_state = 2 * laws.directions.shape[1]
     _act(z, z, laws, mode)

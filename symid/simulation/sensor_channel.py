@@ -80,15 +80,17 @@ class SensorChannel:
         exact = np.hstack([record.states, record.accelerations]) @ self.motion_row
         # Forces are held and jump at samples, where the mean of both sides is read.
         acting = record.forces @ self.reading.drives
-        bent = self._of_law(record.states)
+        of_law = self._of_law(record.states)
         if self.is_between:
             share = self.moment / self.period
-            inner = record.between[between.index(self)] + acting + (1 - share) * bent[:-1] + share * bent[1:]
-            values = np.concatenate([np.full(self.age + 1, exact[0] + bent[0]), inner])
+            inner = (
+                record.between[between.index(self)] + acting + (1 - share) * of_law[:-1] + share * of_law[1:]
+            )
+            values = np.concatenate([np.full(self.age + 1, exact[0] + of_law[0]), inner])
         else:
             sides = np.concatenate([[0.0], acting, acting[-1:]])
             values = np.concatenate(
-                [np.full(self.age, exact[0] + bent[0]), exact + bent + (sides[1:] + sides[:-1]) / 2]
+                [np.full(self.age, exact[0] + of_law[0]), exact + of_law + (sides[1:] + sides[:-1]) / 2]
             )
         values = values[: self.noise.size]
         if self.misread is not None:

@@ -13,7 +13,7 @@ from typing import Any
 
 from symid.axis import MotionSensor, Sensor
 from symid.symbolic.lagrange import Kinematics
-from symid.symbolic.operators import OperatorModel, add, carriers
+from symid.symbolic.operators import OperatorModel, add, parents
 from symid.symbolic.span import Span
 
 Functional = dict[str, Any]
@@ -105,7 +105,7 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
             combination = span.coordinates(functional) or {}
             repeated.append(RepeatedFunction(sensor.signal, sensor.derivative, combination, sensor.is_scaled))
     one = model.ring.domain.one
-    displacements: dict[str, Functional] = {body: {body: one} for body in carriers(model.source.axis)}
+    displacements: dict[str, Functional] = {body: {body: one} for body in parents(model.source.axis)}
     for pivot, row, coordinates in span.reduced():
         measured = {f"y{i}": share for i, share in sorted(coordinates.items())}
         displacements[str(pivot)] = measured | {body: -c for body, c in row.items() if body != pivot}

@@ -48,7 +48,7 @@ class OperatorModel:
             for body in axis.free_bodies
             if (coefficient := displacement.coeff(kinematics.symbol(body))) != 0
         }
-        return relative_to_absolute(relative, carriers(axis))
+        return relative_to_absolute(relative, parents(axis))
 
 
 def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> OperatorModel:
@@ -56,7 +56,7 @@ def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> O
 
     The coefficients hold constants in `numbers` as numbers, not as symbols.
     """
-    axis, carrier_of = model.axis, carriers(model.axis)
+    axis, parent_of = model.axis, parents(model.axis)
     values = {sp.Symbol(name): exact(model.constants[name]) for name in numbers}
     constants = [sp.Symbol(name) for name in model.constants if name not in numbers]
     names = [name for name in axis.parameter_units if axis.known_parameters.get(name) != 0]
@@ -70,11 +70,11 @@ def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> O
     inputs: dict[str, Row] = {}
     force: dict[str, Row] = {}
     # Lagrange's equation of a body contains the forces on what it carries; subtracting those leaves its own balance.
-    for body in carrier_of:
+    for body in parent_of:
         balance = lagrange[body]
-        for carried in (child for child, carrier in carrier_of.items() if carrier == body):
+        for carried in (child for child, parent in parent_of.items() if parent == body):
             balance = add(balance, lagrange[carried], ring(-1))
-        motion[body] = relative_to_absolute({b: balance[b] for b in carrier_of if b in balance}, carrier_of)
+        motion[body] = relative_to_absolute({b: balance[b] for b in parent_of if b in balance}, parent_of)
         inputs[body] = {
             str(w.symbol): balance[str(w.symbol)] for w in model.inputs if str(w.symbol) in balance
         }
@@ -104,19 +104,19 @@ def by_power(entry: PolyElement | None) -> dict[int, PolyElement]:
     return {power: entry.ring.from_dict(terms) for power, terms in powers.items()}
 
 
-def carriers(axis: Axis) -> dict[str, str | None]:
+def parents(axis: Axis) -> dict[str, str | None]:
     """For each free body, the free body that carries it if their displacements add up, else None."""
-    return {body.name: body.carrier.name if body.carrier else None for body in axis.free_bodies}
+    return {body.name: body.parent.name if body.parent else None for body in axis.free_bodies}
 
 
-def relative_to_absolute(relative: Mapping[str, Any], carrier_of: Mapping[str, str | None]) -> dict[str, Any]:
+def relative_to_absolute(relative: Mapping[str, Any], parent_of: Mapping[str, str | None]) -> dict[str, Any]:
     """Coefficients of absolute coordinates from those of relative ones: q_b = x_b - x_carrier."""
     absolute: dict[str, Any] = {}
     for body, coefficient in relative.items():
         absolute = add(absolute, {body: coefficient}, 1)
-        carrier = carrier_of[body]
-        if carrier is not None:
-            absolute = add(absolute, {carrier: coefficient}, -1)
+        parent = parent_of[body]
+        if parent is not None:
+            absolute = add(absolute, {parent: coefficient}, -1)
     return absolute
 
 

@@ -107,16 +107,16 @@ class ExactRun:
                     run.time, x @ of_place + v @ of_speed, v @ of_place + a @ of_speed
                 )
                 held = np.reshape(run.forces, (len(run.time), -1)) @ reading.drives
-                bent = np.zeros(len(middle))
+                of_law = np.zeros(len(middle))
                 if reading.law is not None:
                     law = self.laws[reading.law]
                     at, speed = (
                         CubicHermiteSpline(run.time, y @ law.direction, rate @ law.direction)(middle)
                         for y, rate in ((x, v), (v, a))
                     )
-                    bent = reading.per_force * law.forces(at, speed)
+                    of_law = reading.per_force * law.forces(at, speed)
                 found[sensor.signal] = CubicSpline(
-                    middle, smooth(middle) + held[:-1] + bent + reading.constant
+                    middle, smooth(middle) + held[:-1] + of_law + reading.constant
                 )
             elif reading.order == 2:
                 found[sensor.signal] = CubicSpline(

@@ -8,7 +8,7 @@ import pytest
 import scipy
 
 from symid.data import LongLog, open_log, read_log
-from symid.data.memory import free_memory, require_room
+from symid.data.memory import free_memory, require_memory
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -67,4 +67,4 @@ def test_blocks_are_chosen_by_rows(tmp_path: Path) -> None:
 
 def test_this_machine_says_what_is_free() -> None:
     assert free_memory() > 1e6
-    require_room(1000)
+    require_memory(1000)

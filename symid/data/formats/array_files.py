@@ -19,7 +19,7 @@ from symid.data.formats.channels import Channel, columns_of, short_names, table_
 from symid.data.formats.hdf5 import MAGIC, open_hdf5, values_with_objects
 from symid.data.formats.matlab_objects import may_hold_objects, with_objects
 from symid.data.formats.separate import answer, channels_apart
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.data.table import Table, first_line, parsing
 from symid.errors import LogError
 
@@ -42,7 +42,7 @@ def open_matlab(path: Path, memory: int | None = None) -> Table:
         values = values_with_objects(path)
         if not values:
             return open_hdf5(path, memory)
-        require_room(values, memory)
+        require_memory(values, memory)
         try:
             return table_of_channels(_channels_apart(path, memory))
         except LogError as error:
@@ -69,7 +69,7 @@ def _parsed(path: Path, memory: int | None) -> list[Channel]:
     if not is_hdf5 and not may_hold_objects(begin):
         return _channels(path, memory)
     try:
-        _require_room_for(path, memory)
+        _require_memory_for(path, memory)
         found = _as_channels(with_objects(path))
         if not found:
             raise LogError("no vectors of numbers in them")
@@ -94,7 +94,7 @@ def _channels(path: Path, memory: int | None) -> list[Channel]:
     """Variables of a file before version 7.3, without its objects."""
     with parsing(path, "MATLAB"), warnings.catch_warnings():
         warnings.simplefilter("ignore", scipy.io.matlab.MatReadWarning)  # two objects have one name to scipy
-        _require_room_for(path, memory)
+        _require_memory_for(path, memory)
         variables = scipy.io.loadmat(path, simplify_cells=True)
     return _as_channels({name: value for name, value in variables.items() if not name.startswith("__")})
 
@@ -136,13 +136,13 @@ def _leaves(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[
             yield from _leaves(inner, (*names[:-1], f"{names[-1]}({i + 1})") if names else (str(i + 1),))
 
 
-def _require_room_for(path: Path, memory: int | None) -> None:
+def _require_memory_for(path: Path, memory: int | None) -> None:
     """Raise LogError if the arrays of a MATLAB file, which may be compressed, would not fit."""
     try:
         listed = scipy.io.whosmat(path)
     except Exception:  # noqa: BLE001  what cannot be listed, such as a tf model, may still be loaded
         return
-    require_room(sum(math.prod(map(int, shape)) for _, shape, _ in listed), memory)
+    require_memory(sum(math.prod(map(int, shape)) for _, shape, _ in listed), memory)
 
 
 def open_npz(path: Path, memory: int | None = None) -> Table:
@@ -153,7 +153,7 @@ def open_npz(path: Path, memory: int | None = None) -> Table:
     failures = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError)
     with parsing(path, "NPZ", *failures):
         with zipfile.ZipFile(path) as archive:
-            require_room(sum(entry.file_size for entry in archive.infolist()) // 8, memory)
+            require_memory(sum(entry.file_size for entry in archive.infolist()) // 8, memory)
         with np.load(path, allow_pickle=False) as arrays:
             return table_of_arrays({name: arrays[name] for name in arrays.files})
 

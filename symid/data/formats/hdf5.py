@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.formats.channels import are_columns, short_names, vector
 from symid.data.formats.extra import required
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.data.table import Table, parsing
 
 MAGIC: Final = b"\x89HDF\r\n\x1a\n"
@@ -71,7 +71,7 @@ class _Vector:
 
     def read(self, file: Any) -> FloatArray | str:
         """Values of the vector or column."""
-        require_room(self.size)
+        require_memory(self.size)
         dataset = file["/".join(self.path)]
         if self.place is None or isinstance(self.place, str):
             return vector(np.asarray(dataset[()] if self.place is None else dataset[self.place]))

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.data.formats.channels import short_names, table_of_arrays
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.data.table import Table, parsing
 from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
@@ -33,7 +33,7 @@ def open_json_lines(path: Path, memory: int | None = None) -> Table:
 
 
 def _parsed(path: Path, memory: int | None, *, lines: bool) -> object:
-    require_room(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
+    require_memory(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
     try:
         with parsing(path, "JSON", ValueError):
             text = path.read_text(encoding="utf-8-sig")

@@ -10,7 +10,7 @@ import numpy as np
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import require_installed
 from symid.data.formats.separate import answer, channels_apart
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.data.table import Table
 
 
@@ -26,7 +26,7 @@ def open_mdf(path: Path, memory: int | None = None) -> Table:
 def _parsed(path: Path, memory: int | None) -> list[Channel]:
     with import_module("asammdf").MDF(path) as whole:
         values = sum(int(group.channel_group.cycles_nr) * len(group.channels) for group in whole.groups)
-        require_room(values, memory)
+        require_memory(values, memory)
         signals = [
             (group, whole.get(group=group, index=index))
             for group, one in enumerate(whole.groups)

@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import required
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.data.table import Table, parsing
 from symid.errors import LogError
 
@@ -29,12 +29,12 @@ def open_mcap(path: Path, memory: int | None = None) -> Table:
     """
     reader = required("mcap.reader", path)
     ros2 = required("mcap_ros2.decoder", path)
-    require_room(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
+    require_memory(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
     with parsing(path, "MCAP"), path.open("rb") as stream:
         opened = reader.make_reader(stream, decoder_factories=[ros2.DecoderFactory(), _Json()])
         summary = opened.get_summary()
         if summary and summary.statistics:
-            require_room(summary.statistics.message_count, memory)
+            require_memory(summary.statistics.message_count, memory)
         read = _readable(summary) if summary else None
         if read == []:
             other = ", ".join(sorted({one.message_encoding for one in summary.channels.values()}))
@@ -72,10 +72,10 @@ def open_rosbag(path: Path, memory: int | None = None) -> Table:
     """
     highlevel = required("rosbags.highlevel", path)
     typesys = required("rosbags.typesys", path)
-    require_room(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
+    require_memory(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
     standard = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
     with parsing(path, "ROS bag"), highlevel.AnyReader([path], default_typestore=standard) as bag:
-        require_room(bag.message_count, memory)
+        require_memory(bag.message_count, memory)
         known = [one for one in bag.connections if one.msgtype in bag.typestore.fielddefs]
         return table_of_messages(  # without connections, all messages would be read
             (connection.topic, time, bag.deserialize(raw, connection.msgtype))

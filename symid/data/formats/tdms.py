@@ -13,7 +13,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import required
-from symid.data.memory import require_room
+from symid.data.memory import require_memory
 from symid.data.table import Table, parsing
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
@@ -27,7 +27,7 @@ def open_tdms(path: Path, memory: int | None = None) -> Table:
     nptdms = required("nptdms", path)
     with parsing(path, "TDMS"), _silent(), path.open("rb") as stream, nptdms.TdmsFile.open(stream) as file:
         channels = [channel for group in file.groups() for channel in group.channels() if len(channel)]
-        require_room(sum(len(channel) for channel in channels), memory)
+        require_memory(sum(len(channel) for channel in channels), memory)
         names = short_names([(channel.group_name, channel.name) for channel in channels])
         read = [
             Channel(name, _unit(one), _times(one), np.asarray(one[:]))

@@ -102,6 +102,6 @@ def _own_samples(x: FloatArray) -> tuple[int, int]:
     spacing, first = updated_every(x)
     if spacing > 1 or not (between := interpolated_from(x)):
         return spacing, first
-    bent = np.abs(np.diff(x, 2))
-    knots = np.median(bent[: bent.size // between * between].reshape(-1, between), axis=0)
+    curvature = np.abs(np.diff(x, 2))
+    knots = np.median(curvature[: curvature.size // between * between].reshape(-1, between), axis=0)
     return between, (int(np.argmax(knots)) + 1) % between
