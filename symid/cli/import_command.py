@@ -18,7 +18,7 @@ from symid.cli.setting_options import with_options
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of
 from symid.data.formats.scope_text import writer_of
-from symid.errors import SettingError
+from symid.errors import LogError, SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
 from symid.report.figures.colours import palette_of
 from symid.report.tables.console import TextTable, report_console
@@ -131,6 +131,8 @@ def _read_foreign(path: Path) -> ForeignFile:
     text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
     layout = guessed_layout(path) if text and writer_of(path) is None else None
     table = open_table(path, layout)
+    if not table.headers:
+        raise LogError(f"{path}: holds no columns of numbers: save each signal as a vector")
     return ForeignFile(layout, table, foreign_columns(table), stated_period(path, layout) if layout else None)
 
 
@@ -179,6 +181,7 @@ def _show_mapping(log: str, mapping: LogMapping | None, options: dict[str, Any])
         console.print(f"Missing: {with_options(lack)}", markup=False)
     if options["output"]:
         check = "check each guess, delete those that you confirm, then" if mapping.guesses else "use it with"
+        check = "give what is missing, here or with the same options to" if mapping.missing else check
         console.print(
             f"\nwrote {options['output']}: {check}\n    symid identify "
             f"{options['axis']} {log} --mapping {options['output']}",

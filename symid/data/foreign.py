@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -39,6 +39,7 @@ _WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
 _SETPOINT: Final = (
     r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg"
 )
+_COUNTS: Final = r"inc|incr\w*|increments?|inkr\w*|counts?|cts|impuls\w*|pulses?|lsb"
 _NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 _WRITTEN: Final = {
     "Nm": "N*m",
@@ -84,6 +85,8 @@ class ForeignColumn:
         Evidence that the values are not numbers of a quantity; empty without such evidence.
     scaled : bool
         Whether the values cannot be in SI and their unit is unknown, such as counts of an encoder.
+    constant : bool
+        Whether all values are equal.
     """
 
     header: str
@@ -94,6 +97,7 @@ class ForeignColumn:
     stated: bool
     doubt: str = ""
     scaled: bool = False
+    constant: bool = False
 
 
 def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
@@ -113,7 +117,9 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     return tuple(
         ForeignColumn(header, "time", "s", False, clocks[i], True)
         if i in clocks
-        else replace(_guessed(header, column), doubt=_sign_and_magnitude(column))
+        else replace(
+            _guessed(header, column), doubt=_sign_and_magnitude(column), constant=bool(np.ptp(column) == 0)
+        )
         for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header
     )
@@ -126,18 +132,26 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
     quantity, unit = _measured_in(written)
     if quantity is not None and quantity != "percent":
         return ForeignColumn(header, quantity, unit, setpoint, f"its unit is written, {written}", True)
-    for by_name, pattern in _WORDS:
-        word = _match(words, pattern)
-        if word is None:
+    if written and _match([written], _COUNTS):
+        why = f"its unit is {written}, of unknown length"
+        return ForeignColumn(header, "position", None, setpoint, why, False, scaled=True)
+    if written and quantity is None:  # what is in brackets, or below, may be the name
+        words += re.split(r"[^A-Za-z0-9]+", written)
+    is_even = not setpoint and _rises_evenly(values)
+    for by_name, word in _named(words):
+        if by_name == "position" and is_even:  # no measured position does
             continue
         if quantity == "percent":
             why = f"{word!r} in percent: of a rated value"
             return ForeignColumn(header, "percent", "%", setpoint, why, True)
         return _without_unit(header, by_name, word, setpoint, values, written)
     numbered = _match(words, _NUMBERS) is not None
-    if numbered and _rises_evenly(values):
+    if numbered and is_even:
         return ForeignColumn(header, None, None, setpoint, "it numbers the samples", False)
-    if written is None and not setpoint and _rises_evenly(values):
+    if is_even and np.all(values % 1 == 0) and values[1] - values[0] == 1:
+        why = "it rises by 1: numbers of samples, or ms"
+        return ForeignColumn(header, "time", None, setpoint, why, False)
+    if is_even:
         return _without_unit(header, "time", "rises in equal steps", setpoint, values, written)
     why = f"its unit {written!r} is not known" if written else "neither name nor unit identifies it"
     return ForeignColumn(header, None, None, setpoint, why, False)
@@ -179,7 +193,8 @@ def _sign_and_magnitude(values: FloatArray) -> str:
 def _rises_evenly(values: FloatArray) -> bool:
     """Whether these are the times of samples, or their numbers."""
     steps = np.diff(values)
-    return steps.size > 1 and bool(np.ptp(steps) <= 1e-3 * np.median(steps))
+    step = float(np.median(steps)) if steps.size > 1 else 0.0
+    return step > 0 and bool(np.ptp(steps) <= 1e-3 * step)
 
 
 def split_header(header: str) -> tuple[str, str | None]:
@@ -192,6 +207,16 @@ def split_header(header: str) -> tuple[str, str | None]:
     if match is None or match["unit"].strip().isdecimal():
         return header, None
     return match["name"], match["unit"].strip()
+
+
+def _named(words: Sequence[str]) -> Iterator[tuple[Quantity, str]]:
+    """Quantities by the words of a name; single letters, which may be the type of a variable, count least."""
+    for letters in (False, True):
+        own = [word for word in words if (len(word) == 1) is letters]
+        for quantity, pattern in _WORDS:
+            word = _match(own, pattern)
+            if word is not None:
+                yield quantity, word
 
 
 def _match(words: Sequence[str], pattern: str) -> str | None:

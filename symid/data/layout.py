@@ -36,7 +36,7 @@ class Layout:
     above : int
         Lines above the header.
     below : int
-        Lines between header and values: one with units is joined to the names, others are left out.
+        Lines between header and values: if one holds texts, they are joined to the names as units.
     named : bool
         Whether there is a line of names; without one the columns are called ``column 1`` and so on.
     """
@@ -72,16 +72,26 @@ class Layout:
         return self.above + self.below + self.named
 
     def headers(self, lines: Sequence[str]) -> tuple[str, ...]:
-        """Headers in the first lines of a file; a line of units below them is joined to them as ``name [unit]``."""
+        """Headers in the first lines of a file; a line of units below them is joined to them as ``name [unit]``.
+
+        A header that occurs more than once is numbered.
+        """
         if not self.named:
             count = len(fields(lines[self.skipped].rstrip(self.separator), self.separator))
             return tuple(f"column {i + 1}" for i in range(count))
         names = [text.strip() for text in fields(uncommented(lines[self.above]), self.separator)]
-        if self.below != 1:
-            return tuple(names)
-        units = [text.strip().strip("[]()") for text in fields(lines[self.above + 1], self.separator)]
-        units += [""] * (len(names) - len(units))
-        return tuple(f"{name} [{unit}]" if unit else name for name, unit in zip(names, units, strict=False))
+        below = [line for line in lines[self.above + 1 : self.skipped] if line.strip(f"{self.separator} ")]
+        units = [""] * len(names)
+        if len(below) == 1:
+            written = [text.strip().strip("[]()") for text in fields(below[0], self.separator)]
+            units = [*written, *units][: len(names)]
+        pairs = list(zip(names, units, strict=True))
+        return tuple(
+            (f"{name} ({pairs[: i + 1].count(pair)})" if name and pairs.count(pair) > 1 else name)
+            + (f" [{unit}]" if unit else "")
+            for i, pair in enumerate(pairs)
+            for name, unit in [pair]
+        )
 
 
 def uncommented(line: str) -> str:
@@ -207,10 +217,13 @@ def is_number(text: str, *, comma: bool) -> bool:
 def _header(above: Sequence[str], separator: str, width: int) -> int | None:
     """Line of the names: the upper one if there are two adjacent lines of texts above the values.
 
-    A line with a number holds a property such as the sampling time.
+    Empty lines may stand between them and the values. A line with a number holds a property such as the sampling time.
     """
     nearest: int | None = None
-    for place in range(len(above) - 1, max(len(above) - 3, -1), -1):
+    last = len(above) - 1
+    while last >= 0 and not above[last].strip(f"{separator} "):
+        last -= 1
+    for place in range(last, max(last - 2, -1), -1):
         texts = [text.strip() for text in fields(uncommented(above[place]), separator)]
         filled = [text for text in texts if text]
         if (

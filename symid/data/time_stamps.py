@@ -12,10 +12,13 @@ from symid.arrays import FloatArray
 from symid.data.table import values_of
 
 STAMP: Final = re.compile(
-    r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d([.,]\d{1,9})?)?\s?(Z|[+-]\d\d:?\d\d)?|\d\d:\d\d:\d\d([.,]\d{1,9})?"
+    r"(\d{4}-\d\d-\d\d|\d\d\.\d\d\.\d{4})[T ]\d\d:\d\d(:\d\d([.,]\d{1,9})?)?\s?(Z|[+-]\d\d:?\d\d)?"
+    r"|\d\d:\d\d:\d\d([.,]\d{1,9})?"
 )
-"""ISO 8601 with a point or comma, or a time of day."""
-_FORMATS: Final = ("%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%dT%H:%M")
+"""ISO 8601 with a point or comma, the same with day, month and year between points, or a time of day."""
+_FORMATS: Final = tuple(
+    f"{day}T%H:%M{second}" for day in ("%Y-%m-%d", "%d.%m.%Y") for second in (":%S%.f", "")
+)
 _DAY: Final = 86_400.0
 _ZONE: Final = r"\s?(Z|[+-]\d\d:?\d\d)$"
 

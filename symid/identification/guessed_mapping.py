@@ -158,6 +158,7 @@ class _Guess:
         else:
             self.missing.append(
                 "no column of the time has a known unit: give `sampling_period`, or the column of t"
+                + (f" and its unit: {time.header!r} may be it, {time.reason}" if time else "")
             )
 
     def called(self, signal: str) -> list[ForeignColumn]:
@@ -173,7 +174,7 @@ class _Guess:
         """
         signal, quantity = sensor.signal, sensor.quantity
         found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
-        found.sort(key=lambda c: not c.header.startswith(signal))
+        found.sort(key=lambda c: (c.constant, not c.header.startswith(signal)))
         column = self.chosen(signal, _in_degrees(found, unit) or self.called(signal))
         if column is not None:
             self.take(signal, column)
@@ -189,7 +190,7 @@ class _Guess:
         """A column for a drive's force, measured or else commanded, with its factor where it needs one."""
         signal, command = drive.signal, drive.command
         own = {Unit.of("A"): "current", Unit.of("V"): "voltage"}.get(unit, "force")
-        found = sorted(self.free, key=lambda c: not c.header.startswith(signal))
+        found = sorted(self.free, key=lambda c: (c.constant, not c.header.startswith(signal)))
         measured = {c.quantity: c for c in reversed(found) if not c.setpoint}
         if command and "voltage" in measured and own not in measured:
             self.take(command, measured["voltage"])

