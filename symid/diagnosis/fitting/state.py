@@ -17,9 +17,10 @@ from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferE
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
-from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.record import COULOMB, Record
 from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, weighting_of
 from symid.errors import LogError
+from symid.simulation.plant import ScaledLaw
 
 _TAKES_PART = 0.2
 _LEAST_ROWS, _LEAST_HELD_OUT = 20, 8
@@ -92,7 +93,7 @@ def first_state(
     declared = tuple(
         replace(item, integrated=can_integrate(prediction, item)) for item in declared_effects(prediction)
     )
-    return with_effects(first, weighting, declared) if declared or record.dry_terms else first, weighting
+    return with_effects(first, weighting, declared) if declared or record.hidden_terms else first, weighting
 
 
 def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) -> tuple[State, Weighting]:
@@ -174,7 +175,7 @@ def _acted_on(
     """The next prediction, with the forces that effects have at the motion of the prediction before."""
     # Hidden motion: a force of moderate strength is taken from the motion before (fixed-point iteration). A strong one
     # is integrated in time, and the frequency response has an equivalent impedance in its place.
-    record, forces, dry = before.record, np.zeros_like(before.forces), before.record.dry_terms
+    record, forces, hidden = before.record, np.zeros_like(before.forces), before.record.hidden_terms
     impedances, integrated = [], []
     for item in placed:
         if not isinstance(item.effect, JointEffect):
@@ -188,17 +189,17 @@ def _acted_on(
         elif isinstance(item.effect, LinearEffect):
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
             impedances.append((joint.direction, stiffness))
-            if dry or any(other.integrated for other in placed):  # an integration has no impedances
+            if hidden or any(other.integrated for other in placed):  # an integration has no impedances
                 forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)
         else:
             forces -= np.multiply.outer(_force(before, item, joint), joint.direction)
-    plant = record.dynamics.at(parameters) if nearby or dry else before.response.plant
-    for i, k in dry:
-        direction, level = plant.laws[i].direction, plant.laws[i].terms[k].parameter
-        integrated.append((direction, Pointwise("level", {"level": level}, dry=True)))
+    plant = record.dynamics.at(parameters) if nearby or hidden else before.response.plant
+    for i, k in hidden:
+        direction, term = plant.laws[i].direction, plant.laws[i].terms[k]
+        integrated.append((direction, _integrand(term)))
         if not nearby:
             joint = before.along(direction)
-            impedances.append((direction, _equivalent(level * before.laws[i][1][k], joint)))
+            impedances.append((direction, _equivalent(term.parameter * before.laws[i][1][k], joint)))
     like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
     return prediction_of(
         record,
@@ -208,8 +209,15 @@ def _acted_on(
         forces=forces,
         impedances=impedances,
         integrated=integrated,
-        integrated_terms=dry,
+        integrated_terms=hidden,
     )
+
+
+def _integrand(term: ScaledLaw) -> Pointwise:
+    """A declared law as it is integrated."""
+    if term.code == COULOMB:
+        return Pointwise("parameter", {"parameter": term.parameter}, dry=True)
+    return Pointwise(f"parameter * ({term.code})", {"parameter": term.parameter})
 
 
 def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:

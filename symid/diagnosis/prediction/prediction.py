@@ -52,7 +52,7 @@ class Prediction:
     levels : tuple of float
         Errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty.
     integrated_terms : tuple of (int, int)
-        Entries of `Record.dry_terms` that are integrated with the hidden motion.
+        Entries of `Record.hidden_terms` that are integrated with the hidden motion.
     """
 
     record: Record

@@ -6,6 +6,7 @@ predicted signals are the outputs: the force of each drive, and the readings of 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -26,6 +27,10 @@ from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
 
+COULOMB = "np.sign(v)"
+"""Code of Coulomb friction."""
+_JUMPS = re.compile(r"np\.(sign|heaviside)\(-?v\b")
+"""Code of a law that jumps where the velocity changes its sign."""
 _LEAST_SAMPLES = 100
 """Least number of samples: with fewer, motion and noise do not separate in the spectrum."""
 NOISE_MARGIN, SLOW_SHARE = 6.0, 0.004
@@ -105,16 +110,17 @@ class Record(PeriodicLog):
         return bool(np.linalg.matrix_rank(np.stack([*rows, direction])) > len(rows))
 
     @cached_property
-    def dry_terms(self) -> tuple[tuple[int, int], ...]:
-        """Indices of law and term of declared Coulomb friction in hidden joints.
+    def hidden_terms(self) -> tuple[tuple[int, int], ...]:
+        """Indices of law and term of declared nonlinear laws in hidden joints whose motion is integrated.
 
-        A body that sticks at times has no frequency response.
+        These are Coulomb friction, because a body that sticks at times has no frequency response, and laws without a
+        jump at reversals, such as play in a spring. Other laws of friction are taken from the motion before.
         """
         return tuple(
             (i, k)
             for i, law in enumerate(self.dynamics.laws)
             for k, term in enumerate(law.terms)
-            if term.code == "np.sign(v)" and self.is_hidden(law.direction)
+            if (term.code == COULOMB or not _JUMPS.search(term.code)) and self.is_hidden(law.direction)
         )
 
     @cached_property
