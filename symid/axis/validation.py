@@ -243,7 +243,7 @@ def _sensor_faults(
         name = read.name if isinstance(read, Spring) else read.signal
         if getattr(names.get(name), "at", None) != read.at:
             yield f"{label} reads {label_of(read)}, which is not of the axis: declare it there"
-        elif isinstance(read, Spring) and (others := _beside_bent_spring(read, elements)):
+        elif isinstance(read, Spring) and (others := _laws_beside_nonlinear_spring(read, elements)):
             yield (
                 f"{label} reads {label_of(read)}, whose nonlinear law shares its joint with "
                 f"{type(others[0]).__name__}: put that at a body"
@@ -254,7 +254,9 @@ def _sensor_faults(
             yield f"{label} reads a force, and a drive is in another unit: give that an unknown gain, gain='Kt'"
 
 
-def _beside_bent_spring(spring: Spring, elements: Sequence[object]) -> list[Law | JointImperfection]:
+def _laws_beside_nonlinear_spring(
+    spring: Spring, elements: Sequence[object]
+) -> list[Law | JointImperfection]:
     """Other laws in the joint of a spring with a nonlinear law: a force sensor in it cannot separate them from that."""
     there = [e for e in elements if isinstance(e, (Law, JointImperfection)) and e.at == spring.at]
     own = [e for e in there if isinstance(e, Law) and e.in_spring]

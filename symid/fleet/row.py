@@ -79,7 +79,7 @@ def time_text(seconds: float) -> str:
     return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="microseconds")
 
 
-def trouble(log: str, error: BaseException) -> dict[str, Value]:
+def failure_row(log: str, error: BaseException) -> dict[str, Value]:
     """Status and message of a log whose identification failed with an error."""
     match error:
         case LogError():

@@ -23,7 +23,7 @@ from symid.fleet.batch_settings import ROW_METHODS
 from symid.fleet.joint_estimate import log_factors
 from symid.fleet.kept_factors import packed
 from symid.fleet.plan import FleetAxis
-from symid.fleet.row import FACTORS, Row, Value, finite, time_text, trouble, with_deviations
+from symid.fleet.row import FACTORS, Row, Value, failure_row, finite, time_text, with_deviations
 from symid.fleet.worker_limits import TooLongError
 from symid.identification import (
     Constraints,
@@ -75,7 +75,7 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> LogOutcome:
         with _threads().limit(limits=1):
             row |= _identified(axis, task.path)
     except (Exception, PanicException) as error:  # noqa: BLE001  any failure of a log becomes a row
-        row |= trouble(task.path, error)
+        row |= failure_row(task.path, error)
         if isinstance(error, (MemoryError, OSError, TooLongError)):
             row["key"] = None  # another night may do better
     row |= {"seconds": time.perf_counter() - begin, "finished": time_text(time.time())}
@@ -261,7 +261,7 @@ def _diagnosed(axis: FleetAxis, log: Log, message: str) -> dict[str, Value]:
     try:
         found = diagnose(axis.axis, log, nominal=settings.nominal, late=prepared.late, held=prepared.held)
     except (Exception, PanicException) as error:  # noqa: BLE001  the identification stands whatever happens here
-        cause = str(trouble(log.source, error)["message"])
+        cause = str(failure_row(log.source, error)["message"])
         return {"message": "; ".join(part for part in (message, f"no diagnosis: {cause}") if part)}
     row: dict[str, Value] = {
         "verdict": found.verdict,

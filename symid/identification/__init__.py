@@ -3,12 +3,12 @@
 from symid.identification.axis_logs import measured_signals, open_axis_log, read_axis_log
 from symid.identification.bias import Bias, bias_of
 from symid.identification.constraints import Constraints
-from symid.identification.contradiction import judged, with_fixed
+from symid.identification.contradiction import with_constraint_check, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
 from symid.identification.force_steps import misses_steps, with_force_steps
 from symid.identification.guessed_mapping import guessed_mapping, stated_period
 from symid.identification.identification_result import Identification
-from symid.identification.identify import distrusted, found_from, identify
+from symid.identification.identify import found_from, identify, with_checks
 from symid.identification.known_per_log import SharedIdentification, identify_with_known
 from symid.identification.mapping import LogMapping, read_mapping
 from symid.identification.observation import Observation, observe
@@ -33,13 +33,11 @@ __all__ = [
     "Timing",
     "bias_of",
     "delays_of",
-    "distrusted",
     "excerpts",
     "found_from",
     "guessed_mapping",
     "identify",
     "identify_with_known",
-    "judged",
     "measured_signals",
     "misses_steps",
     "observe",
@@ -49,6 +47,8 @@ __all__ = [
     "read_axis_log",
     "read_mapping",
     "stated_period",
+    "with_checks",
+    "with_constraint_check",
     "with_fixed",
     "with_force_steps",
 ]

@@ -15,7 +15,7 @@ _INTERVAL = 1.96
 """Half width of the 95 % interval, in standard deviations."""
 
 
-def judged(found: Identification) -> Identification:
+def with_constraint_check(found: Identification) -> Identification:
     """The identification with notes of its bounds and priors; "contradicted" where the log is against them.
 
     The log is against them where a value lies outside the 95 % interval of the estimate without them.

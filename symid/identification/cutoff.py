@@ -188,7 +188,7 @@ def least_uncertain(
         return best
     # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at
     # the first does not count: its small deviations would hold for a wrong model.
-    lowest, most_left = _gauge(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
+    lowest, most_left = _geometric_mean(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
     for factors in (_upward(estimation.highest(first)), [_STEP**-k for k in range(1, _LOWER_CUTOFFS + 1)]):
         failed, before = 0, lowest
         for factor in factors:
@@ -199,7 +199,7 @@ def least_uncertain(
             if estimation.left(other) > most_left:
                 continue
             found = widened(other)
-            size = _gauge(_relative_deviations(found))
+            size = _geometric_mean(_relative_deviations(found))
             if found.status == "ok" and size < _WORTH * lowest:
                 best, lowest, failed = found, size, 0
         if lowest < before:
@@ -217,7 +217,7 @@ def _upward(highest: float) -> list[float]:
     return [min(_STEP**k, highest) if k < steps else highest for k in range(1, steps + 1)]
 
 
-def _gauge(sizes: FloatArray) -> float:
+def _geometric_mean(sizes: FloatArray) -> float:
     """Geometric mean of relative deviations, 1 without any. Below `_KNOWN` a smaller deviation does not count."""
     if not sizes.size:
         return 1.0

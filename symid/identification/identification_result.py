@@ -142,7 +142,7 @@ class Identification(EstimatedParameters, Shown):
     @property
     def covariance(self) -> FloatArray:
         """Covariance of the minimal parameters, corrected for the residual's correlation where that is known."""
-        return trusted_covariance(self.fit, self.correlated)
+        return best_covariance(self.fit, self.correlated)
 
     def to_frame(self) -> pl.DataFrame:
         """A polars data frame with a row for each minimal and physical parameter: kind, name, value, std, unit (SI).
@@ -239,7 +239,7 @@ def headline_of(
     return f"{model.axis} from {', '.join(model.measured)}, {status}: {listed or 'no parameters'}"
 
 
-def trusted_covariance(fit: LeastSquares, correlated: CorrelatedCovariance) -> FloatArray:
+def best_covariance(fit: LeastSquares, correlated: CorrelatedCovariance) -> FloatArray:
     """The corrected covariance, or the classical one where too few samples are left for the correlation."""
     return correlated.covariance if correlated.status != "too_few_samples" else fit.covariance
 

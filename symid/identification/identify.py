@@ -27,11 +27,11 @@ from symid.estimation import (
 from symid.identification.bias import Bias, Correction, bias_of_instruments
 from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.constraints import Constraints, constrained_estimates
-from symid.identification.contradiction import judged
+from symid.identification.contradiction import with_constraint_check
 from symid.identification.cutoff import CutoffTrial, Estimation, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.folding import folding_of
-from symid.identification.identification_result import Identification, trusted_covariance
+from symid.identification.identification_result import Identification, best_covariance
 from symid.identification.lagging import lag_of
 from symid.identification.nonlinearity import ColumnTests
 from symid.identification.observation import Observation
@@ -39,12 +39,12 @@ from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.poor_fit import contradicting_part, unexplained_outputs
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
+from symid.identification.reliability import Faults, with_faults
 from symid.identification.row_blocks import blocks_of_runs
 from symid.identification.settings import Preparation, notes_on_declared
 from symid.identification.smoothing import slow_update, smoothing_of
 from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import delays_of, likeliest
-from symid.identification.trust import Faults, distrust
 from symid.identification.verdict import verdict
 from symid.identification.whitened import Segment, segments, whitened
 
@@ -135,11 +135,11 @@ def identify(
     if trial.fit.status == "too_few_rows":
         trial = estimation.widest(trial)
     if not examine or trial.fit.status != "ok":
-        return judged(found_at(trial))
+        return with_constraint_check(found_at(trial))
     found = least_uncertain(estimation, trial, found_at)
     if examine == "bias":
-        return judged(found)
-    return distrusted(found, parts_of(found.observations), every)
+        return with_constraint_check(found)
+    return with_checks(found, parts_of(found.observations), every)
 
 
 def found_from(
@@ -184,7 +184,7 @@ def found_from(
     # From here on the covariance includes the correlation of the residual, and scatter and bias where they are known.
     physical: tuple[PhysicalEstimate, ...] = ()
     if fit.status == "ok":
-        covariance = trusted_covariance(fit, correlated)
+        covariance = best_covariance(fit, correlated)
         physical = physical_estimates(model, fit.parameters, covariance, nominal)
         if constraints:
             physical = (
@@ -219,7 +219,7 @@ def found_from(
     return replace(found, status=status, message=message)
 
 
-def distrusted(
+def with_checks(
     found: Identification,
     parts: tuple[Excerpt, ...],
     logs: Sequence[AnyLog],
@@ -242,7 +242,7 @@ def distrusted(
         or lag_of(model, parts, fit, examined.timing)
         or drift_within_a_row(parts, fit, delays)
     )
-    return judged(distrust(examined, _faults(examined, fit, parts, sums, drift)))
+    return with_constraint_check(with_faults(examined, _faults(examined, fit, parts, sums, drift)))
 
 
 def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:

@@ -20,12 +20,12 @@ from symid.identification import (
     Constraints,
     Identification,
     Preparation,
-    distrusted,
     excerpts,
     found_from,
     identify,
-    judged,
     observe,
+    with_checks,
+    with_constraint_check,
 )
 from symid.instrumental.instrumental_fit import InstrumentalFit, estimate_by_instruments
 from symid.instrumental.recorded_gains import cascade_of_log
@@ -134,7 +134,11 @@ def identify_by_instruments(
     if weak:
         return replace(found, fit=replace(found.fit, method="iv"), status="weak_instruments", message=weak)
     found = replace(found, notes=(*found.notes, controlled))
-    return distrusted(found, excerpts(model, runs, found.observations), runs, Z) if examine else judged(found)
+    return (
+        with_checks(found, excerpts(model, runs, found.observations), runs, Z)
+        if examine
+        else with_constraint_check(found)
+    )
 
 
 def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dict[str, float]:

@@ -37,5 +37,5 @@ def test_an_effect_that_a_law_of_another_shape_outdoes_is_no_certain_cause() -> 
 
 @pytest.mark.parametrize("share", [0.0, 0.3])
 def test_the_probability_of_an_effect_falls_with_what_another_shape_leaves(share: float) -> None:
-    assert _is_outdone(Errors(None, 50.0, 10.0, 0.1, shapeless=share)) > 0.95
-    assert _is_outdone(Errors(None, 50.0, 10.0, 0.1, shapeless=1.0)) < 0.05
+    assert _is_outdone(Errors(None, 50.0, 10.0, 0.1, nonparametric=share)) > 0.95
+    assert _is_outdone(Errors(None, 50.0, 10.0, 0.1, nonparametric=1.0)) < 0.05

@@ -46,15 +46,17 @@ def concluded(
     comparison, fits = comparison.with_effects(upheld).of_largest, fits[: 1 + upheld]
     gaps, found = _gaps(comparison), maps(comparison)
     share = comparison.unexplained_of_all
-    shapeless = _shapeless(gaps, share, fits)
-    chances = outcome(steps, upheld, _errors(gaps, share, comparison.is_stationary, fits[0], shapeless.share))
+    nonparametric = _nonparametric_fit(gaps, share, fits)
+    chances = outcome(
+        steps, upheld, _errors(gaps, share, comparison.is_stationary, fits[0], nonparametric.share)
+    )
     verdict = _verdict(chances, gaps, share, damaged.fatal)
     # Effects are reported where the verdict names them; otherwise the gap stays that of the re-identified model.
     accepted = [step for step in steps if step.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
         gaps, found = _gaps(comparison), maps(comparison)
-    effects = _effects(comparison, accepted, fits, chances, shapeless)
+    effects = _effects(comparison, accepted, fits, chances, nonparametric)
     alternatives = _alternatives(comparison, steps[0], chances)
     axis = comparison.record.dynamics.axis
     parameters = _parameters(fits, nominal)
@@ -98,7 +100,7 @@ def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
     )
 
 
-def _shapeless(gaps: Sequence[Gap], share: float, fits: Sequence[Fit]) -> LackOfFit:
+def _nonparametric_fit(gaps: Sequence[Gap], share: float, fits: Sequence[Fit]) -> LackOfFit:
     """The best law of any shape in the place of the first effect; none where the effects leave hardly anything.
 
     None either where the motion repeats: what repeats with it is then a law of the position, whatever it is.
@@ -109,7 +111,7 @@ def _shapeless(gaps: Sequence[Gap], share: float, fits: Sequence[Fit]) -> LackOf
     return lack_of_fit(fits[0], fits[-1]) if tested else LackOfFit()
 
 
-def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, shapeless: float) -> Errors:
+def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, nonparametric: float) -> Errors:
     """Errors for the verdict; with several forces, the largest multiples of the noise."""
 
     def largest(levels: Iterable[Level]) -> float:
@@ -124,7 +126,7 @@ def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, sha
         stationary,
         gaps[0].reidentified.relative,
         others=float(np.sqrt(plain.squares[len(gaps) :].max(initial=0.0))),
-        shapeless=shapeless,
+        nonparametric=nonparametric,
     )
 
 
@@ -150,7 +152,7 @@ def _effects(
     accepted: Sequence[SelectionStep],
     fits: Sequence[Fit],
     chances: Outcome,
-    shapeless: LackOfFit,
+    nonparametric: LackOfFit,
 ) -> tuple[FoundEffect, ...]:
     last, known = fits[-1], len(fits[0].state.placed)
     values = effect_values(last)[known:]
@@ -175,7 +177,7 @@ def _effects(
                 indistinguishable_from=tuple(rivals),
                 signal=comparison.record.forces[felt.drive],
                 shown_by=comparison.record.outputs[comparison.output_of(i + 2)],
-                outdone_by=shapeless.of if i == 0 and shapeless.outdoes else "",
+                outdone_by=nonparametric.of if i == 0 and nonparametric.outdoes else "",
             )
         )
     return tuple(found)

@@ -15,7 +15,7 @@ from symid.arrays import BoolArray, FloatArray
 from symid.data import Log
 from symid.errors import LogError
 
-_WAY = 0.5
+_TRANSITION = 0.5
 """Seconds from the end of a log to the beginning of the next."""
 _SAME_CLOCK = 0.01
 """Relative difference of sampling periods up to which logs are taken to have the same clock."""
@@ -52,12 +52,12 @@ def joined(logs: Sequence[Log]) -> Joined:
                 "read them with `resample`"
             )
     names = [name for name in first.signals if all(name in log.signals for log in logs)]
-    n = max(round(_WAY / first.sampling_period), 2 * _ENDS)
-    signals = {name: _with_ways([log[name] for log in logs], n) for name in names}
+    n = max(round(_TRANSITION / first.sampling_period), 2 * _ENDS)
+    signals = {name: _with_transitions([log[name] for log in logs], n) for name in names}
     inside = [np.ones(log.n_samples, dtype=bool) for log in logs]
-    ways = [np.zeros(n, dtype=bool)] * (len(logs) - 1)
+    transitions = [np.zeros(n, dtype=bool)] * (len(logs) - 1)
     recorded = np.concatenate(
-        [part for pair in zip(inside, [*ways, ways[0][:0]], strict=True) for part in pair]
+        [part for pair in zip(inside, [*transitions, transitions[0][:0]], strict=True) for part in pair]
     )
     source = ", ".join(log.source for log in logs)
     return Joined(Log(source, first.start, first.sampling_period, signals), recorded, tuple(logs))
@@ -85,14 +85,14 @@ def _zero_reading(log: Log, driven: Sequence[str], name: str) -> float:
     return float(np.linalg.lstsq(columns, log[name], rcond=None)[0][-1])
 
 
-def _with_ways(parts: Sequence[FloatArray], n: int) -> FloatArray:
+def _with_transitions(parts: Sequence[FloatArray], n: int) -> FloatArray:
     found = [parts[0]]
     for before, after in pairwise(parts):
-        found += [way(before, after, n), after]
+        found += [transition(before, after, n), after]
     return np.concatenate(found)
 
 
-def way(before: FloatArray, after: FloatArray, n: int) -> FloatArray:
+def transition(before: FloatArray, after: FloatArray, n: int) -> FloatArray:
     """Values that lead smoothly from the end of a signal to the beginning of another, with the slopes of both."""
     m = min(_ENDS, before.size, after.size)
     (v0, x0), (v1, x1) = (

@@ -150,7 +150,7 @@ class Errors:
     # largest error of the re-identified model in a reading that it predicts, in multiples of its noise
     others: float = 0.0
     # share of the error above the noise that a law of any shape leaves in the place of the first effect
-    shapeless: float = math.inf
+    nonparametric: float = math.inf
 
     @property
     def largest(self) -> float:
@@ -210,7 +210,7 @@ def _covers(errors: Errors) -> float:
 
 def _is_outdone(errors: Errors) -> float:
     """Probability that the first effect has not the shape of the true law, which the library then lacks."""
-    share = max(errors.shapeless, np.finfo(float).tiny)
+    share = max(errors.nonparametric, np.finfo(float).tiny)
     return _logistic((math.log(THRESHOLDS.outdone) - math.log(share)) / THRESHOLDS.outdone_width)
 
 

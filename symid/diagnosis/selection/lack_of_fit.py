@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.effects.shapeless_law import ShapelessLaw
+from symid.diagnosis.effects.nonparametric_law import NonparametricLaw
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -26,7 +26,7 @@ from symid.errors import SettingError
 _ITERATIONS = 2
 _ROWS_PER_VALUE = 10.0
 """Least number of independent rows for each value of a law without a shape."""
-_LAWS = tuple(ShapelessLaw(of) for of in ("position", "velocity", "acceleration"))
+_LAWS = tuple(NonparametricLaw(of) for of in ("position", "velocity", "acceleration"))
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
         return LackOfFit()
     # Where much else is missing, a law may explain more of that. The effect is then as good beside the law.
     kept = (_excess(best) - _excess(both)) / max(_excess(without) - own, np.finfo(float).tiny)
-    assert isinstance(law.effect, ShapelessLaw)
+    assert isinstance(law.effect, NonparametricLaw)
     return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in else LackOfFit()
 
 

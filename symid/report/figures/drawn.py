@@ -34,10 +34,10 @@ def save_figure(figure: Figure, file: str | Path) -> None:
         figure.savefig(unfinished, dpi=150, format=path.suffix.lower()[1:])
 
 
-def apart(svg: str, name: str) -> str:
+def with_id_prefix(svg: str, name: str) -> str:
     """An SVG element whose identifiers begin with a name, for a page that holds several.
 
-    >>> apart('<svg id="a"><use xlink:href="#a" clip-path="url(#b)"/></svg>', "fit")
+    >>> with_id_prefix('<svg id="a"><use xlink:href="#a" clip-path="url(#b)"/></svg>', "fit")
     '<svg id="fit-a"><use xlink:href="#fit-a" clip-path="url(#fit-b)"/></svg>'
     """
     return re.sub(r'( id="|href="#|url\(#)', rf"\g<1>{name}-", svg)
@@ -71,5 +71,5 @@ def wide_and_narrow(draw: Callable[[bool], Figure | None], name: str) -> tuple[s
         Begins their identifiers.
     """
     figures = [(figure, f"{name}{end}") for end, figure in (("", draw(False)), ("-narrow", draw(True)))]
-    elements = [apart(svg_of(figure, one), one) for figure, one in figures if figure is not None]
+    elements = [with_id_prefix(svg_of(figure, one), one) for figure, one in figures if figure is not None]
     return (elements[0], elements[1]) if len(elements) == 2 else None

@@ -24,10 +24,10 @@ from symid.identification.residual_correlation import residual_correlations
 from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.identification_curves import identification_curves
 from symid.report.figures.identification_figure import identification_figure
+from symid.report.pages.correlation_section import correlation_fields
 from symid.report.pages.page import as_it_is, html_path, page_templates
 from symid.report.pages.plot_data import curve_data
 from symid.report.pages.provenance import provenance
-from symid.report.pages.residual_memory import remembered
 from symid.report.tables.identification import identification_record
 from symid.report.tables.number_text import significant
 
@@ -74,7 +74,7 @@ def write_identification_html(
         ),
         fit_data=curve_data(curves),
         motions=[asdict(one) for one in _motions(found, validation, axis, runs)],
-        **remembered(residual_correlations(found)),
+        **correlation_fields(residual_correlations(found)),
         made=provenance([*found.logs, *([validation.log] if validation is not None else [])], command),
         version=__version__,
     )

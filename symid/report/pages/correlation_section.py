@@ -13,7 +13,7 @@ from symid.report.pages.plot_data import correlation_data
 _NAME = "memory-plot"
 
 
-def remembered(parts: Sequence[tuple[str, Correlation, Correlation]]) -> dict[str, Any]:
+def correlation_fields(parts: Sequence[tuple[str, Correlation, Correlation]]) -> dict[str, Any]:
     """Fields of `memory.html`: the figure, its numbers, and the shares outside the bands of each part."""
     return {
         "remembered": wide_and_narrow(lambda narrow: correlation_figure(parts, narrow=narrow), _NAME),

@@ -38,7 +38,7 @@ class Faults:
     hint: str = ""
 
 
-def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERIA) -> Identification:
+def with_faults(found: Identification, faults: Faults, criteria: Criteria = CRITERIA) -> Identification:
     """The identification with status, message and notes about all that was examined.
 
     A status that it has already stays, and learns of a fault or the timing as a possible cause. Otherwise the first of

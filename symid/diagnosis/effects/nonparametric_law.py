@@ -13,7 +13,7 @@ _KNOTS = 24
 _RANK = 1e-3
 
 
-class ShapelessLaw(JointEffect):
+class NonparametricLaw(JointEffect):
     """A piecewise linear function of one quantity, one in either direction; of the position also times the velocity."""
 
     def __init__(self, of: str) -> None:
