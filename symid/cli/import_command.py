@@ -15,9 +15,8 @@ from symid.cli.asking import Known, asked, asked_file
 from symid.cli.options import POSITIVE, dark_option, give_result, json_option, number, plot_option, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.setting_options import with_options
-from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
-from symid.data.formats import SUFFIXES, suffix_of
-from symid.data.formats.scope_text import writer_of
+from symid.data import ForeignColumn, Layout, Table, foreign_columns, open_table
+from symid.data.formats import layout_found
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
 from symid.report.figures.colours import palette_of
@@ -128,8 +127,7 @@ def _may_ask(options: dict[str, Any]) -> bool:
 
 def _read_foreign(path: Path) -> ForeignFile:
     """Layout, columns and the stated sampling period."""
-    text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
-    layout = guessed_layout(path) if text and writer_of(path) is None else None
+    layout = layout_found(path)
     table = open_table(path, layout)
     if not table.headers:
         raise LogError(f"{path}: holds no columns of numbers: save each signal as a vector")

@@ -1,5 +1,5 @@
 """Files as tables of named columns: one module for each kind of format, found by its suffix."""
 
-from symid.data.formats.registry import FOLDER_SUFFIXES, SUFFIXES, open_table, suffix_of
+from symid.data.formats.registry import FOLDER_SUFFIXES, SUFFIXES, layout_found, open_table, suffix_of
 
-__all__ = ["FOLDER_SUFFIXES", "SUFFIXES", "open_table", "suffix_of"]
+__all__ = ["FOLDER_SUFFIXES", "SUFFIXES", "layout_found", "open_table", "suffix_of"]

@@ -17,12 +17,13 @@ from symid.data.formats.array_files import open_matlab, open_npz
 from symid.data.formats.columnar import open_feather, open_parquet
 from symid.data.formats.excel import open_excel
 from symid.data.formats.hdf5 import open_hdf5
+from symid.data.formats.joined import open_joined, parts_of
 from symid.data.formats.json_log import open_json, open_json_lines
 from symid.data.formats.mdf import open_mdf
 from symid.data.formats.messages import open_mcap, open_rosbag
 from symid.data.formats.scope_text import open_scope_text, writer_of
 from symid.data.formats.tdms import open_tdms
-from symid.data.layout import Layout
+from symid.data.layout import Layout, guessed_layout
 from symid.data.table import Table, first_line, naming_file
 from symid.errors import LogError
 from symid.files import require_regular
@@ -70,6 +71,12 @@ FOLDER_SUFFIXES: Final = tuple(s for s in SUFFIXES if s not in (".json", ".npz",
 """Suffixes that count as logs in a folder; other files often hold results and settings."""
 
 
+def layout_found(path: Path) -> Layout | None:
+    """Layout that a text file seems to have; None of other files, and of the text of scopes."""
+    is_text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
+    return guessed_layout(path) if is_text and writer_of(path) is None else None
+
+
 def suffix_of(path: Path) -> str:
     """Suffix of a file that selects its reader, in lower case.
 
@@ -88,7 +95,7 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
     Parameters
     ----------
     path : Path
-        The file.
+        The file, or several that hold one log as ``drive.csv+scope.csv``.
     layout : Layout, optional
         Of a CSV file, compressed or not.
     memory : int, optional
@@ -99,6 +106,9 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
     LogError
         If the file does not exist, is of another kind, empty, damaged, or needs a library that is not installed.
     """
+    parts = parts_of(path)
+    if len(parts) > 1:
+        return open_joined(parts, lambda part: open_table(part, layout_found(part), memory))
     kinds = f"{', '.join(SUFFIXES[:2])} or {SUFFIXES[2]} file, or {', '.join(SUFFIXES[3:])}"
     if path.is_dir():
         raise LogError(f"{path}: is a directory: give a {kinds}")

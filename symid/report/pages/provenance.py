@@ -21,13 +21,15 @@ def provenance(sources: Iterable[str], command: str = "") -> list[tuple[str, str
     Parameters
     ----------
     sources : iterable of str
-        Sources of logs: a path, or several with commas between, or a name of no file, which has no hash.
+        Sources of logs: a path, or several with commas or, of one log, plus signs between, or a name of no file,
+        which has no hash.
     command : str
         The command line, if there was one.
     """
     files = [
         file for source in sources for file in ([source] if Path(source).is_file() else source.split(", "))
     ]
+    files = [part for file in files for part in ([file] if Path(file).is_file() else file.split("+"))]
     hashes = []
     for name in dict.fromkeys(files):
         with contextlib.suppress(OSError, ValueError), open(name, "rb") as file:
