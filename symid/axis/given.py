@@ -28,8 +28,15 @@ R = TypeVar("R")
 
 
 def axis_of(given: AnyAxis) -> Axis:
-    """The declaration of an axis given as such, by name or path, or by a model; SettingError for anything else.
+    """The declaration of an axis given as such, by name or path, or by a model.
 
+    Raises
+    ------
+    SettingError
+        If it is anything else.
+
+    Examples
+    --------
     >>> axis_of("rigid_1m").drives[0].signal
     'F'
     """

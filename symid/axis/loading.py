@@ -24,7 +24,11 @@ def models_folders() -> tuple[Path, ...]:
 
 
 def axis_names() -> tuple[str, ...]:
-    """Names of all axes that can be loaded by name."""
+    """Names of all axes that can be loaded by name.
+
+    >>> "emps" in axis_names()
+    True
+    """
     return tuple(sorted({path.stem for folder in models_folders() for path in folder.glob("*.py")}))
 
 
@@ -35,6 +39,11 @@ def axis_file(name_or_path: str) -> Path:
     ------
     SymidError
         If there is none; names those that exist.
+
+    Examples
+    --------
+    >>> axis_file("emps").name
+    'emps.py'
     """
     if name_or_path.endswith(".py") and "\0" not in name_or_path:
         path = Path(name_or_path).resolve()

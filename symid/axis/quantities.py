@@ -18,7 +18,12 @@ def end_of(joint: Joint) -> Body | Ground:
 
 
 def length_unit(joint: Joint) -> Unit:
-    """Unit of the displacement in a joint: m where it slides, rad where it turns."""
+    """Unit of the displacement in a joint: m where it slides, rad where it turns.
+
+    >>> from symid.axis import Body
+    >>> str(length_unit(Body("arm", inertia="J")))
+    'rad'
+    """
     return Unit.of("rad") if _is_angle(joint) else Unit.of("m")
 
 

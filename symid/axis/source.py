@@ -114,7 +114,18 @@ def declared_lines(axis: Axis) -> list[str]:
 
 
 def axis_path(file: str | Path) -> Path:
-    """Path of an axis file to be written; SettingError if its name cannot be that of an axis."""
+    """Path of an axis file to be written.
+
+    Raises
+    ------
+    SettingError
+        If its name cannot be that of an axis.
+
+    Examples
+    --------
+    >>> axis_path("models/my_axis.py").stem
+    'my_axis'
+    """
     path = Path(file)
     if path.suffix != ".py" or not is_signal_name(path.stem):
         raise SettingError(

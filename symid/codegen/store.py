@@ -183,7 +183,11 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
 
 
 def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
-    """Generated model of a derived one; a generated model is returned as it is."""
+    """Generated model of a derived one; a generated model is returned as it is.
+
+    >>> as_generated(load_generated("rigid_1m")).output_names
+    ('F',)
+    """
     if isinstance(model, GeneratedModel):
         return model
     # A derived model exists only if sympy is loaded already.
@@ -242,6 +246,13 @@ def stored_module(
 
 def delays_of(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, float]:
     """Declared delays in seconds: of late sensors positive, of forces that act late negative.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    measured : sequence of str, optional
+        Sensors whose delays are wanted; all by default.
 
     Examples
     --------

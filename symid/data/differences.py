@@ -125,6 +125,11 @@ def derivatives(
     Returns
     -------
     list of array of shape (..., n_samples)
+
+    Examples
+    --------
+    >>> [x[2:-2].tolist() for x in derivatives(np.arange(6.0) ** 2, 1.0, 2)]
+    [[4.0, 6.0], [2.0, 2.0]]
     """
     found: list[FloatArray] = []
     current = np.asarray(x, dtype=np.float64)
@@ -140,6 +145,15 @@ def central_difference_gain(
     """Share of the true derivative that the central difference gives at `frequency` (Hz): sin(w T) / (w T) [33].
 
     That of a higher `order` of accuracy is the sum of 2 c_k sin(k w T) / (w T).
+
+    Parameters
+    ----------
+    frequency : array_like
+        Frequencies, Hz.
+    sampling_period : float
+        Time between two samples, s.
+    order : int
+        Order of accuracy, an even number.
 
     Examples
     --------

@@ -150,6 +150,13 @@ def kept_indices(n_samples: int, factor: int) -> slice:
 
     This is MATLAB's choice, n_beg = r - (r ceil(n / r) - n) counted from 1.
 
+    Parameters
+    ----------
+    n_samples : int
+        Samples of the signal.
+    factor : int
+        Samples per kept sample, 1 or more.
+
     Examples
     --------
     >>> list(range(10))[kept_indices(10, 4)]
@@ -183,6 +190,11 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
     ------
     SettingError
         If the factor is below 1 or the signal has no more than 24 samples.
+
+    Examples
+    --------
+    >>> decimate(np.ones(100), 4).shape
+    (25,)
     """
     values = np.asarray(x, dtype=np.float64)
     if factor < 1:

@@ -98,6 +98,13 @@ AnyLog: TypeAlias = Log | LongLog
 def spans(n_samples: int, size: int) -> Iterator[tuple[int, int]]:
     """First sample and end (exclusive) of blocks of almost equal length, at most `size` each.
 
+    Parameters
+    ----------
+    n_samples : int
+        Samples of the log.
+    size : int
+        Samples of the largest block.
+
     Examples
     --------
     >>> list(spans(10, 4))

@@ -59,7 +59,24 @@ def pieces(n_samples: int, reach: int) -> Iterator[Piece]:
 
 
 def in_pieces(work: Callable[[Piece], None], n_samples: int, reach: int, workers: int) -> None:
-    """Call `work` on every piece of a signal, in `workers` threads."""
+    """Call `work` on every piece of a signal, in `workers` threads.
+
+    Parameters
+    ----------
+    work : callable
+        Takes a piece; what it returns is not used.
+    n_samples : int
+        Samples of the signal.
+    reach : int
+        Samples on either side that a piece needs.
+    workers : int
+        Threads; 1 calls `work` in this one.
+
+    Examples
+    --------
+    >>> in_pieces(lambda piece: print(piece.start, piece.stop), 100, reach=8, workers=1)
+    0 100
+    """
     if workers <= 1 or n_samples <= _PIECE:
         for piece in pieces(n_samples, reach):
             work(piece)
@@ -256,6 +273,13 @@ def _block_maps(of: ZeroPhaseFilter, step: int) -> _BlockMaps:
 
 def kept_of(piece: Piece, offset: int, step: int) -> tuple[slice, slice]:
     """Indices of the samples offset, offset + step ... within a piece: in the thinned signal, and from `first` on.
+
+    Parameters
+    ----------
+    piece : Piece
+        The piece.
+    offset, step : int
+        First sample of the thinned signal, and samples between two of it.
 
     Examples
     --------

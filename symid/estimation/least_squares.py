@@ -194,6 +194,15 @@ def relative_standard_deviation(parameters: FloatArray, standard_deviations: Flo
 def residuals(W: FloatArray, y: FloatArray, fit: LeastSquares) -> FloatArray:
     """rho = y - W X, shape (n_equations, n_samples), in the units of y.
 
+    Parameters
+    ----------
+    W : array, shape (n_equations, n_samples, n_parameters)
+        Observation matrix.
+    y : array, shape (n_equations, n_samples)
+        Output.
+    fit : LeastSquares
+        The estimate, whose solution is X.
+
     Examples
     --------
     >>> import numpy as np

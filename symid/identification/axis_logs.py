@@ -116,6 +116,15 @@ def measured_signals(
 ) -> tuple[str, ...]:
     """Sensors to use: the requested ones, otherwise those that all logs have.
 
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    logs : sequence of Log or LongLog
+        The logs.
+    measured : sequence of str, optional
+        Sensors that are requested.
+
     Raises
     ------
     LogError

@@ -42,7 +42,17 @@ class Identify(Protocol):
 
 
 def misses_steps(axis: Axis, model: GeneratedModel, preparation: Preparation | None) -> bool:
-    """Whether a model uses an accelerometer under a held force."""
+    """Whether a model uses an accelerometer under a held force.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    model : GeneratedModel
+        Its model, whose sensors count.
+    preparation : Preparation, optional
+        Settings that may state the hold; that of the model by default.
+    """
     held = (preparation or Preparation()).held
     is_used = any(sensor.derivative == 2 and sensor.signal in model.measured for sensor in axis.sensors)
     return is_used and (model.held if held is None else held)

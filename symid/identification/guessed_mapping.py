@@ -87,7 +87,14 @@ def guessed_mapping(
 
 
 def stated_period(path: Path, layout: Layout) -> float | None:
-    """Sampling period that a line above the header states, s.
+    """Sampling period that a line above the header states, s; None without such a line.
+
+    Parameters
+    ----------
+    path : Path
+        A text file.
+    layout : Layout
+        Its layout: its lines above the header are searched.
 
     Examples
     --------

@@ -285,6 +285,16 @@ def tuned_cascade(
     ------
     SettingError
         If the signal does not belong to a position sensor.
+
+    Examples
+    --------
+    The gain of the velocity loop is 2 pi 20 Hz times the mass of 100 kg:
+
+    >>> from symid.axis import load_axis
+    >>> from symid.simulation import plant_of
+    >>> plant = plant_of(load_axis("rigid_1m"), {"M": 100.0, "Fv": 0.0, "Fs": 0.0})
+    >>> round(tuned_cascade(plant, "q").velocity_gain)
+    12566
     """
     return tuned_cascades(plant, (signal,), bandwidth_hz, force_limit)[0]
 

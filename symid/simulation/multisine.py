@@ -67,6 +67,11 @@ class Multisine(Trajectory):
 def frequency_lines(lowest: float, highest: float, step: float) -> FloatArray:
     """Evenly spaced frequencies from `lowest` to at most `highest`, Hz.
 
+    Parameters
+    ----------
+    lowest, highest, step : float
+        Limits and distance of the frequencies, Hz.
+
     Raises
     ------
     SettingError
@@ -179,6 +184,21 @@ def whole_periods(
     """Multisine at about these frequencies in a given time: whole periods between fades of a tenth of the time each.
 
     Lines are rounded to whole cycles of a period that is short enough to keep their frequencies simple fractions.
+
+    Parameters
+    ----------
+    frequencies : array of shape (n_lines,)
+        Wanted frequencies, Hz.
+    amplitude : float
+        Amplitude of each line in `quantity`, SI.
+    seconds : float
+        Duration with both fades, s.
+    rate : float
+        Samples per second, Hz.
+    quantity : {"position", "velocity", "acceleration"}
+        Quantity of the amplitude.
+    rng : numpy.random.Generator, optional
+        Draws the phases; those of Schroeder by default.
 
     Examples
     --------

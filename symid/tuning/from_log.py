@@ -95,7 +95,7 @@ def runs_of_log(
     log: Log,
     late: Mapping[str, float] | None = None,
 ) -> tuple[ExactRun, ...]:
-    """Three simulations of the motion in a log, with cascades of 10, 20 and 40 Hz."""
+    """Three simulations of the motion in a log, with cascades of 10, 20 and 40 Hz; parameters as in `run_of_log`."""
     return tuple(run_of_log(axis, model, parameters, log, late, bandwidth) for bandwidth in _BANDWIDTHS)
 
 

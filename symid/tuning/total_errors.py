@@ -132,7 +132,17 @@ def _limited_squares(mean: FloatArray, deviation: FloatArray) -> FloatArray:
 
 
 def with_noise(log: Log, levels: Mapping[str, float], seed: int) -> Log:
-    """The log with white noise added; the same seed gives the same noise for logs of equal length."""
+    """The log with white noise added; the same seed gives the same noise for logs of equal length.
+
+    Parameters
+    ----------
+    log : Log
+        The log.
+    levels : mapping of str to float
+        Standard deviation of the noise by signal, SI.
+    seed : int
+        Seed of the noise.
+    """
     random = np.random.default_rng(seed)
     signals: dict[str, FloatArray] = dict(log.signals)
     for name in sorted(levels):

@@ -111,6 +111,13 @@ def distortion_db(differences: int) -> float:
 def first_sampling_frequency(cutoff_hz: float, differences: int) -> float:
     """First guess of the sampling frequency [36], Hz.
 
+    Parameters
+    ----------
+    cutoff_hz : float
+        Cutoff frequency of the low-pass, Hz.
+    differences : int
+        Highest derivative in the model.
+
     Examples
     --------
     >>> round(first_sampling_frequency(164.42, 4)), round(first_sampling_frequency(164.42, 2))
@@ -247,7 +254,19 @@ def noise_free_run(
     trajectory: Trajectory | Sequence[Trajectory] | None = None,
     controller: Controller | Sequence[Controller] | None = None,
 ) -> ExactRun:
-    """Run along the trajectory under the controller, or along the default chirp under the default cascade."""
+    """Run along the trajectory under the controller, or along the default chirp under the default cascade.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    parameters : mapping of str to float
+        Values of its physical parameters, SI.
+    trajectory : Trajectory or sequence of Trajectory, optional
+        Reference, one for all drives or one for each; by default `tuning_chirp`.
+    controller : Controller or sequence of Controller, optional
+        One for each drive; by default cascades of 10 Hz.
+    """
     plant = plant_of(axis, parameters)
     return exact_run(
         axis,

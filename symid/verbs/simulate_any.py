@@ -21,6 +21,15 @@ tune = of_any_axis(tune_axis)
 def compiled(axis: AnyAxis, measured: Sequence[str] | None = None) -> GeneratedModel:
     """The generated model of an axis, in memory; one that is derived already has its own sensors.
 
+    Parameters
+    ----------
+    axis : Axis, str, path-like or model
+        The axis, the name or path of its file, or a model of it.
+    measured : sequence of str, optional
+        Sensors to use; by default those that the axis requires.
+
+    Examples
+    --------
     >>> compiled("rigid_1m").output_names
     ('F',)
     """
@@ -34,6 +43,17 @@ def load_generated(
 ) -> GeneratedModel:
     """The generated module of an axis, as `symid.codegen.load_generated`; that of a model has its sensors.
 
+    Parameters
+    ----------
+    axis : Axis, str, path-like or model
+        The axis, the name or path of its file, or a model of it.
+    measured : sequence of str, optional
+        Sensors to use; by default those that the axis requires.
+    folder : Path, optional
+        Folder of generated modules; that of the working folder, then that of symid, by default.
+
+    Examples
+    --------
     >>> load_generated("direct_2m1s", ("q2",)).signals
     ('Fm', 'Fm_d1', 'Fm_d2', 'q2_d1', 'q2_d2', 'q2_d3', 'q2_d4')
     """
