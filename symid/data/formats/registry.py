@@ -17,11 +17,11 @@ from symid.data.formats.array_files import open_matlab, open_npz
 from symid.data.formats.columnar import open_feather, open_parquet
 from symid.data.formats.excel import open_excel
 from symid.data.formats.hdf5 import open_hdf5
-from symid.data.formats.joined import open_joined, parts_of
 from symid.data.formats.json_log import open_json, open_json_lines
 from symid.data.formats.mdf import open_mdf
 from symid.data.formats.messages import open_mcap, open_rosbag
 from symid.data.formats.scope_text import open_scope_text, writer_of
+from symid.data.formats.several_files import open_joined, parts_of
 from symid.data.formats.tdms import open_tdms
 from symid.data.layout import Layout, guessed_layout
 from symid.data.table import Table, first_line, naming_file
