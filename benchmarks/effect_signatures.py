@@ -32,7 +32,7 @@ from symid.diagnosis.findings.curves import signals_of, spectrum_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.report.figures.colours import MEASURED, MODEL, NOISE
 from symid.report.figures.identification_figure import PLOT_STYLE
 

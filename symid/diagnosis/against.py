@@ -35,7 +35,7 @@ from symid.diagnosis.fitting.fit import ITERATIONS, Fit, converged, fitted
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.in_motion.motion import with_motion
-from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.prediction.weighting import Weighting

@@ -25,7 +25,7 @@ from symid.diagnosis.in_motion.motion import with_motion
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.integrated_speed import with_positions
-from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
+from symid.diagnosis.prediction.joined_logs import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.prediction.scaled_sensors import with_quantities

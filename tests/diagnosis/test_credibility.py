@@ -22,7 +22,7 @@ from symid.diagnosis.effects import FlexibleModeEffect, PayloadChangeEffect, Pla
 from symid.diagnosis.effects.forces import PeriodicDisturbanceEffect
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.credibility import _is_a_gain
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 

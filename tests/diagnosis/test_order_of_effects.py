@@ -12,7 +12,7 @@ from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, first_state
-from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import brought_first
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade

@@ -8,7 +8,7 @@ from symid.diagnosis import LIBRARY, Diagnosis, diagnose, explained_axis
 from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.effects import Placed, with_parts
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = load_axis("rigid_1m")

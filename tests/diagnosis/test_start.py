@@ -24,7 +24,7 @@ from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.fitting import start
 from symid.diagnosis.fitting.fit import converged
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError
 from symid.simulation import plant_of, trapezoids, tuned_cascade

@@ -24,7 +24,7 @@ from symid.diagnosis.in_motion.replayed import (
     simulated_positions,
     since_begin,
 )
-from symid.diagnosis.prediction.joined import Joined
+from symid.diagnosis.prediction.joined_logs import Joined
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError, SymidError
 from symid.estimation.residual_measures import fit_percent

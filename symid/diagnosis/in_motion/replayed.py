@@ -25,7 +25,7 @@ from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
 from symid.data import REFERENCE, Log, LowPass, derivatives
 from symid.diagnosis.in_motion.declared import ExplainedAxis
-from symid.diagnosis.prediction.joined import Joined
+from symid.diagnosis.prediction.joined_logs import Joined
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.errors import SettingError

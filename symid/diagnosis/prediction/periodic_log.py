@@ -16,7 +16,7 @@ import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data import Log
-from symid.diagnosis.prediction.joined import bridge
+from symid.diagnosis.prediction.joined_logs import bridge
 from symid.diagnosis.prediction.motion_band import WIDEST
 
 _CONTINUATION = 0.5
