@@ -79,6 +79,8 @@ def foreign_logs(folder: Path) -> None:
     foreign_log.write_matlab(log, folder / "run.mat")
     foreign_log.write_csv(log, folder / "run.csv")
     foreign_log.write_trace(log, folder / "trace.csv")
+    pl.DataFrame({"t [s]": log.time, "q [m]": log["q"]}).write_csv(folder / "drive.csv")
+    pl.DataFrame({"t [s]": log.time, "F [N]": log["F"]})[::2].write_csv(folder / "scope.csv")
 
 
 def emps_logs(folder: Path) -> None:
@@ -142,3 +144,6 @@ def test_what_a_page_prints_is_compared() -> None:
     assert follows("a\n  b  c\nlast", "a b\nc\n...")
     assert follows("one two 3", "one\n...\n3")
     assert not follows("one two 4", "one\n...\n3")
+    assert follows("K  9.9898e+08 of 3 in 0.12 s", "K 9.98982e+08 of 3 in 0.11 s")
+    assert not follows("K 9.96e+08", "K 9.98982e+08")
+    assert not follows("of 4", "of 3")
