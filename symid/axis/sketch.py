@@ -152,7 +152,10 @@ _COMMENTS = (
         "load = ",
         "joined to the motor by the spring `transmission`; geared=Geared(to=motor, ratio=...) makes it rigid",
     ),
-    ("    elements=", "one line an element; names in quotes are parameters to identify: delete, add, rename"),
+    (
+        "    elements=",
+        "one line for each element; names in quotes are parameters to identify: delete, add, rename",
+    ),
     ("    drive=", 'held=True: sent at t and held until the next sample; unit="A": the constant is unknown'),
     (
         "    sensors=",

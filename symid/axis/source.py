@@ -17,7 +17,7 @@ from symid.files import write_whole
 from symid.signal_names import is_signal_name
 
 _WIDTH = 88
-"""Longest line. A longer call has one argument a line, which formatters of longer lines leave as it is."""
+"""Longest line. A longer call has one argument per line, which formatters of longer lines leave as it is."""
 _NAMED = ("mass", "inertia", "stiffness", "damping")
 """Fields that are written with their name wherever they stand."""
 
@@ -178,7 +178,7 @@ class _Call:
     arguments: tuple[tuple[str, _Call | str], ...]
 
     def written(self, first: str, indent: int, last: str = "") -> str:
-        """Text behind `first`, on one line if that and `last` fit, else with one argument a line."""
+        """Text behind `first`, on one line if that and `last` fit, else with one argument per line."""
         line = f"{' ' * indent}{first}{self.in_line}{last}"
         if len(line) <= _WIDTH:
             return line

@@ -110,7 +110,7 @@ def _run(arguments: list[str] | None) -> int:
     except SymidError as error:
         return fail(str(error))
     except MemoryError:
-        return fail("the memory does not suffice: use a shorter log, or a smaller --memory")
+        return fail("there is not enough memory: use a shorter log, or a smaller --memory")
     except OSError:
         raise
     except Exception as error:

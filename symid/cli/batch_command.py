@@ -78,7 +78,7 @@ batch_options = shared(
         help="Keep what symid fleet --joint needs to join the logs of an axis, some hundred numbers each.",
     ),
     option("--report", metavar="OUT.html", type=Output("html"), help="Write the page of symid fleet too."),
-    option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds a log."),
+    option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds per log."),
 )
 
 
@@ -98,7 +98,7 @@ batch_options = shared(
 @option("--nominal", metavar="P.json", help="Nominal parameters: a start, and the simulation to diagnose.")
 @json_option
 def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: Any) -> None:
-    """Identify AXIS from each LOG alone, in parallel: one row a log.
+    """Identify AXIS from each LOG alone, in parallel: one row per log.
 
     LOG is a file, a folder or a pattern. A log that cannot be used is a row that says why. Stopped at any time,
     the same command continues: finished logs are done again only if the log, the axis or the settings changed.

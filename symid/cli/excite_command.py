@@ -167,7 +167,7 @@ def _print(found: Design, experiment: IdentificationTrial, output: str) -> None:
         for name, limit in allowed.items()
         if math.isfinite(limit)
     ]
-    say(f"reaches {', '.join(limited)} (SI); from {low:.3g} to {high:.3g} about where it begins")
+    say(f"reaches {', '.join(limited)} (SI); from {low:.3g} to {high:.3g} relative to its start")
     every = {"designed": best, **found.defaults}
     say("expected relative deviation:")
     width = max(map(len, experiment.parameters))

@@ -40,9 +40,7 @@ class ForeignFile:
 )
 @argument("log")
 @option("--axis", metavar="AXIS", help="Guess which column is which signal of this axis.")
-@option(
-    "--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal that is not guessed right."
-)
+@option("--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal whose guess is wrong.")
 @option(
     "--unit",
     multiple=True,

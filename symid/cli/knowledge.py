@@ -60,7 +60,7 @@ def known_by_log(values: tuple[str, ...], axis: Axis, logs: int) -> list[dict[st
         parts = text.split(",")
         if len(parts) != logs:
             raise SettingError(
-                f"--known {name}={text} has {len(parts)} values for {logs} logs: give one a log"
+                f"--known {name}={text} has {len(parts)} values for {logs} logs: give one for each log"
             )
         for one, part in zip(known, parts, strict=True):
             one[name] = quantity(part, units[name], f"--known {name}")

@@ -172,7 +172,7 @@ def reference_file(file: str) -> Path:
     """Path of a reference; SettingError, before long work, if its kind is not known."""
     path = Path(file)
     if path.suffix not in (".csv", ".parquet"):
-        raise SettingError(f"reference {file!r} is of no known kind: end its name with .csv or .parquet")
+        raise SettingError(f"reference {file!r} is of an unknown kind: end its name with .csv or .parquet")
     return path
 
 

@@ -193,7 +193,7 @@ def _require_writable(output: _OutputFile, inputs: Mapping[tuple[int, int], str]
         cure = "give another name, or remove it first"
         if output.kind == "log":
             cure = "give another name, remove it first, or add --overwrite"
-        what = "" if output.kind == "log" else " and is nothing that this command writes"
+        what = "" if output.kind == "log" else " and was not written by this command"
         raise SettingError(f"{output.as_given} is there{what}: {cure}")
 
 

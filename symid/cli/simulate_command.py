@@ -121,7 +121,7 @@ controller_options = shared(
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
     """Simulate AXIS under its controller along a trajectory and write the log."""
     if Path(output).suffix not in (".csv", ".parquet"):
-        raise SettingError(f"log {output!r} is of no known kind: end its name with .csv or .parquet")
+        raise SettingError(f"log {output!r} is of an unknown kind: end its name with .csv or .parquet")
     declared = with_imperfections(load_axis(axis), options)
     parameters = parameter_file(file, declared)
     plant = plant_of(declared, parameters)

@@ -24,7 +24,7 @@ def central_difference(
     Parameters
     ----------
     x : array_like of shape (..., n_samples)
-        Signal, or one signal a row; at least two samples.
+        Signal, or one signal per row; at least two samples.
     sampling_period : float
         Time between two samples, s.
     order : int
@@ -114,7 +114,7 @@ def derivatives(
     Parameters
     ----------
     x : array_like of shape (..., n_samples)
-        Signal, or one signal a row.
+        Signal, or one signal per row.
     sampling_period : float
         Time between two samples, s.
     order : int

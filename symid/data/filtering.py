@@ -2,7 +2,7 @@
 
 The conventions are those of MATLAB's ``filtfilt`` and ``decimate``, with which published results were made:
 odd padding of three times the filter order, and kept samples counted so that the last one is among them.
-Signals are vectors, or matrices of one signal a row: time runs along the last axis.
+Signals are vectors, or matrices of one signal per row: time runs along the last axis.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class LowPass:
         Parameters
         ----------
         x : array_like of shape (..., n_samples)
-            Signal, or one signal a row.
+            Signal, or one signal per row.
         sampling_frequency : float
             Samples per second, Hz.
         workers : int
@@ -176,7 +176,7 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
     Parameters
     ----------
     x : array_like of shape (..., n_samples)
-        Signal, or one signal a row.
+        Signal, or one signal per row.
     factor : int
         Samples per kept sample; 1 returns the signal unchanged.
     workers : int

@@ -162,7 +162,9 @@ def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
     quantity, read = _measured_in(unit)
     if quantity is None:
         to_si(unit)
-        raise LogError(f"unit {unit!r} measures no signal of an axis: give one such as ms, mm, rpm, N or A")
+        raise LogError(
+            f"unit {unit!r} is not a unit of any signal of an axis: give one such as ms, mm, rpm, N or A"
+        )
     return replace(column, quantity=quantity, unit=read, reason="its unit is given", stated=True)
 
 

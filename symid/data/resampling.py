@@ -107,7 +107,7 @@ class _Written:
             )
         if gaps.size:
             listed = ", ".join(f"{t[place]:.6g} s" for place in gaps[:5]) + ", ..." * (gaps.size > 5)
-            notes.append(f"{int(lost[gaps].sum())} samples that lacked were filled, after t = {listed}")
+            notes.append(f"{int(lost[gaps].sum())} missing samples were filled, after t = {listed}")
         jitter = float(np.sqrt(np.mean(np.square(np.where(lost == 0, steps / period - 1, 0.0)))))
         if jitter > 1e-3:
             notes.append(f"t jittered by {100 * jitter:.2g} % of the period of {period:.6g} s (rms)")

@@ -66,5 +66,5 @@ def write_log(log: Log, file: str | os.PathLike[str]) -> None:
     """
     path = Path(file)
     if path.suffix not in WRITTEN_SUFFIXES:
-        raise SettingError(f"log {str(file)!r} is of no known kind: end its name with .csv or .parquet")
+        raise SettingError(f"log {str(file)!r} is of an unknown kind: end its name with .csv or .parquet")
     write_frame(log.to_frame(), path)

@@ -87,7 +87,7 @@ def write_fmu(
     """
     path, axis = Path(file), model if isinstance(model, Axis) else model.axis
     if path.suffix != ".fmu":
-        raise SettingError(f"unit {path.name!r} is of no known kind: end its name with .fmu")
+        raise SettingError(f"unit {path.name!r} is of an unknown kind: end its name with .fmu")
     exported = c_source(model, values)
     if sys.platform not in _LIBRARIES:
         raise SettingError(

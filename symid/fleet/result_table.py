@@ -72,7 +72,7 @@ def result_files(
     for file in files:
         if file.suffix not in SUFFIXES:
             raise SettingError(
-                f"results {str(file)!r} are of no known kind: end the name with .parquet or .csv"
+                f"results {str(file)!r} are of an unknown kind: end the name with .parquet or .csv"
             )
         if not file.parent.is_dir() or file.is_dir():
             raise SettingError(

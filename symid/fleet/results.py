@@ -54,7 +54,7 @@ def read_results(file: str | Path) -> pl.DataFrame:
     kind = path.suffix.lower()
     if kind not in (".parquet", ".csv"):
         raise SettingError(
-            f"results {path.name!r} are of no known kind: give a .parquet or .csv of symid batch"
+            f"results {path.name!r} are of an unknown kind: give a .parquet or .csv of symid batch"
         )
     if not path.exists():
         raise SettingError(f"results {path}: there is no such file; symid batch writes one")

@@ -91,7 +91,7 @@ def failure_row(log: str, error: BaseException) -> dict[str, Value]:
         case OSError():
             status, message = "unreadable", f"{error.strerror or error}: check the file"
         case MemoryError():
-            status, message = "failed", "the memory does not suffice: use fewer `jobs`, or a shorter log"
+            status, message = "failed", "there is not enough memory: use fewer `jobs`, or a shorter log"
         case _:
             status, message = "failed", f"{type(error).__name__}: {error}"
     return {"status": status, "message": one_line(message.removeprefix(f"{log}: "))}

@@ -84,7 +84,7 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> LogOutcome:
 
 def killed(task: Task) -> LogOutcome:
     """Row of a log that killed the process that worked on it, twice; no key, so that it is tried again."""
-    message = "its worker died twice, as for want of memory or time: use fewer `jobs`, more `seconds`, or a shorter log"
+    message = "its worker died twice, for lack of memory or time: use fewer `jobs`, more `seconds`, or a shorter log"
     row = {"log": visible(task.log), "status": "failed", "message": message}
     return LogOutcome(task.log, {**row, "finished": time_text(time.time())})
 

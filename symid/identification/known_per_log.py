@@ -143,7 +143,7 @@ def identify_with_known(
 def _check(logs: Sequence[AnyLog], known: Sequence[Mapping[str, float]]) -> None:
     if len(known) != len(logs):
         raise SettingError(
-            f"known values are given for {len(known)} logs, there are {len(logs)}: give one set a log"
+            f"known values are given for {len(known)} logs, there are {len(logs)}: give one set for each log"
         )
     names = set(known[0])
     if lacking := [one for one in known if set(one) != names]:

@@ -59,12 +59,12 @@ class ColumnTests:
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
             cubic = _AddedColumn.of(Z, rest, (y / scale) ** 3, y)
             certain = self._certain(rest, self.criteria.gain_certain)
-            is_bent = cubic.share > min(self.criteria.nonlinear, certain)
-            if is_bent and abs(cubic.size) > self.criteria.nonlinear_output:
+            is_curved = cubic.share > min(self.criteria.nonlinear, certain)
+            if is_curved and abs(cubic.size) > self.criteria.nonlinear_output:
                 less = "less" if cubic.factor < 0 else "more"
                 lacking = "" if any(self.model.sliding) else "the model lacks Coulomb friction, or "
                 return (
-                    f"where {force} is large it is {less} than in proportion to the motion (a cubic takes away "
+                    f"where {force} is large it is {less} than in proportion to the motion (a cubic explains "
                     f"{100 * cubic.share:.2g} % of the residual's power): {lacking}it is clipped, limited, or its gain "
                     "changes with it; record with a wider range"
                 )
@@ -76,7 +76,7 @@ class ColumnTests:
             missing = _AddedColumn.of(Z, rest, curvature, y)
             if missing.share > self.criteria.nonlinear and missing.size > self.criteria.smoothed_output:
                 return (
-                    f"{force} does not contain the fast part of the motion (its second derivative takes away "
+                    f"{force} does not contain the fast part of the motion (its second derivative explains "
                     f"{100 * missing.share:.2g} % of the residual's power): it was smoothed; record it raw, or lower "
                     "`cutoff_hz`"
                 )
@@ -94,14 +94,14 @@ class ColumnTests:
             cube = [x * x * x for x in relative]  # a power takes thirty times as long
             limit = [np.sign(x) * (np.abs(x) > _AT_LIMIT) for x in relative]
             for words, shapes, share, size in (
-                ("its cube takes", cube, self.criteria.nonlinear, 0.0),
-                ("its largest values take", limit, self.criteria.cut, self.criteria.nonlinear_output),
+                ("its cube explains", cube, self.criteria.nonlinear, 0.0),
+                ("its largest values explain", limit, self.criteria.cut, self.criteria.nonlinear_output),
             ):
                 column = self._lacking(force, shapes)
                 is_short = column.factor < -self.criteria.bent_force * largest
                 if is_short and column.share > share and -column.size > size:
                     return (
-                        f"where {force} is large it is less than in proportion to the motion ({words} away "
+                        f"where {force} is large it is less than in proportion to the motion ({words} "
                         f"{100 * column.share:.2g} % of the residual's power): it is limited; record with a wider range"
                     )
         return ""

@@ -72,7 +72,7 @@ def verdict(
             f"decides on {', '.join(vague or names)}: move at several speeds, accelerations and frequencies"
         )
     if not physical and model.physical_parameters is not None:
-        cause = "the inverse map leads to no finite values: the model, the filter, the timing or the log does not fit"
+        cause = "the inverse map gives no finite values: the model, the filter, the timing or the log does not fit"
         return "no_physical_parameters", cause
     if not physical and len(model.physical_units) > len(names):
         few = f"{len(names)} minimal parameters do not determine {len(model.physical_units)} physical ones"

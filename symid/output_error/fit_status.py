@@ -45,13 +45,13 @@ def verdict_of(
     if found.fit is None:
         return (
             "no_start",
-            "no start was possible: a log holds no lasting motion, or give `nominal`, values to start from",
+            "no start was found: a log holds no lasting motion, or give `nominal`, values to start from",
         )
     minimum = found.fit.search.minimum
     if minimum is None or not minimum.converged:
         return (
             "not_converged",
-            "the iterations did not come to rest: give `nominal`, values to start from",
+            "the iterations did not converge: give `nominal`, values to start from",
         )
     values = np.array(list(found.physical_parameters.values()))
     absent = _absent_friction(found)
@@ -169,8 +169,8 @@ def _regression_remark(found: OutputErrorIdentification, regression: Identificat
         for name, deviation in zip(own, spread, strict=True)
         if abs(own[name] - other[name]) > max(_DISAGREE * deviation, _NOTICEABLE * abs(other[name]))
     ]
-    cure = "one of them is misled; compare the logs' noise, timing and drive with what is declared"
-    return f"least squares finds others than output error for {', '.join(far)}: {cure}" if far else ""
+    cure = "one of them is biased; compare the logs' noise, timing and drive with what is declared"
+    return f"least squares and output error differ in {', '.join(far)}: {cure}" if far else ""
 
 
 def _inflation(found: OutputErrorIdentification) -> float:
@@ -180,8 +180,8 @@ def _inflation(found: OutputErrorIdentification) -> float:
 def _correlated_remark(found: OutputErrorIdentification) -> str:
     assert found.fit is not None
     return (
-        "the innovations are correlated, as if the model or the timing did not fit quite: "
-        f"{found.fit.linear.rows[0]} of them are worth {found.fit.correlated.effective_samples:.0f}"
+        "the innovations are correlated, which suggests an error of model or timing: "
+        f"{found.fit.linear.rows[0]} of them count as {found.fit.correlated.effective_samples:.0f}"
     )
 
 

@@ -164,7 +164,7 @@ def _starts(
         positive = dynamics.parameters_of("mass") | dynamics.parameters_of("stiffness")
         if nothing := [name for name in nominal if name in positive and nominal[name] == 0]:
             raise SettingError(
-                f"the nominal {nothing[0]} is 0, from where no search goes: give a positive value, or fix it at 0"
+                f"the nominal {nothing[0]} is 0, where a search cannot start: give a positive value, or fix it at 0"
             )
         known = [dict(nominal)]
         if (

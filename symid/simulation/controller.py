@@ -321,12 +321,12 @@ def tuned_cascades(
     """
     if not _SLOWEST <= bandwidth_hz <= _FASTEST:
         raise SettingError(
-            f"a bandwidth of {bandwidth_hz:g} Hz is that of no controller: "
+            f"a bandwidth of {bandwidth_hz:g} Hz is not possible for a controller: "
             f"give one from {_SLOWEST:g} to {_FASTEST:g} Hz"
         )
     if len(signals) != plant.drives.shape[1]:
         raise SettingError(
-            f"there are {plant.drives.shape[1]} drives and {len(signals)} signals: give one position sensor a drive"
+            f"there are {plant.drives.shape[1]} drives and {len(signals)} signals: give one sensor for each drive"
         )
     for signal in signals:
         if signal not in plant.sensors or plant.sensors[signal].order != 0:

@@ -109,9 +109,7 @@ def minimise(model: InputOutputModel) -> MinimalModel:
         MinimalParameter(f"X{i + 1}", basis[j], _unit(j, basis, rows, axis)) for i, j in enumerate(order)
     )
     if not parameters:
-        raise EliminationError(
-            f"axis {axis.name!r}: the sensors see nothing of the parameters that are not known"
-        )
+        raise EliminationError(f"axis {axis.name!r}: the sensors do not depend on any unknown parameter")
     domain = model.operators.ring.domain
 
     def entry(row: _Row, j: int) -> sp.Expr:

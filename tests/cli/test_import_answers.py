@@ -81,7 +81,7 @@ def test_answers_that_end_early_write_nothing(
         ("--column q=Weg", "no column of numbers 'Weg' for q"),
         ("--column w=Lage", "names 'w', which axis 'rigid_1m' does not have"),
         ("--unit q=Inkr", "Inkr"),
-        ("--unit q=kg", "measures no signal"),
+        ("--unit q=kg", "is not a unit of any signal"),
     ],
 )
 def test_what_is_given_wrong_is_one_line(

@@ -86,7 +86,7 @@ def test_total_error_from_a_log_and_from_given_noise(
         (["--max-sampling-error", "0"], "must be positive"),
         (["--noise", "q=1e-7"], "noise of F is not given"),
         (["--measured", "nothing"], "no sensor 'nothing'"),
-        (["--plot", "tuning.bmp", "--seconds", "2", "--rate", "2000"], "of no known kind"),
+        (["--plot", "tuning.bmp", "--seconds", "2", "--rate", "2000"], "of an unknown kind"),
         (["--band", "5"], "is not LOW,HIGH"),
     ],
 )

@@ -57,7 +57,7 @@ def test_short_gaps_are_filled_and_said_and_long_ones_refused(tmp_path: Path) ->
     log = read(short, tmp_path)
     assert log.n_samples == 4000
     assert max(errors(log).values()) < 1e-4
-    assert any("4 samples that lacked were filled, after t = 0.699 s, 1.999 s" in note for note in log.notes)
+    assert any("4 missing samples were filled, after t = 0.699 s, 1.999 s" in note for note in log.notes)
     with pytest.raises(LogError, match=r"has 11 missing samples after t = 0\.699 s"):
         read(np.delete(t, range(700, 711)), tmp_path)
 

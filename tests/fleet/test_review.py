@@ -171,7 +171,7 @@ def test_csv_gives_the_same_review(table, tmp_path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("results.txt", "", "no known kind"),
+        ("results.txt", "", "unknown kind"),
         ("missing.parquet", None, "no such file"),
         ("broken.parquet", "no parquet", "cannot be read"),
         ("other.csv", "a,b\n1,2\n", "without column log, axis, status"),

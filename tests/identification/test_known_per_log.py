@@ -194,7 +194,7 @@ def test_the_constant_is_in_equations_and_simulation() -> None:
         replace(AXIS, drive=Drive("iq", TABLE, gain="Kt"))
     with pytest.raises(DeclarationError, match="leave command= out"):
         replace(AXIS, drive=Drive("iq", TABLE, gain="Kt", unit="A", command="u"))
-    with pytest.raises(SettingError, match="give one set a log"):
+    with pytest.raises(SettingError, match="give one set for each log"):
         identify_with_known(AXIS, [log_with(0.0, 1)], [{"Ml": 0.0}, {"Ml": 1.0}], ("q",))
 
 
@@ -224,5 +224,5 @@ def test_a_known_constant_of_the_drive_makes_the_others_si() -> None:
         found.physical_parameters.items(), found.physical_deviations, strict=True
     ):
         assert abs(value - TRUE[name]) < 4 * deviation + 1e-3 * TRUE[name], name
-    with pytest.raises(SettingError, match="the nominal Ml is 0, from where no search goes"):
+    with pytest.raises(SettingError, match="the nominal Ml is 0, where a search cannot start"):
         identify(AXIS, log_with(0.0, 1), method="oe", nominal=TRUE | {"Ml": 0.0})

@@ -1,4 +1,4 @@
-"""JSON logs: columns by name, records, or one record a line."""
+"""JSON logs: columns by name, records, or one record per line."""
 
 from __future__ import annotations
 

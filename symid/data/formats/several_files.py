@@ -64,7 +64,7 @@ def _clock(part: Path, table: Table) -> tuple[int, float]:
     """Position of the column of the times, and what one of its units is in seconds."""
     if table.stamps:
         raise LogError(
-            f"{part}: its times are moments, of which no common begin is known: save seconds in both files"
+            f"{part}: its times are moments, whose common start is not known: save seconds in both files"
         )
     if table.clocks:
         return next(iter(table.clocks.values())), 1.0

@@ -95,7 +95,7 @@ def _cycle(envelope: Envelope) -> Trajectory:
 def _reversals(envelope: Envelope) -> Trajectory:
     speed = _USED * envelope.limits.speed
     way = min(1.2 * speed**2 / envelope.limits.acceleration, envelope.stroke)
-    name = f"fast reversals: {way:.3g} {envelope.unit} to and fro at up to {speed:.3g} {envelope.unit}/s"
+    name = f"fast reversals: {way:.3g} {envelope.unit} back and forth at up to {speed:.3g} {envelope.unit}/s"
     return _shuttle(envelope, way, speed, envelope.seconds, name)
 
 

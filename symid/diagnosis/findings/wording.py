@@ -12,8 +12,8 @@ from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _ADVICE = {
-    "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",
-    "actuator_lag": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",
+    "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag differ",
+    "actuator_lag": "excite more above 50 Hz (multisine), so that a delay and a first-order lag differ",
     "presliding_friction": "reverse slowly over 10 to 500 um",
     "friction_drift": "repeat the same motion from cold until nothing changes",
     "payload_change": "repeat the same motion with the load fixed",
@@ -52,7 +52,7 @@ def sentence(found: Diagnosis) -> str:
         of_nominal = [f"{g.nominal.rms:.3g} {g.unit}" for g in gaps if g.nominal is not None]
         nominal = f" instead of {' and '.join(of_nominal)}" if of_nominal else ""
         if gap.reidentified.rms > THRESHOLDS.white * gap.noise_floor.rms:
-            rest = "nothing in the library explains the rest, which wanders alike however the axis moves"
+            rest = "nothing in the library explains the rest, which drifts in the same way however the axis moves"
             return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
         if impossible := of_impossible(found):
             return (
@@ -134,7 +134,7 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
     if found.effects:
         parts.append("lacks " + " and ".join(spoken(e.effect, e.at) for e in found.effects))
     if surplus:
-        parts.append(f"has {' and '.join(surplus)}, which the machine has not")
+        parts.append(f"has {' and '.join(surplus)}, which the machine does not have")
     if apart and found.verdict != "no_gap":
         parts.append(f"has other values of {', '.join(apart)}")
     if found.verdict == "unexplained":
@@ -181,7 +181,7 @@ def next_experiment(
 ) -> str:
     """The next step, in words."""
     if verdict == "no_gap":
-        return "None is needed for this motion; for others, repeat the diagnosis with a log of theirs."
+        return "None is needed for this motion; for others, repeat the diagnosis with a log of those."
     if verdict == "parameters":
         values = "Take over the re-identified values"
         if undetermined:

@@ -29,7 +29,9 @@ def save_figure(figure: Figure, file: str | Path) -> None:
     """Write a figure as png, svg or pdf, as a whole or not at all; SettingError for another suffix."""
     path = Path(file)
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
+        raise SettingError(
+            f"figure {path.name!r} is of an unknown kind: end its name with .png, .svg or .pdf"
+        )
     with replacing(path) as unfinished:
         figure.savefig(unfinished, dpi=150, format=path.suffix.lower()[1:])
 

@@ -21,7 +21,7 @@ def html_path(file: str | Path) -> Path:
     """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist."""
     path = Path(file)
     if path.suffix.lower() not in (".html", ".htm"):
-        raise SettingError(f"report {path.name!r} is of no known kind: end its name with .html")
+        raise SettingError(f"report {path.name!r} is of an unknown kind: end its name with .html")
     if not path.parent.is_dir():
         raise SettingError(f"report {path}: there is no folder {path.parent}; make it first")
     return path

@@ -163,7 +163,7 @@ def comparison_sentence(record: Mapping[str, Any]) -> str:
         return f"A and B differ in {', '.join(different)}"
     together = record["together"]
     if together is not None and together["differs"]:
-        return "A and B differ in their parameters together, in none alone"
+        return "A and B differ in their parameters jointly, in no single one"
     if not any(math.isfinite(one["deviations"]) for one in record["parameters"].values()):
         return "Neither A nor B has deviations: whether they differ is not known"
     return f"A and B do not differ: no parameter by more than {_DIFFERENT:g} deviations"
