@@ -151,6 +151,18 @@ def gain_drift(x, rng):
     return "", x * np.linspace(1, rng.uniform(0.4, 0.8), x.size)
 
 
+def part_gain(x, rng):
+    """Another gain, 0.3 to 2.5, in a part of the log, 3 to 60 % of it."""
+    share, gain = (
+        np.exp(rng.uniform(np.log(0.03), np.log(0.6))),
+        np.exp(rng.uniform(np.log(0.3), np.log(2.5))),
+    )
+    start = int(rng.uniform(0, 1 - share) * x.size)
+    found = x.copy()
+    found[start : start + int(share * x.size)] *= gain
+    return f"{share:.2f} {gain:.2f}", found
+
+
 def moved(x: np.ndarray, samples: int) -> np.ndarray:
     """x delayed by a number of samples, with the first value before it."""
     place = np.clip(np.arange(x.size) - samples, 0, x.size - 1)
@@ -214,6 +226,32 @@ def folded(case: Case, rng: np.random.Generator) -> Case:
     return replace(case, signals=signals, rate=case.rate / every, fault="folded")
 
 
+def low_passed(case: Case, rng: np.random.Generator) -> Case:
+    """A signal has passed a Butterworth low-pass of order 1 to 4, causal or without phase."""
+    name = str(rng.choice(list(case.signals)))
+    order, corner = int(rng.integers(1, 5)), _corner(1.0, 200.0, case, rng)
+    sos = scipy.signal.butter(order, corner, "lowpass", fs=case.rate, output="sos")
+    x = case.signals[name]
+    run = scipy.signal.sosfiltfilt if rng.random() < 0.5 else scipy.signal.sosfilt
+    passed = run(sos, x - x[0]) + x[0]
+    return case.changed(f"low_passed {'F' if name == case.force else name}", **{name: passed})
+
+
+def ac_coupled(case: Case, rng: np.random.Generator) -> Case:
+    """An accelerometer, else the force, has passed a high-pass of order 1 or 2, as piezoelectric sensors are."""
+    accelerometers = [name for name in case.measured if name.startswith("dd")]
+    name = str(rng.choice(accelerometers or [case.force]))
+    order, corner = int(rng.integers(1, 3)), _corner(0.02, 5.0, case, rng)
+    sos = scipy.signal.butter(order, corner, "highpass", fs=case.rate, output="sos")
+    passed = scipy.signal.sosfilt(sos, case.signals[name])
+    return case.changed(f"ac_coupled {'F' if name == case.force else name}", **{name: passed})
+
+
+def _corner(low: float, high: float, case: Case, rng: np.random.Generator) -> float:
+    """A corner frequency, evenly in the logarithm, below 0.45 of the rate."""
+    return min(float(np.exp(rng.uniform(np.log(low), np.log(high)))), 0.45 * case.rate)
+
+
 def of_force(case: Case, rng: np.random.Generator) -> Case:
     """A fault of the force."""
     return _of_channel(case, case.force, rng.choice(OF_FORCE), rng)
@@ -232,7 +270,10 @@ def _of_channel(case: Case, name: str, fault, rng: np.random.Generator) -> Case:
 
 OF_CASE = (of_force, of_sensor, late, two_machines, all_interpolated, in_g)
 _OFTEN = (0.5, 0.15, 0.2, 0.05, 0.07, 0.03)
-BY_NAME = {f.__name__: f for f in (*OF_FORCE, *OF_POSITION, *OF_CASE, folded)}
+BY_NAME = {
+    f.__name__: f for f in (*OF_FORCE, *OF_POSITION, *OF_CASE, folded, part_gain, low_passed, ac_coupled)
+}
+"""The last four only by name: what other seeds draw stays."""
 
 
 def damaged(case: Case, rng: np.random.Generator, name: str = "") -> Case:
@@ -240,7 +281,9 @@ def damaged(case: Case, rng: np.random.Generator, name: str = "") -> Case:
     if not name:
         return OF_CASE[rng.choice(len(OF_CASE), p=_OFTEN)](case, rng)
     fault = BY_NAME[name]
-    if fault not in (*OF_FORCE, *OF_POSITION):
+    if fault not in (*OF_FORCE, *OF_POSITION, part_gain):
         return fault(case, rng)
-    is_of_force = fault in OF_FORCE and (fault not in OF_POSITION or rng.random() < 0.7)
+    is_of_force = fault is part_gain or (
+        fault in OF_FORCE and (fault not in OF_POSITION or rng.random() < 0.7)
+    )
     return _of_channel(case, case.force if is_of_force else str(rng.choice(case.measured)), fault, rng)

@@ -23,6 +23,9 @@ class Criteria:
     # part of the residual's power that separate parameters for the two parts must remove: a change that explains
     # less widens the interval, but is not reported as the fault of the log
     change_explains: float = 0.25
+    # the same where the parameters of the rest differ from those of all rows by more than their printed deviations: a
+    # gain halved in a part with most of the information on a mass took 0.16; the biased rest of an undamaged log, 0.06
+    change_distorts: float = 0.1
     # part of the residual's power that a cubic of the predicted output or of the recorded force, or for a
     # smoothed force the second derivative, must take away; on random undamaged logs a cubic takes 0 to 0.1, on
     # clipped ones 0.4 to 0.9, on softly limited ones 0.6 to 0.99
@@ -54,6 +57,11 @@ class Criteria:
     # residual that is left without a lag of first order, as part of that with it: 0.9 to 1 on undamaged random
     # logs
     lagging: float = 0.5
+    # ac_coupling, ac_coupling_leaves: standard deviations of the corner of a high-pass before the recorder, 3.3 on
+    # most undamaged random logs, and residual that is left at most without it, as part of that with it: 0.9997 on one
+    # with 5.5 deviations
+    ac_coupling: float = 5.0
+    ac_coupling_leaves: float = 0.99
     # residual, as part of the output, above which an equation is unusable if noise does not explain it:
     # shares of damaged logs start there, EMPS leaves 0.04, a motor bench 0.1
     worst_fit: float = 0.3

@@ -92,6 +92,16 @@ def excerpts(
     )
 
 
+def whole_logs(
+    parts: Sequence[Excerpt], logs: Sequence[AnyLog], observations: Sequence[Observation]
+) -> tuple[Excerpt, ...]:
+    """All rows of logs in memory, for checks that need no more than rows; else the given excerpts of them."""
+    if not all(isinstance(log, Log) for log in logs):
+        return tuple(parts)
+    pairs = enumerate(zip(logs, observations, strict=True))
+    return tuple(Excerpt(parts[0].model, log, seen, k) for k, (log, seen) in pairs if isinstance(log, Log))
+
+
 def _all_of(model: GeneratedModel, log: AnyLog, whole: Observation, number: int) -> Excerpt:
     if isinstance(log, Log):
         return Excerpt(model, log, whole, number)
@@ -107,6 +117,15 @@ def _parts(
     starts = np.linspace(0, log.n_samples - size, _PARTS).astype(int)
     windows = [log.window(int(start), int(start) + size) for start in starts]
     return tuple(Excerpt(model, window, observe(model, window, chosen), number) for window in windows)
+
+
+def running_integral(x: FloatArray, period: float) -> FloatArray:
+    """Integral of a sampled signal from its first sample on, by trapezoids.
+
+    >>> running_integral(np.array([0.0, 2.0, 2.0]), 0.5).tolist()
+    [0.0, 0.5, 1.5]
+    """
+    return period * np.cumsum(np.concatenate([[0.0], (x[1:] + x[:-1]) / 2]))
 
 
 def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float, ...]:

@@ -29,21 +29,21 @@ from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import with_constraint_check
 from symid.identification.cutoff import CutoffTrial, Estimation, least_uncertain
-from symid.identification.excerpts import Excerpt, blocks_of, excerpts
+from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
 from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification, best_covariance
-from symid.identification.lagging import lag_of
+from symid.identification.lagging import ac_coupling_of, lag_of
 from symid.identification.nonlinearity import ColumnTests
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.poor_fit import contradicting_part, unexplained_outputs
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
-from symid.identification.reliability import Faults, with_faults
+from symid.identification.reliability import Faults, is_beyond_intervals, with_faults
 from symid.identification.row_blocks import blocks_of_runs
 from symid.identification.settings import Preparation, notes_on_declared
 from symid.identification.smoothing import slow_update, smoothing_of
-from symid.identification.stability import greatest_change, scatter
+from symid.identification.stability import Change, greatest_change, scatter
 from symid.identification.timing import delays_of, likeliest
 from symid.identification.verdict import verdict
 from symid.identification.whitened import Segment, segments, whitened
@@ -179,7 +179,10 @@ def found_from(
     if parts_of and fit.status == "ok":
         parts = parts_of(observations)
         correction = Correction.of(model, parts, fit)
-        bias, spread = correction.bias, correction.grown(_scatter(segments(parts, fit), fit))
+        bias, spread = (
+            correction.bias,
+            correction.grown(_scatter(segments(whole_logs(parts, logs, observations), fit), fit)),
+        )
         fit, correlated = correction.applied(fit, correlated)
     # From here on the covariance includes the correlation of the residual, and scatter and bias where they are known.
     physical: tuple[PhysicalEstimate, ...] = ()
@@ -229,7 +232,7 @@ def with_checks(
     model, fit, bias, spread = found.model, found.fit, found.bias, found.scatter
     if bias is not None and bias.removed is not None:
         fit = replace(fit, solution=fit.solution + bias.removed)  # its residual is orthogonal to the columns
-    sums = segments(parts, fit)
+    sums = segments(whole_logs(parts, logs, found.observations), fit)
     if spread is None:
         spread = _scatter(sums, fit)
     if instruments is not None:
@@ -263,13 +266,21 @@ def _faults(
         or smoothing_of(model, parts)
         or folding_of(model, parts)
         or disagreement_of(model, parts)
+        or ac_coupling_of(found, parts, fit)
         or ("" if drift else more.sensor_gain()),  # a lag changes gains too
         poor_fit=contradicting_part(model, parts, fit)
         or more.force_nonlinearity()
-        or (change.statement(model) if change else "")
+        or _said_change(found, change)
         or more.gain_drift()
         or more.force_limit()
         or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
         drift=drift,
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
     )
+
+
+def _said_change(found: Identification, change: Change | None) -> str:
+    """Statement on a span of the logs with other parameters, that distort those of all or explain much."""
+    if change is None:
+        return ""
+    return change.statement(found.model, distorts=is_beyond_intervals(found, change.outside))

@@ -1,26 +1,35 @@
-"""First-order lag of a signal that was filtered before it was recorded: the time constant of least residual.
+"""A signal that was filtered before it was recorded: a lag of first order, or the high-pass of AC coupling.
 
-A signal F behind a lag was F + tau F' before it. Its rows are linear in tau as they are in F, so that Gauss-Newton
-steps over tau and the parameters need no new rows. On flexible axes a lag imitates a damped mode: the residual is
+A signal x behind a lag was x + tau x' before it, one behind a high-pass of corner w was x + w times its integral. Its
+rows are linear in tau or w as they are in x, so that Gauss-Newton steps over that factor and the parameters need no new
+rows. On flexible axes a lag imitates a damped mode, and everywhere a high-pass imitates friction: the residual is
 small, and the parameters are another machine's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.estimation import LeastSquares, estimate, triangular_factors
+from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification.criteria import CRITERIA, Criteria
-from symid.identification.excerpts import Excerpt
+from symid.identification.excerpts import Excerpt, blocks_of, running_integral
+from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
+from symid.identification.observation import SignalRows
+from symid.identification.redundancy import high_pass_of
+from symid.identification.reliability import is_beyond_intervals
 from symid.identification.timing import Timing
 
+_Rows = tuple[FloatArray, FloatArray]
+"""Rows of W and y that a signal makes."""
 _MOST_ROUNDS = 6
 _SETTLED = 0.01
-"""Relative change of the time constant that ends the rounds."""
+"""Relative change of the factor that ends the rounds."""
 
 
 def lag_of(
@@ -32,8 +41,12 @@ def lag_of(
 ) -> str:
     """Statement on a signal that lags; empty without one, or if a delay explains as much."""
     by_delay = timing.remaining if timing is not None and timing.is_significant else 1.0
-    found = [(_remaining(parts, fit, name), name) for name in shiftable(model)]
-    (remaining, lag), name = min(found, default=((1.0, 0.0), ""))
+    every = [
+        (_filtered_before(parts, fit, [part.moved(name).slope for part in parts]), name)
+        for name in shiftable(model)
+    ]
+    found = [(lag.remaining, lag.factor, name) for lag, name in every if lag is not None]
+    remaining, lag, name = min(found, default=(1.0, 0.0, ""))
     if remaining > criteria.lagging * by_delay or lag < parts[0].log.sampling_period:
         return ""
     return (
@@ -43,23 +56,90 @@ def lag_of(
     )
 
 
-def _remaining(parts: Sequence[Excerpt], fit: LeastSquares, name: str) -> tuple[float, float]:
-    """Residual without the lag of a signal as part of that with it, and the time constant; 1 where none is found."""
-    slopes = [part.moved(name).slope for part in parts]
+def ac_coupling_of(
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
+) -> str:
+    """Statement on a signal that has passed a high-pass, which moves parameters out of their intervals; else empty."""
+    model, passed = found.model, []
+    for name in shiftable(model):
+        integrals = [
+            _rows_of(part, name, running_integral(part.log[name], part.log.sampling_period)) for part in parts
+        ]
+        starts = [_rows_of(part, name, np.ones(part.log.n_samples)) for part in parts]
+        one = (
+            _by_other_sensors(model, parts, integrals, name)
+            or _filtered_before(parts, fit, integrals, starts)
+            or _filtered_before(parts, fit, integrals)  # the model has a constant of its own
+        )
+        passed += [(one, name)] if one else []
+    for one, name in sorted(passed, key=lambda pair: pair[0].remaining):
+        is_certain = one.factor > criteria.ac_coupling * one.deviation
+        explains = one.remaining < criteria.ac_coupling_leaves
+        if is_certain and explains and is_beyond_intervals(found, one.parameters):
+            return (
+                f"{name} seems to have passed a high-pass with a corner of {one.factor / (2 * np.pi):.3g} Hz, which "
+                "biases all parameters: the sensor is AC coupled, or the model lacks a force; record it DC coupled, "
+                "or leave it out of `measured`"
+            )
+    return ""
+
+
+def _rows_of(part: Excerpt, name: str, x: FloatArray) -> _Rows:
+    """Rows of W and y that a signal makes if it has another course."""
+    log = replace(part.log, signals={**part.log.signals, name: x})
+    return SignalRows.of(part.model, log, part.observation.preparation, name).rows
+
+
+def _by_other_sensors(
+    model: GeneratedModel, parts: Sequence[Excerpt], more: Sequence[_Rows], name: str
+) -> _Filter | None:
+    """High-pass by sensors that repeat a signal, and the parameters without it; None without such sensors."""
+    corner = high_pass_of(model, parts, name)
+    if corner is None:
+        return None
+    rows = [
+        (part.observation.W + corner[0] * W, part.observation.y + corner[0] * y, part.observation.valid)
+        for part, (W, y) in zip(parts, more, strict=True)
+    ]
+    fit = estimate([f for one in rows for f in triangular_factors(*one)])
+    return _Filter(*corner, 0.0, fit.solution) if fit.status == "ok" else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Filter:
+    """Filter that a signal has passed: factor of its derivative or integral, and the estimate without the filter."""
+
+    factor: float
+    deviation: float  # standard deviation of the factor
+    remaining: float  # residual without the filter as part of that with it; 0 if others say what it was
+    parameters: FloatArray  # shape (n_parameters,): without the filter
+
+
+def _filtered_before(
+    parts: Sequence[Excerpt], fit: LeastSquares, more: Sequence[_Rows], constants: Sequence[_Rows] = ()
+) -> _Filter | None:
+    """Factor of rows that a derivative or an integral of a signal makes of each part; None if it is not determined.
+
+    With `constants` each part has one of its own, from which an integral starts.
+    """
     seen = [part.observation for part in parts]
     before = estimate([f for o in seen for f in triangular_factors(o.W, o.y, o.valid)])
-    lag, X, found = 0.0, fit.solution, before
+    factor, X, p = 0.0, fit.solution, fit.solution.size
     for _ in range(_MOST_ROUNDS):
-        rows = [
-            (np.concatenate([o.W + lag * W, (W @ X - y)[..., None]], axis=2), o.y + lag * y, o.valid)
-            for o, (W, y) in zip(seen, slopes, strict=True)
-        ]
-        found = estimate([factor for one in rows for factor in triangular_factors(*one)])
+        rows = []
+        for k, (o, (W, y)) in enumerate(zip(seen, more, strict=True)):
+            columns = [o.W + factor * W, (W @ X - y)[..., None]]
+            for i, (W1, y1) in enumerate(constants):
+                columns.append((W1 @ X - y1)[..., None] if i == k else np.zeros((*y.shape, 1)))
+            rows.append(replace(o, W=np.concatenate(columns, axis=2), y=o.y + factor * y))
+        found = estimate([f for o in rows for f in triangular_factors(o.W, o.y, o.valid)])
         if found.status != "ok":
-            return 1.0, 0.0
-        X, step = found.solution[:-1], float(found.solution[-1])
-        lag += step
-        if abs(step) < _SETTLED * abs(lag):
+            return None
+        X, step = found.solution[:p], float(found.solution[p])
+        factor += step
+        if abs(step) < _SETTLED * abs(factor):
             break
     left, whole = found.residual_norm**2, np.maximum(before.residual_norm**2, np.finfo(float).tiny)
-    return float(np.sqrt(np.mean(left / whole))), lag
+    blocks = blocks_of(rows)
+    deviation = float(corrected_covariance_of_blocks(lambda: blocks, found).standard_deviations[p])
+    return _Filter(factor, deviation, float(np.sqrt(np.mean(left / whole))), X)

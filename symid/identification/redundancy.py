@@ -9,8 +9,14 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import derivatives
+from symid.estimation import (
+    ObservationBlock,
+    corrected_covariance_of_blocks,
+    estimate,
+    triangular_factors,
+)
 from symid.identification.criteria import CRITERIA, Criteria
-from symid.identification.excerpts import Excerpt
+from symid.identification.excerpts import Excerpt, running_integral
 from symid.identification.sampling import filtered
 
 _LEAST_LATE = 0.5
@@ -68,6 +74,28 @@ def _samples_late(own: FloatArray, other: FloatArray) -> float:
     left = float(np.sum((own - np.interp(places - late, places, other)) ** 2))
     is_late = abs(late) > _LEAST_LATE and left < _LEFT * float(np.sum((own - other) ** 2))
     return late if is_late else 0.0
+
+
+def high_pass_of(model: GeneratedModel, parts: Sequence[Excerpt], name: str) -> tuple[float, float] | None:
+    """Corner of a high-pass, rad/s, that a sensor has passed by what others say, and its deviation; None without any.
+
+    A signal x behind it was x + corner * (integral of x), up to a constant.
+    """
+    terms = next((terms for own, terms in model.redundant if own == name), None)
+    if terms is None or not all(signal in part.log.signals for part in parts for signal, _, _ in terms):
+        return None
+    blocks = []
+    for k, part in enumerate(parts):
+        own, other = _compared(model, part, name, terms)
+        thin = slice(None, None, part.observation.preparation.decimation or 1)
+        sums = running_integral(own, part.log.sampling_period)
+        W, y = np.column_stack([sums, np.ones_like(own)])[thin], (other - own)[thin]
+        blocks.append(ObservationBlock(W[None], y[None], np.ones((1, y.size), dtype=bool), equation=k))
+    fit = estimate([f for b in blocks for f in triangular_factors(b.W, b.y, b.valid)])
+    if fit.status != "ok":
+        return None
+    correlated = corrected_covariance_of_blocks(lambda: blocks, fit)
+    return float(fit.solution[0]), float(correlated.standard_deviations[0])
 
 
 def _compared(

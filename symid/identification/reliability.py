@@ -104,13 +104,13 @@ def _is_fault(found: Identification, timing: Timing) -> bool:
     A force that acts before it is recorded has no natural cause.
     """
     natural = timing.is_force and timing.late <= 0 and timing.samples >= -_USUAL_LAG
-    return not natural or _is_beyond_intervals(found, timing)
+    return not natural or is_beyond_intervals(found, timing.parameters)
 
 
-def _is_beyond_intervals(found: Identification, timing: Timing) -> bool:
-    """Whether a parameter is another one with a delay taken out, by its value and by its printed deviation."""
+def is_beyond_intervals(found: Identification, parameters: FloatArray) -> bool:
+    """Whether minimal parameters of an estimate without a fault differ by more than values and deviations allow."""
     removed = found.bias.removed if found.bias is not None and found.bias.removed is not None else 0.0
-    change = timing.parameters - (found.fit.solution + removed)  # as it was before the bias was taken off
+    change = parameters - (found.fit.solution + removed)  # as it was before the bias was taken off
     if found.physical:
         values, deviations = found.physical[0].parameters, found.physical_deviations
         change = found.physical[0].sensitivity @ change

@@ -40,12 +40,19 @@ class Change:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return int(np.argmax(np.where(among, moved / self.deviations, -1.0)))
 
-    def statement(self, model: GeneratedModel, criteria: Criteria = CRITERIA) -> str:
-        """Statement on changes within the logs; empty without one."""
+    def statement(
+        self, model: GeneratedModel, criteria: Criteria = CRITERIA, *, distorts: bool = False
+    ) -> str:
+        """Statement on changes within the logs; empty without one.
+
+        A change counts that explains much of the residual, or that distorts the parameters of all rows beyond their
+        printed deviations: a small part of the log does so where it holds most of the information on a parameter.
+        """
         moved = np.abs(self.inside - self.outside)
         size = np.maximum(np.abs(self.inside), np.abs(self.outside))
         certain = (moved > criteria.change_certain * self.deviations) & (moved > criteria.change * size)
-        if self.explained < criteria.change_explains or not certain.any():
+        least = criteria.change_distorts if distorts else criteria.change_explains
+        if self.explained < least or not certain.any():
             return ""
         i = self.most_certain(certain)
         name, unit = list(model.minimal_units.items())[i]

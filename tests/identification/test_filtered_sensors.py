@@ -1,0 +1,51 @@
+"""Signals that passed a filter of their own, and gains that differ in a part of a log."""
+
+import numpy as np
+import pytest
+import scipy
+
+from benchmarks.promise.machines import Case, draw_case
+from symid import Log, load_generated
+from symid.identification import Identification, identify
+
+SEED = 80611
+
+
+def identified(case: Case, **signals: np.ndarray) -> Identification:
+    log = Log.from_arrays({**case.signals, **signals}, sampling_period=1 / case.rate)
+    return identify(load_generated(case.axis, case.measured), log)
+
+
+def ac_coupled(x: np.ndarray, corner_hz: float, rate: float) -> np.ndarray:
+    return scipy.signal.sosfilt(scipy.signal.butter(1, corner_hz, "highpass", fs=rate, output="sos"), x)
+
+
+@pytest.mark.parametrize(("axis", "number", "name"), [("rigid_1m", 0, "F"), ("direct_2m1s", 12, "ddq2")])
+def test_an_ac_coupled_sensor_is_named_with_its_corner(axis: str, number: int, name: str) -> None:
+    case = draw_case(np.random.default_rng([SEED, number]), axis)
+    assert identified(case).status == "ok"
+    found = identified(case, **{name: ac_coupled(case.signals[name], 0.2, case.rate)})
+    assert found.status == "recording"
+    said = found.message.split("with a corner of ")
+    assert said[0].startswith(name)
+    assert float(said[1].split()[0]) == pytest.approx(0.2, rel=0.1)
+
+
+def test_a_gain_that_differs_in_a_small_part_of_a_long_log_is_seen() -> None:
+    case = draw_case(np.random.default_rng([731010, 75, 1]))
+    F = case.signals["F"].copy()
+    assert F.size > 65_536  # excerpts leave out most of the part below
+    part = slice(int(0.45 * F.size), int(0.65 * F.size))
+    F[part] *= 0.5
+    found = identified(case, F=F)
+    assert found.status == "poor_fit"
+    assert "parameters change within the logs" in found.message
+
+
+def test_a_small_change_that_distorts_a_parameter_is_a_fault() -> None:
+    case = draw_case(np.random.default_rng([612005, 21, 1]))
+    Fm = case.signals["Fm"].copy()
+    Fm[int(0.14 * Fm.size) : int(0.52 * Fm.size)] *= 0.5
+    found = identified(case, Fm=Fm)
+    assert found.status == "poor_fit"
+    assert "parameters change within the logs" in found.message
