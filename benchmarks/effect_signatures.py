@@ -28,7 +28,7 @@ from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.findings.comparison import Comparison, compared
-from symid.diagnosis.findings.curves import signals_of, spectrum_of
+from symid.diagnosis.findings.curves import signal_curves, spectrum_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
@@ -222,7 +222,7 @@ def residual_of(effect: str) -> Residual:
     begun = first_state(record, start)
     base = Fit(*begun) if effect == "sensor_delay" else fitted_axis(*begun)
     comparison = compared(record, None, [base], None)
-    signals = signals_of(comparison)
+    signals = signal_curves(comparison)
     time, rate = signals.time, 1 / (signals.time[1] - signals.time[0])
     over = {
         "time": time,

@@ -10,7 +10,7 @@ import click
 from symid.cli.options import give_result, json_option, page_of, report_option
 from symid.cli.outputs import SafeCommand
 from symid.files import read_json
-from symid.report.tables.result_comparison import comparison_record, print_comparison, values_of
+from symid.report.tables.result_comparison import comparison_record, print_comparison, values_of_record
 
 
 @click.command("compare", cls=SafeCommand, epilog="Example: symid compare monday.json friday.json")
@@ -25,7 +25,7 @@ def command(first: str, second: str, report: str | None, json_file: str | None) 
     compared together too, which their correlations can decide when no single parameter does. The errors that the
     two models leave, their effects and their settings stand beside each other.
     """
-    record = comparison_record(*(values_of(read_json(file), file) for file in (first, second)))
+    record = comparison_record(*(values_of_record(read_json(file), file) for file in (first, second)))
     if page_of(report):
         from symid.report.pages.comparison_page import (
             write_comparison_html,

@@ -4,6 +4,6 @@ Importing this package needs no sympy; `symid.codegen.generate` does.
 """
 
 from symid.codegen.model import GeneratedModel
-from symid.codegen.store import as_generated, delays_of, load_generated, model_of, passed_over
+from symid.codegen.store import as_generated, declared_delays, load_generated, model_of, passed_over
 
-__all__ = ["GeneratedModel", "as_generated", "delays_of", "load_generated", "model_of", "passed_over"]
+__all__ = ["GeneratedModel", "as_generated", "declared_delays", "load_generated", "model_of", "passed_over"]

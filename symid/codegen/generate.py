@@ -15,7 +15,7 @@ from symid.codegen.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
     compile_module,
-    delays_of,
+    declared_delays,
     generated_folder,
     module_name,
     orphans,
@@ -117,4 +117,6 @@ def compiled(model: DerivedModel) -> GeneratedModel:
     ('F',)
     """
     found = compile_module(module_text(model), module_name(model.axis.name, model.measured))
-    return replace(found, delays=delays_of(model.axis, model.measured), passed_over=passed_over(model.axis))
+    return replace(
+        found, delays=declared_delays(model.axis, model.measured), passed_over=passed_over(model.axis)
+    )

@@ -232,7 +232,7 @@ def stored_module(
     declared = axis if isinstance(axis, Axis) else load_axis(axis)
     sensors = declared.measured(None if measured is None else tuple(measured))
     signals = tuple(sensor.signal for sensor in sensors)
-    late, missed = tuple(delays_of(declared, signals).items()), passed_over(declared)
+    late, missed = tuple(declared_delays(declared, signals).items()), passed_over(declared)
     module = f"{module_name(declared.name, signals)}.py"
     if folder is None and (text := DERIVED.get((declared.signature, declared.name, signals))):
         return StoredModule(module, text, declared.signature, late, missed, "derive it again")
@@ -244,7 +244,7 @@ def stored_module(
     return StoredModule(path.name, _text(path), declared.signature, late, missed, cure)
 
 
-def delays_of(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, float]:
+def declared_delays(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, float]:
     """Declared delays in seconds: of late sensors positive, of forces that act late negative.
 
     Parameters
@@ -256,7 +256,7 @@ def delays_of(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, fl
 
     Examples
     --------
-    >>> delays_of(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3)))
+    >>> declared_delays(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3)))
     {'F': -0.003}
     """
     sensors = axis.sensors if measured is None else axis.measured(tuple(measured))

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.clock import place_of
+from symid.data.clock import time_and_row
 from symid.text import counted
 
 _LARGEST: Final = 1e15  # in SI: beyond it a number is damaged
@@ -62,13 +62,13 @@ def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: 
         if bad.size:
             faults.append(
                 f"{name!r} has {counted(bad.size, 'value')} empty or not finite, the first at "
-                f"{place_of(time, bad[0], before)}: repair or cut out those rows"
+                f"{time_and_row(time, bad[0], before)}: repair or cut out those rows"
             )
             continue
         largest = int(np.argmax(np.abs(x)))
         if abs(x[largest]) > _LARGEST:
             faults.append(
-                f"{name!r} has a value of {x[largest]:.3g} at {place_of(time, largest, before)}, "
+                f"{name!r} has a value of {x[largest]:.3g} at {time_and_row(time, largest, before)}, "
                 "which no sensor measures: repair or cut out such rows"
             )
     return tuple(faults)
@@ -103,7 +103,7 @@ def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: i
             first = jumps[0]
             more = f", and {counted(len(jumps) - 1, 'time')} more" if len(jumps) > 1 else ""
             faults.append(
-                f"{name!r} jumps by {x[first] - x[first - 1]:.3g} at {place_of(time, first, before)}{more}: "
+                f"{name!r} jumps by {x[first] - x[first - 1]:.3g} at {time_and_row(time, first, before)}{more}: "
                 "split the log there, or repair the channel"
             )
     return tuple(faults)

@@ -129,7 +129,7 @@ def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: i
     if rate.change is not None:
         faults.append(
             f"t changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
-            f"{place_of(time, rate.change, before)}: split the log there, or give `resample=own`"
+            f"{time_and_row(time, rate.change, before)}: split the log there, or give `resample=own`"
         )
     late, wide = _lateness(intervals, rate, step)
     faults += _gaps(time, intervals, wide, rate, before)
@@ -204,10 +204,10 @@ def written_step(time: FloatArray) -> float:
     return float(np.spacing(largest))
 
 
-def place_of(time: FloatArray, sample: int, before: int = 0) -> str:
+def time_and_row(time: FloatArray, sample: int, before: int = 0) -> str:
     """Time and row of a sample in messages; `before` counts the rows before the first of these times.
 
-    >>> place_of(np.array([0.0, 0.5]), 1, before=10)
+    >>> time_and_row(np.array([0.0, 0.5]), 1, before=10)
     't = 0.5 s (row 12)'
     """
     return f"t = {time[sample]:.7g} s (row {before + sample + 1})"
@@ -221,7 +221,7 @@ def _not_forward(time: FloatArray, intervals: FloatArray, before: int) -> list[s
         if where.size:
             faults.append(
                 f"t has {counted(where.size, *words)}, the first at "
-                f"{place_of(time, where[0] + 1, before)}: remove those rows or split the log there"
+                f"{time_and_row(time, where[0] + 1, before)}: remove those rows or split the log there"
             )
     return faults
 
@@ -286,7 +286,7 @@ def _gaps(
     first = where[0]
     period = rate.before if rate.change is None or first < rate.change else rate.after
     return [
-        f"t has {counted(where.size, 'gap')}, the first after {place_of(time, first, before)}, "
+        f"t has {counted(where.size, 'gap')}, the first after {time_and_row(time, first, before)}, "
         f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there, or give `resample=own`"
     ]
 

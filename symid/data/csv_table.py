@@ -15,7 +15,15 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.layout import Layout, fields, first_lines, is_number, layout_of_text, lines_of, uncommented
+from symid.data.layout import (
+    Layout,
+    fields,
+    first_lines,
+    is_number_text,
+    layout_of_text,
+    lines_of,
+    uncommented,
+)
 from symid.data.memory import free_memory
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, parsing, source_of, values_of
 from symid.data.time_stamps import is_stamp, seconds_of_stamps
@@ -34,7 +42,7 @@ def open_csv(path: Path) -> Table:
     headers = tuple(text.strip() for text in _fields(uncommented(first), separator))
     if not any(headers):
         raise LogError(f"{path}: the first line is empty: it must hold the names of the columns")
-    if all(is_number(text, comma=True) for text in headers):
+    if all(is_number_text(text, comma=True) for text in headers):
         raise LogError(
             f"{path}: the first line holds numbers: it must hold the names of the columns, or let symid import look"
         )

@@ -202,10 +202,10 @@ def _numbers(line: str, separator: str) -> int:
     if texts and not texts[-1]:
         texts.pop()  # a separator at the end of the line
     comma = separator != ","
-    return len(texts) if texts and all(is_number(text, comma=comma) for text in texts) else 0
+    return len(texts) if texts and all(is_number_text(text, comma=comma) for text in texts) else 0
 
 
-def is_number(text: str, *, comma: bool) -> bool:
+def is_number_text(text: str, *, comma: bool) -> bool:
     """Whether a field holds a number or a moment, or nothing."""
     try:
         float(text.replace(",", ".") if comma else text)
@@ -231,7 +231,7 @@ def _header(above: Sequence[str], separator: str, width: int) -> int | None:
             or (separator == " " and len(texts) > width)
             or not filled
             or _numbers(above[place], separator)
-            or (nearest is not None and any(is_number(text, comma=separator != ",") for text in filled))
+            or (nearest is not None and any(is_number_text(text, comma=separator != ",") for text in filled))
         ):
             break
         if len(filled) >= width - 1 or nearest is None:

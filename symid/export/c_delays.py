@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from symid.export.c_motion import force_parameters, in_steps, lines, sent_forces
+from symid.export.c_motion import force_parameters, lines, quantised, sent_forces
 from symid.export.dynamics import SymbolicDynamics
 
 SHORTEST_STEP = 5e-6
@@ -95,7 +95,7 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) ->
         read.append(f"note(way, {lane}, way->now, y[{i}]);")
         read.append(f"y[{i}] = noted(way, {lane}, way->now - {sensor.delay!r});  /* {sensor.signal} */")
         if sensor.resolution:
-            read.append(in_steps(f"y[{i}]", sensor.resolution))
+            read.append(quantised(f"y[{i}]", sensor.resolution))
     words = {
         "name": axis.name,
         "forces": force_parameters(axis),

@@ -143,13 +143,13 @@ def readings(dynamics: SymbolicDynamics) -> str:
         if (law := misread(dynamics.axis, signal)) is not None:
             found.append(f"y[{i}] = {c_code(law.xreplace({READING: sp.Symbol(f'y[{i}]')}))};")
         if steps[signal]:
-            found.append(in_steps(f"y[{i}]", steps[signal]))
+            found.append(quantised(f"y[{i}]", steps[signal]))
     orders = {k for reading in dynamics.sensors.values() for k in range(3) if any(reading.motion.row(k))}
     unused = [*([] if orders & {0, 1} else ["(void)x;"]), *([] if 2 in orders else ["(void)dx;"])]
     return lines([*unused, *found])
 
 
-def in_steps(name: str, step: float) -> str:
+def quantised(name: str, step: float) -> str:
     """Statement that rounds a variable to a resolution."""
     return f"{name} = {float(step)!r}*nearbyint({name}/{float(step)!r});"
 

@@ -24,7 +24,7 @@ from symid.fleet.result_table import (
     parameter_columns,
     read_rows,
     result_files,
-    table_of,
+    result_frame,
     units_of,
     write_table,
 )
@@ -88,7 +88,7 @@ class Batch(Shown):
     @cached_property
     def table(self) -> pl.DataFrame:
         """The rows as the table that is written to files."""
-        return table_of(self.rows, parameter_columns(self.units), self.diagnosed, self.joint)
+        return result_frame(self.rows, parameter_columns(self.units), self.diagnosed, self.joint)
 
     @property
     def headline(self) -> str:

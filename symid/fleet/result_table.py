@@ -19,14 +19,14 @@ SUFFIXES = (".parquet", ".csv")
 _TYPES = {str: pl.String(), int: pl.Int64(), float: pl.Float64()}
 
 
-def table_of(
+def result_frame(
     rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool, joint: bool = False
 ) -> pl.DataFrame:
     """Rows, one per log, as a table with columns of parameters; missing values are null.
 
     Columns of a diagnosis and of triangular factors for a joint estimate are optional.
 
-    >>> table_of([{"log": "a.csv", "M": 5.0}], ["M"], False).select("log", "M", "status").row(0)
+    >>> result_frame([{"log": "a.csv", "M": 5.0}], ["M"], False).select("log", "M", "status").row(0)
     ('a.csv', 5.0, None)
     """
     kinds = {**BEFORE, **dict.fromkeys(parameters, float), **AFTER, **(DIAGNOSIS if diagnosed else {})}

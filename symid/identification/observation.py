@@ -31,7 +31,7 @@ from symid.identification.sampling import (
     linear_part,
     low_pass_of,
     sample_into,
-    sampled,
+    sampled_rows,
     sampling_of,
 )
 from symid.identification.scheme import Scheme
@@ -116,7 +116,7 @@ def observe(
         If a setting is not possible for this log.
     """
     chosen = completed(preparation, log, model)
-    before, after = ends_of(chosen, log.n_samples)
+    before, after = trimmed_ends(chosen, log.n_samples)
     sampling = sampling_of(
         model, log, chosen, scheme or Scheme(chosen.difference_order, chosen.widening or 1.0)
     )
@@ -156,7 +156,7 @@ def without_levels(model: GeneratedModel, seen: Observation, levels: tuple[float
     return replace(seen, preparation=replace(seen.preparation, coulomb=levels), with_friction=None)
 
 
-def ends_of(chosen: Preparation, n_samples: int) -> tuple[int, int]:
+def trimmed_ends(chosen: Preparation, n_samples: int) -> tuple[int, int]:
     """Samples trimmed at the beginning and at the end; SettingError if that leaves none."""
     before, after = chosen.trim or (0, 0)
     if before + after >= n_samples:
@@ -246,7 +246,7 @@ class SignalRows:
         return self._splines[name].earlier(late / self.sampling.period)
 
     def _rows(self, signals: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
-        moved, y = sampled(replace(self.sampling, signals=signals))
+        moved, y = sampled_rows(replace(self.sampling, signals=signals))
         W = np.zeros((*y.shape, self.n_columns))
         W[..., self.columns] = moved.transpose(0, 2, 1)
         return W, y

@@ -29,10 +29,10 @@ from symid.estimation import ObservationBlock, TriangularFactor
 from symid.identification.excerpts import block_of
 from symid.identification.observation import (
     Observation,
-    ends_of,
     highest_speeds,
     observe,
     reaches,
+    trimmed_ends,
     without_levels,
 )
 from symid.identification.settings import Preparation, completed
@@ -162,7 +162,7 @@ class _Blocks:
 
 def _settled(model: GeneratedModel, log: LongLog, given: Preparation) -> _Blocks:
     chosen = completed(given, log, model)
-    before, after = ends_of(chosen, log.n_samples)
+    before, after = trimmed_ends(chosen, log.n_samples)
     factor = chosen.decimation or 1
     layout = _Layout(before, after, factor, log.n_samples, *reaches(model, chosen, log.sampling_period))
     speeds = None

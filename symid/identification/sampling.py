@@ -191,7 +191,7 @@ def linear_part(model: GeneratedModel, columns: tuple[int, ...] | None = None) -
     )
 
 
-def sampled(sampling: Sampling) -> tuple[FloatArray, FloatArray]:
+def sampled_rows(sampling: Sampling) -> tuple[FloatArray, FloatArray]:
     """W of shape (n_equations, n_parameters, n_rows), and y."""
     shape = (len(sampling.model.output_names), len(sampling.model.minimal_units), sampling.n_rows)
     W, y = np.empty(shape), np.empty((shape[0], shape[2]))

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.codegen import GeneratedModel, as_generated, delays_of
+from symid.codegen import GeneratedModel, as_generated, declared_delays
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import (
@@ -200,7 +200,7 @@ def _instruments(
     rows = []
     for log, seen in zip(logs, first.observations, strict=True):
         # The simulation records forces as commanded at each sample. They act half a hold later on average.
-        late = dict.fromkeys(model.delays, 0.0) | delays_of(loop.axis)
+        late = dict.fromkeys(model.delays, 0.0) | declared_delays(loop.axis)
         late |= {force: late.get(force, 0.0) - loop.held_for(log) / 2 for force in model.forces}
         rows.append(observe(model, loop.run(parameters, log), replace(seen.preparation, late=late)).W)
     return tuple(rows)

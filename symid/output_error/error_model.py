@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from symid.codegen import GeneratedModel, delays_of
+from symid.codegen import GeneratedModel, declared_delays
 from symid.data import Log, QuinticSpline
 from symid.errors import SettingError
 from symid.identification import Preparation
@@ -42,7 +42,7 @@ class ErrorModel:
         LogError or SettingError if the log does not have a signal, or if forces of several drives are late by
         different times.
         """
-        simulated = delays_of(self.loop.axis) if self.loop else {}
+        simulated = declared_delays(self.loop.axis) if self.loop else {}
         late_readings = {
             sensor.signal: seconds
             for sensor in self.dynamics.axis.sensors

@@ -31,7 +31,7 @@ class Minimum:
         return float(self.residual @ self.residual)
 
 
-def minimise(
+def levenberg_marquardt(
     residual: Callable[[FloatArray], FloatArray],
     start: FloatArray,
     steps: FloatArray,
@@ -46,7 +46,7 @@ def minimise(
     central differences; no argument moves further than `longest` in one iteration. The iterations end where the sum of
     squares falls by less than `tolerance`, relatively.
 
-    >>> found = minimise(lambda x: np.array([x[0] - 3, x[0] * x[1] - 6]), np.ones(2), np.full(2, 1e-6))
+    >>> found = levenberg_marquardt(lambda x: np.array([x[0] - 3, x[0] * x[1] - 6]), np.ones(2), np.full(2, 1e-6))
     >>> found.x.round(6).tolist()
     [3.0, 2.0]
     """

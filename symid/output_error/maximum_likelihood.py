@@ -8,7 +8,7 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from symid.axis import Axis
-from symid.codegen import GeneratedModel, delays_of, passed_over
+from symid.codegen import GeneratedModel, declared_delays, passed_over
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
@@ -83,7 +83,7 @@ def identify_output_error(
     if not runs:
         raise SettingError("there is no log: give at least one")
     chosen = preparation or Preparation()
-    delays = delays_of(axis)
+    delays = declared_delays(axis)
     prepared = Preparation(late=delays | dict(chosen.late), held=chosen.held, standstill=chosen.standstill)
     if loop is not None:
         for log in runs:

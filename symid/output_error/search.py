@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.errors import SymidError
-from symid.output_error.levenberg_marquardt import Minimum, central_slope, minimise
+from symid.output_error.levenberg_marquardt import Minimum, central_slope, levenberg_marquardt
 from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.simulation import ForwardDynamics
 
@@ -136,7 +136,7 @@ class Search:
 
     def improved(self, iterations: int = 60) -> Search:
         """The search after more iterations."""
-        found = minimise(
+        found = levenberg_marquardt(
             self.residual, self.x, self._steps(), longest=self._longest_moves(), iterations=iterations
         )
         return replace(self, x=found.x, minimum=found)

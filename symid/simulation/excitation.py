@@ -17,7 +17,7 @@ from symid.data import REFERENCE, Log, derivatives
 from symid.errors import SettingError
 from symid.simulation.limits import Limits
 from symid.simulation.multisine import DERIVATIVE_ORDER, Quantity
-from symid.simulation.sample_grid import envelope, intervals, positive
+from symid.simulation.sample_grid import fade_envelope, intervals, positive
 from symid.simulation.trajectory import Trajectory
 
 Sweep = Literal["linear", "logarithmic"]
@@ -92,7 +92,7 @@ rad/s: multiply the amplitude by at most 0.8696
         )
     time = sampling_period * np.arange(count + 1, dtype=np.float64)
     phase, *omega = _phase(f0, f1, time, count * sampling_period, sweep)
-    window = envelope(count, n_fade, sampling_period)
+    window = fade_envelope(count, n_fade, sampling_period)
     g, slope, curvature = _scaled(window, omega, DERIVATIVE_ORDER[quantity], size)
     # Position g(t) sin(phi(t)) and its derivatives, g being the amplitude of the position and phi' = omega.
     sine, cosine = np.sin(phase), np.cos(phase)

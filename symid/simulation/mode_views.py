@@ -5,7 +5,7 @@ from symid.simulation.loop_numbers import ModeNumbers
 
 
 @inner
-def numbers_of(modes, m):  # type: ignore[no-untyped-def]  # compiled for arrays
+def numbers_of_mode(modes, m):  # type: ignore[no-untyped-def]  # compiled for arrays
     """Numbers of mode m of a table, as `ModeNumbers`; they share its memory."""
     n_stuck, n_sliding, n_varying = modes.counts[m]
     n, n_drives = modes.drives.shape

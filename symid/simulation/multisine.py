@@ -13,7 +13,7 @@ import numpy.typing as npt
 from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
 from symid.simulation.limits import Limits
-from symid.simulation.sample_grid import MOST_SAMPLES, envelope, intervals, positive
+from symid.simulation.sample_grid import MOST_SAMPLES, fade_envelope, intervals, positive
 from symid.simulation.trajectory import Trajectory
 
 Quantity = Literal["position", "velocity", "acceleration"]
@@ -304,5 +304,5 @@ def _faded(waves: FloatArray, n_steady: int, n_fade: int, sampling_period: float
     if not n_fade:
         return np.stack([x, v, a])
     # x w and its derivatives by the product rule: velocity and acceleration stay exact derivatives in the fades.
-    w, slope, curvature = envelope(count - 1, n_fade, sampling_period)
+    w, slope, curvature = fade_envelope(count - 1, n_fade, sampling_period)
     return np.stack([w * x, w * v + slope * x, w * a + 2.0 * slope * v + curvature * x])

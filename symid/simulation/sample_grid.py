@@ -46,7 +46,7 @@ def intervals(seconds: float, sampling_period: float, what: str) -> int:
     return math.ceil(ratio - _WHOLE * max(1.0, ratio * 1e-3))
 
 
-def envelope(
+def fade_envelope(
     n_intervals: int, n_fade: int, sampling_period: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Envelope that rises from 0 to 1 and falls to 0 again, with its first and second time derivatives.
@@ -54,7 +54,7 @@ def envelope(
     The flanks, of `n_fade` of all `n_intervals`, are polynomials of degree 7 whose first three derivatives vanish at
     both ends: a faded motion begins and ends with zero velocity, acceleration and jerk.
 
-    >>> value, slope, curvature = envelope(8, 4, 0.5)
+    >>> value, slope, curvature = fade_envelope(8, 4, 0.5)
     >>> value.tolist()[:5], slope.tolist()[2], curvature.tolist()[2]
     ([0.0, 0.070556640625, 0.5, 0.929443359375, 1.0], 1.09375, 0.0)
     """

@@ -9,7 +9,7 @@ import numpy as np
 from symid.jit import compiled, inner
 from symid.simulation.evaluation import built_up
 from symid.simulation.law_values import law_value, program_value, slide
-from symid.simulation.mode_views import numbers_of
+from symid.simulation.mode_views import numbers_of_mode
 from symid.simulation.plant import JUST_MOVING
 from symid.simulation.stick_slip import UNKNOWN, acceleration, pass_events
 
@@ -27,7 +27,7 @@ def advance(begin, end, ask, law, given, channels, laws, modes, current, record,
     """
     k = begin
     while True:
-        mode = numbers_of(modes, current[0])
+        mode = numbers_of_mode(modes, current[0])
         _limit(record.states[k], laws, mode)
         made, goes_on = _in_mode(k, end, ask, law, given, channels, laws, mode, record, memory, after)
         k += made

@@ -14,7 +14,7 @@ from symid.diagnosis import diagnose, diagnose_against
 from symid.diagnosis.effects import effects_of
 from symid.diagnosis.fitting.fit import Fit, fitted_on
 from symid.diagnosis.fitting.state import evaluated
-from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_of
+from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_with_effects
 from symid.diagnosis.in_motion.replayed import fastest, simulated_positions
 from symid.errors import SettingError
 from symid.report.tables.diagnosis import diagnosis_record
@@ -97,7 +97,7 @@ def test_what_was_found_is_fitted_on_until_nothing_falls(found) -> None:
     begun = Fit(evaluated(fit.state, fit.weighting, off, fit.state.placed), fit.weighting)
     after = fitted_on(begun)
     assert after.mean_square < 0.5 * begun.mean_square
-    written = axis_of(after.state)
+    written = axis_with_effects(after.state)
     for name, value in RIGID.items():
         assert next(v for n, v in written.values.items() if n.endswith(name)) == pytest.approx(
             value, rel=2e-3

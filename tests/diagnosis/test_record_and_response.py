@@ -21,7 +21,7 @@ from symid import (
 from symid.diagnosis.effects import ActuatorLagEffect, EncoderRippleEffect, Placed, effects_of
 from symid.diagnosis.effects.forces import FlexibleModeEffect
 from symid.diagnosis.effects.friction_effects import LoadDependentFrictionEffect, dahl_state
-from symid.diagnosis.fitting.sensitivity import derivatives, parameter_columns
+from symid.diagnosis.fitting.sensitivity import parameter_columns, prediction_jacobian
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.prediction import prediction_of
@@ -242,7 +242,7 @@ def test_dahl_state_is_an_exponential_between_reversals() -> None:
 def test_derivatives_by_amplitude_and_shape_are_finite_differences() -> None:
     state, _ = first_state(record_of(forward_dynamics(load_axis("rigid_1m")), rigid_log(seconds=4.0)), RIGID)
     placed = Placed(effects_of(StribeckFriction)[0], "motor", (0.05,), (20.0,))
-    columns = derivatives(replace(state, placed=(placed,)))[-2:]
+    columns = prediction_jacobian(replace(state, placed=(placed,)))[-2:]
     for column, low, high, step in (
         (columns[0], replace(placed, amplitudes=(19.0,)), replace(placed, amplitudes=(21.0,)), 2.0),
         (columns[1], replace(placed, shape=(0.0499,)), replace(placed, shape=(0.0501,)), 0.0002),
@@ -261,7 +261,7 @@ def test_a_lag_passes_on_the_ripple_of_the_encoder() -> None:
         return state.prediction.record.measured - with_effects(state, weighting, placed).errors
 
     assert np.allclose(outputs(lag, ripple), (1 + 0.002j * omega) * outputs(ripple))
-    columns = derivatives(with_effects(state, weighting, (lag, ripple)))
+    columns = prediction_jacobian(with_effects(state, weighting, (lag, ripple)))
     for at, (moved, step) in enumerate(
         [
             ((replace(lag, amplitudes=(0.0021,)), ripple), 1e-4),

@@ -13,7 +13,7 @@ from symid import Log, load_axis
 from symid.axis import ActuatorDelay, Between, Body, PayloadChange, Spring
 from symid.diagnosis import LIBRARY, Diagnosis, diagnose, explained_axis
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.in_motion.declared import axis_of
+from symid.diagnosis.in_motion.declared import axis_with_effects
 from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
 from symid.units import Unit
 
@@ -102,7 +102,7 @@ def test_effects_of_a_joint_that_share_a_name_are_written_apart() -> None:
         next(e for e in LIBRARY if e.amplitudes == names) for names in (("dFs", "dFv"), ("dFs", "dFc"))
     )
     pair = Placed(asymmetry, "motor", (), (3.0, 1.0)), Placed(waves, "motor", (0.1,), (4.0, 5.0))
-    written = axis_of(replace(found.search[0].before.state, placed=pair))
+    written = axis_with_effects(replace(found.search[0].before.state, placed=pair))
     added = {name: value for name, value in written.values.items() if name not in RIGID}
     assert sorted(added.values()) == [1.0, 3.0, 4.0, 5.0]
 

@@ -17,7 +17,7 @@ from symid.report.pages.comparison_page import write_comparison_html
 from symid.report.pages.diagnosis_page import write_html
 from symid.report.pages.fleet_page import write_fleet_html
 from symid.report.pages.identification_page import write_identification_html
-from symid.report.tables.result_comparison import comparison_record, values_of
+from symid.report.tables.result_comparison import comparison_record, values_of_record
 
 pytestmark = pytest.mark.browser
 
@@ -37,7 +37,8 @@ def identification_page(file: Path) -> None:
 
 def comparison_page(file: Path) -> None:
     values = (
-        values_of({"M": {"value": m, "std": 0.1}, "Fv": {"value": 1.0, "std": 0.3}}, f"{m}") for m in (4, 5)
+        values_of_record({"M": {"value": m, "std": 0.1}, "Fv": {"value": 1.0, "std": 0.3}}, f"{m}")
+        for m in (4, 5)
     )
     write_comparison_html(comparison_record(*values), file)
 

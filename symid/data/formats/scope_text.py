@@ -16,7 +16,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.csv_table import open_laid_out
 from symid.data.formats.channels import Channel, table_of_channels
-from symid.data.layout import Layout, encoding_of, fields, has_decimal_comma, is_number, lines_of
+from symid.data.layout import Layout, encoding_of, fields, has_decimal_comma, is_number_text, lines_of
 from symid.data.table import Table
 from symid.errors import LogError
 
@@ -75,7 +75,7 @@ def _begin(path: Path, rows: Sequence[Sequence[str]], separator: str) -> int:
     """The first row of values: each of its fields is a number or empty, and so are those of all rows below."""
 
     def is_value(text: str) -> bool:
-        return is_number(text, comma=separator != ",")
+        return is_number_text(text, comma=separator != ",")
 
     while rows and rows[-1] in ([_END], []):
         rows = rows[:-1]
@@ -128,7 +128,7 @@ def _seconds(time: FloatArray, stated: str) -> FloatArray:
 
     Full stamps count from the first: 64 bit hold those of today to some us, which the sample time makes exact.
     """
-    if time.size < 2 or not stated or not is_number(stated, comma=True):
+    if time.size < 2 or not stated or not is_number_text(stated, comma=True):
         return 1e-3 * time
     step = 1e-3 * float(stated.replace(",", "."))
     ratio = step / float(np.median(np.diff(time)))

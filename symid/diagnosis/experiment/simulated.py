@@ -18,7 +18,7 @@ import scipy
 from symid.axis import Axis
 from symid.diagnosis.experiment.discrimination import Rivals, Separation, separation, shares_of
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.in_motion.declared import axis_of
+from symid.diagnosis.in_motion.declared import axis_with_effects
 from symid.diagnosis.in_motion.replayed import Part, driver_of, without_noise
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.errors import SettingError
@@ -103,7 +103,7 @@ def simulated_experiment(rivals: Rivals, trajectory: Trajectory, seed: int = 0) 
 
 def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None) -> tuple[Record, Simulation]:
     """Readings and motion of the axis of a model; without a seed, readings are noiseless."""
-    like, explained = rivals.record, axis_of(model)
+    like, explained = rivals.record, axis_with_effects(model)
     if explained.left_out:
         raise SettingError("; ".join(explained.left_out))
     axis = without_noise(explained.axis) if seed is None else _with_noise(explained.axis, like)

@@ -12,7 +12,7 @@ import numpy as np
 from symid.data import Log
 from symid.diagnosis.effects import declared_effects, effects_of_element, with_parts
 from symid.diagnosis.findings.comparison import Comparison
-from symid.diagnosis.findings.curves import signals_of, spectrum_of, weighted_of
+from symid.diagnosis.findings.curves import signal_curves, spectrum_of, weighted_of
 from symid.diagnosis.findings.diagnosis_result import Diagnosis, DriveError
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.found_effects import Alternative, EffectParameter, FoundEffect, ParameterChange
@@ -78,7 +78,7 @@ def concluded(
         faults=faults,
         assumptions=_assumptions(comparison, gaps[0], logs[1]),
         next_experiment=next_experiment(verdict, effects, alternatives, undetermined),
-        signals=signals_of(comparison),
+        signals=signal_curves(comparison),
         spectrum=spectrum_of(comparison),
         weighted=weighted_of(comparison),
         drives=_drives(comparison) if comparison.record.n_drives > 1 else (),
@@ -95,7 +95,7 @@ def _gaps(comparison: Comparison) -> tuple[Gap, ...]:
 def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
     """The force error of each drive."""
     return tuple(
-        DriveError(own.gap(), signals_of(own), spectrum_of(own), weighted_of(own))
+        DriveError(own.gap(), signal_curves(own), spectrum_of(own), weighted_of(own))
         for own in comparison.of_drives
     )
 

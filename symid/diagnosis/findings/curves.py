@@ -15,7 +15,7 @@ _MEMORY = 64
 """Lags up to which the memory of the weighted noise is kept."""
 
 
-def signals_of(comparison: Comparison) -> Signals:
+def signal_curves(comparison: Comparison) -> Signals:
     """Forces of a drive in the band of the gap: measured, and of the models."""
     record, inside = comparison.record, comparison.record.rows_in_log
     measured = record.rows(comparison.measured * record.taper)[inside]

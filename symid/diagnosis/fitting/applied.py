@@ -10,7 +10,7 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.fit import ITERATIONS, fitted, solved
-from symid.diagnosis.fitting.sensitivity import derivatives
+from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, first_state, leveled, with_effects
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting, with_restarts
@@ -61,7 +61,7 @@ def errors_of(state: State, weighting: Weighting) -> FloatArray:
     error = weighting.known(state.rows, state.beginning)
     of_log = _belongs_to_log(state)
     if of_log.any():
-        columns = weighting.known(weighting.rows(derivatives(state)[of_log]), state.beginning)
+        columns = weighting.known(weighting.rows(prediction_jacobian(state)[of_log]), state.beginning)
         error = error - columns.T @ solved(columns.T, error)
     rows = np.full(state.rows.shape, np.nan)
     rows[:, weighting.kept] = error.reshape(len(rows), -1)

@@ -94,7 +94,7 @@ class Blocks:
         return np.asarray(inverse @ meat @ inverse / np.outer(self.scale, self.scale))
 
 
-def blocks_of(state: State, weighting: Weighting, columns: FloatArray) -> Blocks:
+def cross_validation_blocks(state: State, weighting: Weighting, columns: FloatArray) -> Blocks:
     """A fitted model in blocks of equal length.
 
     `columns` are weighted derivatives of the prediction by its values, of shape (n_columns, n_outputs, n_rows).

@@ -13,8 +13,8 @@ from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Axis, Spring
 from symid.diagnosis.effects import Key, Placed
 from symid.diagnosis.fitting.bounds import beyond_bounds, moved_to_bounds
-from symid.diagnosis.fitting.cross_validation import Blocks, blocks_of, log_likelihood
-from symid.diagnosis.fitting.sensitivity import derivatives
+from symid.diagnosis.fitting.cross_validation import Blocks, cross_validation_blocks, log_likelihood
+from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated, leveled
 from symid.diagnosis.prediction.weighting import Weighting, with_restarts
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -66,7 +66,7 @@ class Fit:
     @cached_property
     def spectra(self) -> ComplexArray:
         """Derivatives of the prediction by parameters and effects' values, of shape (n_columns, n_outputs, n_bins)."""
-        return derivatives(self.state)
+        return prediction_jacobian(self.state)
 
     @cached_property
     def columns(self) -> FloatArray:
@@ -101,7 +101,7 @@ class Fit:
     @cached_property
     def blocks(self) -> Blocks:
         """The model block by block, for cross-validation."""
-        return blocks_of(self.state, self.weighting, self.columns)
+        return cross_validation_blocks(self.state, self.weighting, self.columns)
 
     @property
     def n_rows(self) -> float:

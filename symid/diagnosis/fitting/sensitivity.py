@@ -19,7 +19,7 @@ _INTEGRATED_STEP = 1e-3
 """Relative step where dry friction holds a body at times: the moments of release move in whole time steps."""
 
 
-def derivatives(state: State) -> ComplexArray:
+def prediction_jacobian(state: State) -> ComplexArray:
     """Derivatives of the prediction by physical parameters and the effects' values, (n_columns, n_outputs, n_bins)."""
     if state.prediction.integrated_terms or any(item.integrated for item in state.placed):
         return _by_differences(state)

@@ -71,7 +71,7 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     """
     if found.model is None:
         raise SettingError("nothing was fitted: the axis stays as it is declared")
-    explained = _as_sensed(axis_of(found.model), found.axis)
+    explained = _as_sensed(axis_with_effects(found.model), found.axis)
     if not found.effects:
         return explained
     if explained.axis == found.axis.without(*found.axis.imperfections):
@@ -117,7 +117,7 @@ def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
     )
 
 
-def axis_of(state: State) -> ExplainedAxis:
+def axis_with_effects(state: State) -> ExplainedAxis:
     """The axis of a model with its effects as elements, and the values of its parameters.
 
     The effects include declared imperfections, with identified values.

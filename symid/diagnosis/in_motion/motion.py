@@ -15,7 +15,7 @@ from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.gap import MotionError, SimulatedMotion
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_of
+from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_with_effects
 from symid.diagnosis.in_motion.replayed import (
     Driver,
     Part,
@@ -153,7 +153,7 @@ def motion_next_to(
 
 def _errors(state: State, logs: Sequence[Sequence[Part]], drivers: Sequence[Driver]) -> list[MotionError]:
     """How the axis of a model moves next to each drive."""
-    return errors_of_axis(lambda: axis_of(state), logs, drivers)
+    return errors_of_axis(lambda: axis_with_effects(state), logs, drivers)
 
 
 def errors_of_axis(

@@ -219,7 +219,9 @@ def _stepped(
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
     """States and forces at points in an order; neighbours are `stride` points of the fine grid apart."""
-    from symid.diagnosis.prediction.hidden_steps import steps  # numba takes 0.3 s, and most axes need none
+    from symid.diagnosis.prediction.hidden_steps import (
+        integrate_steps,  # numba takes 0.3 s, and most axes need none
+    )
 
     programs, own = [law.program for law in laws], len(ARGUMENTS)
     arguments = np.zeros((len(laws), own + max(len(law.values) for law in laws)))
@@ -243,7 +245,7 @@ def _stepped(
         arguments,
         np.zeros(max(p.depth for p in programs)),
     )
-    states, forces = steps(equation, driven, in_joints, order)
+    states, forces = integrate_steps(equation, driven, in_joints, order)
     for force, law in zip(forces, laws, strict=True):
         if law.dry:
             force[:] = (force + np.append(force[1:], 0.0)) / 2

@@ -7,7 +7,7 @@ from symid.simulation.evaluation import built_up, evaluate
 
 
 @compiled
-def steps(equation, driven, laws, order):  # type: ignore[no-untyped-def]  # compiled for records
+def integrate_steps(equation, driven, laws, order):  # type: ignore[no-untyped-def]  # compiled for records
     """Hidden coordinate, of shape (n,), and forces of laws, (n_laws, n), at points in an order.
 
     Smooth forces follow Heun's rule; dry friction is constant over each step.

@@ -224,7 +224,7 @@ def _is_clearly_better(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     """
     least = max(THRESHOLDS.least_penalised_gain, deviation(own.squares, best.squares, own.fit.n_rows))
     if best.placed.contains(own.key):
-        if best.odds > own.odds:
+        if best.log_prior_odds > own.log_prior_odds:
             return True
         least = max(least, THRESHOLDS.refined * own.penalised_gain)
     return best.penalised_gain - own.penalised_gain > least
@@ -286,4 +286,9 @@ def _in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> Selectio
     screened = tuple(
         replace(candidate, gain=found.gain + candidate.gain - best.gain) for candidate in step.screened
     )
-    return SelectionStep(before.released(), (replace(found, odds=best.odds), *behind), screened, step.refused)
+    return SelectionStep(
+        before.released(),
+        (replace(found, log_prior_odds=best.log_prior_odds), *behind),
+        screened,
+        step.refused,
+    )

@@ -59,8 +59,8 @@ def _judged(fit: Fit, found: Fit, beside: Sequence[Placed]) -> Confirmed | None:
     own, before = blocks.squares, fit.blocks.squares
     grown = (own.sum(axis=1) > THRESHOLDS.spoiled * before.sum(axis=1)) & (found.squares > THRESHOLDS.spoiled)
     gain = log_likelihood(own, n) - log_likelihood(before, n)
-    certain, odds = certainty(before, own, n), prior(found.state, fit.nominal)
-    return Confirmed(found.released(), gain, certain, own, odds, spoils=bool(grown.any()))
+    certain, log_prior_odds = certainty(before, own, n), prior(found.state, fit.nominal)
+    return Confirmed(found.released(), gain, certain, own, log_prior_odds, spoils=bool(grown.any()))
 
 
 def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
@@ -94,7 +94,7 @@ def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
     doubt = temperature(best.penalised_gain) + THRESHOLDS.doubt * deviation(
         best.squares, own.squares, before.n_rows
     )
-    return own.odds - best.odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
+    return own.log_prior_odds - best.log_prior_odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
 
 
 def _is_certain(fit: Fit) -> bool:

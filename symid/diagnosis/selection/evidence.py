@@ -59,7 +59,7 @@ def _of_candidates(step: SelectionStep) -> dict[Key, float]:
         return {}
     best = max(gains.values())
     doubt = _doubts(step)
-    likelier = {c.key: c.odds for c in step.confirmed}
+    likelier = {c.key: c.log_prior_odds for c in step.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
         + THRESHOLDS.driven_bonus * (key[1] in driven)

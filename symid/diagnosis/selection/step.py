@@ -25,7 +25,7 @@ class Confirmed:
     gain: float  # of the cross-validated log-likelihood over the model without it
     certainty: float  # probability that it predicts blocks left out better than the model without it
     squares: FloatArray  # shape (n_outputs, n_blocks): sum of squared errors of each block when left out
-    odds: float = 0.0  # logarithm of its prior odds
+    log_prior_odds: float = 0.0
     spoils: bool = False  # whether it greatly increases the error of another output
 
     @property

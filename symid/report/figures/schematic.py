@@ -28,7 +28,7 @@ from symid.axis import (
 from symid.report.figures import symbols
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn, svg_of
-from symid.report.figures.schematic_links import Link, links_of, marked, marks_of, written
+from symid.report.figures.schematic_links import Link, links_of, marked, marks_of, parameter_text
 from symid.report.figures.symbols import Line
 
 _GAP, _LANE, _WALL = 1.75, 0.72, 0.28
@@ -175,7 +175,7 @@ class _Drawing:
         self._text(box.centre, 0.2, body.name, weight="bold")
         changes = (e for e in self.axis.imperfections if isinstance(e, PayloadChange) and e.body == body)
         marks = marks_of(self.axis, *changes)
-        mass = written(body.inertia if body.turns else body.mass)
+        mass = parameter_text(body.inertia if body.turns else body.mass)
         self._text(box.centre, -0.2, marked(mass, marks), style="italic")
 
     def _between(self, left: _Box, right: _Box, links: list[Link]) -> None:
@@ -225,7 +225,9 @@ class _Drawing:
         own = [e for e in self.axis.imperfections if isinstance(e, EncoderRipple)]
         ripples = [e for e in own if e.signal == sensor.signal]
         label = marked(sensor.signal, marks_of(self.axis, *ripples))
-        label = ", ".join([label, *(written(x) for x in (sensor.gain, sensor.offset) if x is not None)])
+        label = ", ".join(
+            [label, *(parameter_text(x) for x in (sensor.gain, sensor.offset) if x is not None)]
+        )
         self._text(end - 0.45 * side, y + 0.2, label, color=colour)
 
     def _foot(self, name: str) -> tuple[float, float]:

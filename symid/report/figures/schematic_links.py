@@ -63,15 +63,15 @@ def links_of(axis: Axis) -> Iterator[Link]:
     for element in axis.elements:
         match element:
             case Spring():
-                label, at = written(element.stiffness), element.at
+                label, at = parameter_text(element.stiffness), element.at
                 if isinstance(at, Between) and at.ratio != 1:
                     label += f", × {at.ratio:.4g}"
                 yield Link.in_joint(at, symbols.spring, label, f"spring {element.name}")
                 if element.damping is not None:
-                    damping = written(element.damping)
+                    damping = parameter_text(element.damping)
                     yield Link.in_joint(at, symbols.damper, damping, f"damping of {element.name}")
             case Damper():
-                damping = written(element.damping)
+                damping = parameter_text(element.damping)
                 yield Link.in_joint(element.at, symbols.damper, damping, f"damper {element.name}")
             case Law():
                 names = list(dict.fromkeys(term.parameter for term in element.terms()))
@@ -99,6 +99,6 @@ def marked(label: str, marks: str) -> str:
     return f"{label}, {marks}" if marks else label
 
 
-def written(parameter: Parameter | None) -> str:
+def parameter_text(parameter: Parameter | None) -> str:
     """Name of a parameter, or the value of one that is known."""
     return parameter if isinstance(parameter, str) else f"{parameter:.4g}"

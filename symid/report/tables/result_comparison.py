@@ -49,10 +49,10 @@ class Values:
     )  # what the model leaves, and its unit
 
 
-def values_of(record: object, source: str) -> Values:
+def values_of_record(record: object, source: str) -> Values:
     """Parameters in the JSON of `symid identify`, `symid diagnose` or a user; SettingError if it holds none.
 
-    >>> values_of({"M": 5.0, "Fv": {"value": 1.0, "std": 0.1}}, "P.json").deviations["Fv"]
+    >>> values_of_record({"M": 5.0, "Fv": {"value": 1.0, "std": 0.1}}, "P.json").deviations["Fv"]
     0.1
     """
     if not isinstance(record, dict):
@@ -154,7 +154,7 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
 def comparison_sentence(record: Mapping[str, Any]) -> str:
     """In which parameters two results differ.
 
-    >>> a, b = (values_of({"M": {"value": m, "std": 0.1}, "Fv": 1.0}, f"{m}.json") for m in (5.0, 6.0))
+    >>> a, b = (values_of_record({"M": {"value": m, "std": 0.1}, "Fv": 1.0}, f"{m}.json") for m in (5.0, 6.0))
     >>> comparison_sentence(comparison_record(a, b))
     'A and B differ in M'
     """
