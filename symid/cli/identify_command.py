@@ -118,8 +118,7 @@ loop_options = shared(
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from one LOG, or from several LOGs jointly."""
     declared = load_axis(axis)
-    if page_of(options["report"]) and options["method"] == "oe":
-        raise SettingError("--report is written for wls, ols and iv: draw output error with --plot")
+    page_of(options["report"])  # its name is checked before the logs are read
     runs = [_opened(declared, file, options) for file in tracked(logs, "reading logs")]
     signals = measured_signals(declared, runs, signal_list(options["measured"]))
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
@@ -153,7 +152,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         from symid.report.pages.identification_page import write_identification_html  # as above
 
         write_identification_html(
-            cast("Identification", found),
+            found,
             options["report"],
             validation,
             axis=known,

@@ -87,17 +87,42 @@ def _own_correlation(values: FloatArray, used: BoolArray, n: int) -> FloatArray:
     return np.asarray((whole / max(whole[0], np.finfo(float).tiny))[:n])
 
 
-def residual_correlations(found: Identification) -> list[tuple[str, Correlation, Correlation]]:
-    """Auto- and cross-correlation of the residual of each equation of each log, by the title of its part."""
+@dataclass(frozen=True, eq=False)
+class PredictedOutput:
+    """An output of a log as measured and as predicted, in rows of which some are used."""
+
+    name: str  # of the output
+    log: str  # source of the log
+    unit: str
+    measured: FloatArray
+    predicted: FloatArray
+    used: BoolArray
+
+    @property
+    def residual(self) -> FloatArray:
+        """Measured less predicted output."""
+        return self.measured - self.predicted
+
+
+def predicted_outputs(found: Identification) -> list[PredictedOutput]:
+    """Output of each equation of each log that an axis was identified from."""
+    return [
+        PredictedOutput(output, source, unit, run.y[j], run.W[j] @ found.fit.solution, run.valid[j])
+        for source, run in zip(found.logs, found.observations, strict=True)
+        for j, (output, unit) in enumerate(found.output_units.items())
+    ]
+
+
+def residual_correlations(
+    outputs: Sequence[PredictedOutput],
+) -> list[tuple[str, Correlation, Correlation]]:
+    """Auto- and cross-correlation of the residual of each output, by the title of its part."""
     parts = []
-    for source, run in zip(found.logs, found.observations, strict=True):
-        predicted = run.W @ found.fit.solution
-        for j, output in enumerate(found.model.output_names):
-            residual, used = run.y[j] - predicted[j], run.valid[j]
-            most = min(MOST_LAGS, used.size // 4)
-            if used.sum() < 4 or most < 1:
-                continue
-            own = correlation(residual, residual, used, range(most + 1))
-            across = correlation(residual, predicted[j], used, range(-most, most + 1))
-            parts.append((visible(f"{output}, {source}"), own, across))
+    for one in outputs:
+        most = min(MOST_LAGS, one.used.size // 4)
+        if one.used.sum() < 4 or most < 1:
+            continue
+        own = correlation(one.residual, one.residual, one.used, range(most + 1))
+        across = correlation(one.residual, one.predicted, one.used, range(-most, most + 1))
+        parts.append((visible(f"{one.name}, {one.log}"), own, across))
     return parts

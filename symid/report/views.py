@@ -147,8 +147,9 @@ def write_page(found: Shown, path: str | Path) -> Path:
     return page
 
 
-@write_page.register
-def _(found: Identification, path: str | Path) -> Path:
+@write_page.register(Identification)
+@write_page.register(OutputErrorIdentification)
+def _(found: Identification | OutputErrorIdentification, path: str | Path) -> Path:
     write_identification_html(found, path)
     return html_path(path)
 

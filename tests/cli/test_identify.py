@@ -230,6 +230,8 @@ def test_output_error_on_the_command_line(tmp_path, capsys):
         str(log),
         "--plot",
         str(figure),
+        "--report",
+        str(tmp_path / "run.html"),
         "--json",
         "-",
     ]
@@ -245,5 +247,6 @@ def test_output_error_on_the_command_line(tmp_path, capsys):
     assert record["residual"]["q"]["unit"] == "m"
     assert "q" in record["validation"]["residual"]
     assert figure.stat().st_size > 10_000
+    assert f"{log} (validation)" in (tmp_path / "run.html").read_text(encoding="utf-8")
     assert run("identify", "rigid_1m", str(log), "--method", "oe", "--held", "F") == 0
     assert "noise found" in capsys.readouterr().out

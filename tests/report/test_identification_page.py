@@ -12,7 +12,7 @@ from command_line import run
 
 import symid
 from symid.estimation.residual_measures import fit_percent
-from symid.identification.residual_correlation import correlation, residual_correlations
+from symid.identification.residual_correlation import correlation, predicted_outputs, residual_correlations
 from symid.report.pages.identification_page import write_identification_html
 
 
@@ -107,7 +107,7 @@ def test_friction_that_the_model_lacks_is_remembered(tmp_path: Path) -> None:
     recording(tmp_path / "a.csv", 4.0 * np.sin(40 * t) + 0.1 * np.random.default_rng(0).standard_normal(6000))
     settings = symid.Preparation(cutoff_hz=60.0)
     found = symid.identify("rigid_1m", tmp_path / "a.csv", preparation=settings)
-    ((_, own, _),) = residual_correlations(found)
+    ((_, own, _),) = residual_correlations(predicted_outputs(found))
     assert own.outside > 0.5
 
 
@@ -123,6 +123,22 @@ def test_a_page_that_cannot_be_written_is_refused_first(
     monkeypatch.chdir(tmp_path)
     recording(Path("a.csv"))
     assert run("identify", "rigid_1m", "a.csv", "--report", "p.txt") == 2
-    assert run("identify", "rigid_1m", "a.csv", "--report", "p.html", "--method", "oe") == 2
-    assert "draw output error with --plot" in capsys.readouterr().err
-    assert not Path("p.html").exists()
+    assert "p.txt" in capsys.readouterr().err
+
+
+def test_numbers_of_the_page_of_output_error(tmp_path: Path) -> None:
+    recording(tmp_path / "a.csv")
+    frame = pl.read_csv(tmp_path / "a.csv")[::5]
+    noise = 1e-6 * np.random.default_rng(5).standard_normal(frame.height)
+    found = symid.identify("rigid_1m", frame.with_columns(pl.col("q") + noise), method="oe")
+    found.report(tmp_path / "p.html")
+    page = Page((tmp_path / "p.html").read_text(encoding="utf-8"))
+    assert len(set(page.ids)) == len(page.ids)
+    (one,) = found.predictions
+    used = np.isfinite(one.innovations[:, 0])
+    rms = np.sqrt(np.mean(one.innovations[used, 0] ** 2))
+    assert f"{rms:.4g} m rms over {used.sum()} rows" in page.text
+    covariance = found.physical_covariance(corrected=True)
+    assert f"{covariance[1, 2] / np.sqrt(covariance[1, 1] * covariance[2, 2]):.2f}" in page.text
+    assert "Each sample is predicted from those before it" in page.text
+    assert "output error, by maximum likelihood" in page.text

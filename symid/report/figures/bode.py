@@ -45,6 +45,7 @@ def draw_bode(
     magnitude.set_ylim(float(seen.min() / 3), float(seen.max() * 3))
     handles, labels = magnitude.get_legend_handles_labels()
     where: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.99), "ncols": 2}
+    where |= {"columnspacing": 1.0, "handlelength": 1.4}  # within a figure for a phone
     magnitude.legend(handles[::-1], labels[::-1], frameon=False, markerscale=1.5, **where)
     phase.set(ylabel="phase [°]", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
     coherence.plot(f, response.coherence, color=palette.residual, linewidth=0.8, label="coherence")

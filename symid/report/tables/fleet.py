@@ -227,6 +227,7 @@ def print_batch(record: dict[str, Any], console: Console | None = None) -> None:
             console.print(_parameters(axis, parameters))
     if "effects" in record:
         console.print(_counts("Verdict", {words(name): n for name, n in record["verdicts"].items()}))
+    if record.get("effects"):
         effects = TextTable("Effects", "", "at", "logs", "axes", right=("logs",))
         for e in record["effects"]:
             axes = ", ".join(f"{axis} {n}" for axis, n in e["axes"].items())

@@ -125,7 +125,7 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
     table = TextTable("", "", *numbers, "unit", right=numbers)
     for name, one in record["parameters"].items():
         a, b = (with_deviation(one[key]["value"], one[key]["std"]) for key in ("a", "b"))
-        apart = significant(one["deviations"], 2) + "  differs" * one["differs"]
+        apart = significant(one["deviations"], 3) + "  differs" * one["differs"]
         table.add(name, a, b, significant(one["difference"]), percent(one["relative"]), apart, one["unit"])
     console.print(table)
     if record["errors"]:

@@ -25,7 +25,13 @@
     const both = `${(value / scale).toFixed(places)} ± ${(deviation / scale).toFixed(places)}`;
     return power ? `(${both})e${power}` : both;
   };
-  const cell = (column, i) => column.text ? column.values[i] : number(column.values[i], column.deviations && column.deviations[i]);
+  // Names of logs without the folder that holds all of them; names of axes and logs are as they are, others are words.
+  const folder = (by.log.values[0] || "").replace(/[^/]*$/, ""), parts = folder.split(/(?<=\/)/);
+  while (parts.length && by.log.values.some(name => !name.startsWith(parts.join("")))) parts.pop();
+  const prefix = parts.join("").length;
+  const text = (column, value) => column.name === "log" ? value.slice(prefix)
+    : ["axis", "message"].includes(column.name) ? value : value.replaceAll("_", " ");
+  const cell = (column, i) => column.text ? text(column, column.values[i]) : number(column.values[i], column.deviations && column.deviations[i]);
 
   const chosen = () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -48,7 +54,10 @@
     const rows = chosen();
     first = Math.min(first, Math.max(0, Math.floor((rows.length - 1) / PAGE) * PAGE));
     const part = rows.slice(first, first + PAGE);
-    const held = columns.filter(c => rows.some(i => c.values[i] !== null && c.values[i] !== ""));
+    const held = columns.filter(c => rows.some(i => c.values[i] !== null && c.values[i] !== "")
+      && (c.name !== "axis" || new Set(c.values).size > 1));
+    const rank = c => ["log", "status"].includes(c.name) ? 0 : c.deviations ? 1 : 2;  // parameters first on a phone
+    if (matchMedia("(max-width: 520px)").matches) held.sort((a, b) => rank(a) - rank(b));
     const head = document.createElement("tr");
     for (const column of held) {
       const heading = element("th", "", column.text ? "text" : ""), button = element("button", column.name.replaceAll("_", " ") + (column.unit ? ` [${column.unit}]` : ""));
