@@ -19,7 +19,7 @@ MINIMUM_SAMPLES: Final = 25
 PLAUSIBLE_PERIODS: Final = (2e-5, 0.05)
 """Lowest and highest plausible sampling period of a machine, s: 50 kHz to 20 Hz."""
 
-_CLOCK_DIFFERENCE: Final = 0.002  # relative; real clocks differ by 0.0001, changed settings by more
+CLOCK_DIFFERENCE: Final = 0.002  # relative; real clocks differ by 0.0001, changed settings by more
 _LARGEST_TIME: Final = 1e12  # s, 30 000 years: a larger number is damaged
 _JITTER: Final = 0.01  # of the period, rms: the largest accepted deviation of an interval from it
 _WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
@@ -106,8 +106,8 @@ def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: i
         return Clock(0.0, float("nan"), (short,))
     time = np.where(np.abs(time) < _LARGEST_TIME, time, np.nan)
     intervals = np.diff(time)
-    if intervals.max() - intervals.min() < _CLOCK_DIFFERENCE * intervals.min():  # uniform; nan never is
-        return Clock(float(time[0]), _rounded(_slope(time)))
+    if intervals.max() - intervals.min() < CLOCK_DIFFERENCE * intervals.min():  # uniform; nan never is
+        return Clock(float(time[0]), rounded_period(_slope(time)))
     forward = np.flatnonzero(intervals > 0.0)
     step, faults = written_step(time), []
     missing = np.flatnonzero(~np.isfinite(time))
@@ -135,58 +135,8 @@ def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: i
     faults += _gaps(time, intervals, wide, rate, before)
     fault, note = _jitter(time, np.where(wide, 0.0, late), intervals > 0.0, rate.before)
     faults += fault
-    period = rate.before if faults else _rounded(_slope(time))
+    period = rate.before if faults else rounded_period(_slope(time))
     return Clock(float(time[0]), period, tuple(faults), tuple(note))
-
-
-class ClockOfBlocks:
-    """The clock of times that come block by block, each found as `inspect_clock` does.
-
-    >>> clock = ClockOfBlocks()
-    >>> clock.add(np.arange(60) / 250.0), clock.add(np.arange(60, 120) / 250.0)
-    ((), ())
-    >>> clock.found.period
-    0.004
-    """
-
-    def __init__(self) -> None:
-        self._seen = 0
-        self._first = self._last = 0.0
-        self._sums = np.zeros(2)
-        self._blocks: list[Clock] = []
-
-    def add(self, time: FloatArray) -> tuple[str, ...]:
-        """Faults of the next block, shape (n_samples,); after one of them no more blocks are possible."""
-        if self._seen == 0:
-            self._first = float(time[0])
-            found = inspect_clock(time)
-        else:
-            found = inspect_clock(np.append(self._last, time), before=self._seen - 1)
-        if found.faults:
-            return found.faults
-        late = time - self._first
-        index = np.arange(self._seen, self._seen + time.size, dtype=np.float64)
-        self._sums += np.dot(index, late), np.sum(late)
-        self._last, self._seen = float(time[-1]), self._seen + time.size
-        self._blocks.append(found)
-        return ()
-
-    @property
-    def found(self) -> Clock:
-        """Clock of all blocks together; none of them may have a fault."""
-        mean = 0.5 * (self._seen - 1)
-        moment = self._seen * (self._seen**2 - 1.0) / 12.0
-        period = float((self._sums[0] - mean * self._sums[1]) / moment)
-        periods = np.array([block.period for block in self._blocks])
-        worst = int(np.argmax(np.abs(periods - np.median(periods))))
-        faults: tuple[str, ...] = ()
-        if abs(periods[worst] - np.median(periods)) > _CLOCK_DIFFERENCE * np.median(periods):
-            faults = (
-                f"t changes its sampling period: {np.median(periods):.6g} s in most of the log, {periods[worst]:.6g} s "
-                f"from t = {self._blocks[worst].start:.7g} s on: split the log there, or give `resample=own`",
-            )
-        notes = tuple(note for block in self._blocks for note in block.notes)
-        return Clock(self._first, _rounded(period), faults, notes[:1])
 
 
 def written_step(time: FloatArray) -> float:
@@ -241,7 +191,7 @@ def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> 
         return _Rate(usual, usual, None)
     cut = _best_cut(periods)
     before, after = float(np.median(periods[:cut])), float(np.median(periods[cut:]))
-    difference = abs(after - before) - _CLOCK_DIFFERENCE * usual - 2.5 * step / length
+    difference = abs(after - before) - CLOCK_DIFFERENCE * usual - 2.5 * step / length
     if difference <= 0.0 or difference <= 6.0 * 1.4826 * float(np.median(distance)) / np.sqrt(length):
         return _Rate(usual, usual, None)
     first = (cut - 1) * length
@@ -315,7 +265,7 @@ def _slope(time: FloatArray) -> float:
     return float(np.dot(index, time - time[0]) / np.dot(index, index))
 
 
-def _rounded(period: float) -> float:
+def rounded_period(period: float) -> float:
     """Period, or frequency, of the fewest digits within one part in a million, the accuracy of good clocks."""
     for digits in range(1, 8):
         for candidate in (float(f"{period:.{digits - 1}e}"), 1.0 / float(f"{1.0 / period:.{digits - 1}e}")):

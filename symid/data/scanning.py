@@ -16,7 +16,8 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.checks import constant_fault, inspect_finite, inspect_steps
-from symid.data.clock import MINIMUM_SAMPLES, ClockOfBlocks, require_seconds
+from symid.data.clock import MINIMUM_SAMPLES, require_seconds
+from symid.data.clock_of_blocks import ClockOfBlocks
 from symid.data.columns import TIME, Source
 from symid.data.long_log import LongLog, spans
 from symid.data.reading import in_si, positions_of

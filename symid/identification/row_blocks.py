@@ -31,11 +31,11 @@ from symid.identification.observation import (
     Observation,
     highest_speeds,
     observe,
-    reaches,
     trimmed_ends,
     without_levels,
 )
 from symid.identification.settings import Preparation, completed
+from symid.identification.usable_rows import reaches
 
 
 @dataclass(frozen=True, eq=False)

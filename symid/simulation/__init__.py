@@ -8,17 +8,9 @@ that sample: it locates events exactly, sets the next mode, and hands back. A co
 the force of each sample from within the compiled loop. `stepping` joins the two.
 """
 
+from symid.simulation.cascade_tuning import tuned_cascade, tuned_cascades
 from symid.simulation.closed_loop import Simulation, simulate
-from symid.simulation.controller import (
-    Cascade,
-    Command,
-    Controller,
-    LinearLaw,
-    OpenLoop,
-    Replay,
-    tuned_cascade,
-    tuned_cascades,
-)
+from symid.simulation.controller import Cascade, Command, Controller, LinearLaw, OpenLoop, Replay
 from symid.simulation.engine import Engine
 from symid.simulation.excitation import chirp, from_log, steps
 from symid.simulation.forward_dynamics import ForwardDynamics, forward_dynamics, plant_of

@@ -7,19 +7,12 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.errors import SettingError
-from symid.simulation.plant import Plant
-
-_SLOWEST, _FASTEST = 1e-6, 1e6
-"""Range of bandwidths, Hz: beyond it powers of them overflow."""
-_SHARED = 1e-9
-"""Singular value, relative to the largest, below which drives count as moving the same mass."""
 
 
 @dataclass(frozen=True)
@@ -261,90 +254,3 @@ def linear_law(controller: Controller, period: float) -> LinearLaw | None:
         if "force" in vars(kind):
             return None
     return None
-
-
-def tuned_cascade(
-    plant: Plant, signal: str, bandwidth_hz: float = 20.0, force_limit: float = math.inf
-) -> Cascade:
-    """Cascade tuned to the mass that the drive moves at low frequency.
-
-    The velocity loop crosses over at `bandwidth_hz`; the position loop and the integral at a fifth of it.
-
-    Parameters
-    ----------
-    plant : Plant
-        The axis.
-    signal : str
-        A position sensor.
-    bandwidth_hz : float
-        Bandwidth of the velocity loop.
-    force_limit : float
-        Largest force, N.
-
-    Raises
-    ------
-    SettingError
-        If the signal does not belong to a position sensor.
-
-    Examples
-    --------
-    The gain of the velocity loop is 2 pi 20 Hz times the mass of 100 kg:
-
-    >>> from symid.axis import load_axis
-    >>> from symid.simulation import plant_of
-    >>> plant = plant_of(load_axis("rigid_1m"), {"M": 100.0, "Fv": 0.0, "Fs": 0.0})
-    >>> round(tuned_cascade(plant, "q").velocity_gain)
-    12566
-    """
-    return tuned_cascades(plant, (signal,), bandwidth_hz, force_limit)[0]
-
-
-def tuned_cascades(
-    plant: Plant, signals: Sequence[str], bandwidth_hz: float = 20.0, force_limit: float = math.inf
-) -> tuple[Cascade, ...]:
-    """Cascades of all drives, each tuned to its share of the mass if all controlled positions move together.
-
-    Parameters
-    ----------
-    plant : Plant
-        The axis.
-    signals : sequence of str
-        The position sensor that each drive controls; drives of one body may share a sensor, and then share the mass.
-    bandwidth_hz, force_limit : float
-        As in `tuned_cascade`.
-
-    Raises
-    ------
-    SettingError
-        If a signal does not belong to a position sensor, the number of signals is not that of the drives, or the
-        bandwidth is that of no controller.
-    """
-    if not _SLOWEST <= bandwidth_hz <= _FASTEST:
-        raise SettingError(
-            f"a bandwidth of {bandwidth_hz:g} Hz is not possible for a controller: "
-            f"give one from {_SLOWEST:g} to {_FASTEST:g} Hz"
-        )
-    if len(signals) != plant.drives.shape[1]:
-        raise SettingError(
-            f"there are {plant.drives.shape[1]} drives and {len(signals)} signals: give one sensor for each drive"
-        )
-    for signal in signals:
-        if signal not in plant.sensors or plant.sensors[signal].order != 0:
-            raise SettingError(
-                f"{signal!r} is not a position sensor of this axis: a cascade controls a position, so declare one; "
-                "an identification need not use it"
-            )
-    rows = np.array([plant.sensors[signal].row for signal in signals])
-    angular = 2 * math.pi * bandwidth_hz
-    s = 1j * angular / 100
-    response = rows @ np.linalg.solve(
-        plant.mass * s**2 + plant.damping * s + plant.stiffness, plant.drives.astype(complex)
-    )
-    # At low frequency the response is 1 / (mass s^2). It is singular if drives move one mass: the pseudoinverse then
-    # shares the mass among them.
-    moved = np.linalg.pinv(response * s**2, rcond=_SHARED).sum(axis=1)
-    masses = np.copysign(np.abs(moved), moved.real)  # negative where a force drives its sensor backwards
-    return tuple(
-        Cascade(signal, angular / 5, mass * angular, angular / 5, force_limit=force_limit)
-        for signal, mass in zip(signals, masses.tolist(), strict=True)
-    )

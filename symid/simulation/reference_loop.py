@@ -13,8 +13,9 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
+from symid.simulation.cascade_tuning import tuned_cascades
 from symid.simulation.closed_loop import simulate
-from symid.simulation.controller import Cascade, Controller, tuned_cascades
+from symid.simulation.controller import Cascade, Controller
 from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.trajectory import Trajectory
 
