@@ -88,7 +88,11 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         code = 0  # whoever reads has read enough
     except OSError as error:
-        code = fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        code = fail(
+            f"{error.filename}: {error.strerror}: check the path and its permissions"
+            if error.filename
+            else str(error)
+        )
     sys.exit(code)
 
 

@@ -24,7 +24,7 @@ from symid.codegen.store import (
     sensor_sets_in,
     write,
 )
-from symid.errors import EliminationError, SymidError
+from symid.errors import EliminationError, SettingError, SymidError
 from symid.symbolic.pipeline import DerivedModel, derive
 
 
@@ -77,7 +77,7 @@ def generate(axes: AnyAxis | Sequence[AnyAxis] = (), measured: Sequence[str] | N
     Raises
     ------
     SymidError
-        If an axis cannot be loaded or derived; then no file is written.
+        If an axis cannot be loaded or derived, or is in no file; then no file is written.
     """
     several = axes if isinstance(axes, Sequence) and not isinstance(axes, str) else (axes,)
     files = plan([_file_name(axis) for axis in several], measured)
@@ -86,8 +86,20 @@ def generate(axes: AnyAxis | Sequence[AnyAxis] = (), measured: Sequence[str] | N
 
 
 def _file_name(axis: AnyAxis) -> str:
-    """Name or path of the file of an axis."""
-    return os.fspath(axis) if isinstance(axis, (str, os.PathLike)) else axis_of(axis).name
+    """Name or path of the file of an axis; SettingError if no file declares it."""
+    if isinstance(axis, (str, os.PathLike)):
+        return os.fspath(axis)
+    declared = axis_of(axis)
+    if declared.name not in axis_names():
+        fault = f"axis {declared.name!r} is declared in no file"
+    elif load_axis(declared.name).signature != declared.signature:
+        fault = f"{axis_file(declared.name)} declares another axis {declared.name!r}"
+    else:
+        return declared.name
+    raise SettingError(
+        f"{fault}: write it with write_axis(axis, 'models/{declared.name}.py'), or generate nothing: identify, "
+        "diagnose and simulate take it as it is"
+    )
 
 
 def _plan_axis(

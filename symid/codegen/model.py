@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.shown import Shown
 from symid.signal_names import split_derivative
 
 ArrayFunction = Callable[..., FloatArray]
 
 
-@dataclass(frozen=True, eq=False)
-class GeneratedModel:
+@dataclass(frozen=True, eq=False, repr=False)
+class GeneratedModel(Shown):
     """A generated module, ready to be evaluated.
 
     Parameters
@@ -118,6 +119,12 @@ class GeneratedModel:
         for name, value in values.items():
             values[name] = MappingProxyType(value) if isinstance(value, dict) else value
         return cls(**values)
+
+    @property
+    def headline(self) -> str:
+        """Axis, sensors and parameters."""
+        parameters = ", ".join(self.physical_units)
+        return f"{self.axis} from {', '.join(self.measured)}: parameters {parameters}"
 
     @cached_property
     def highest_derivatives(self) -> Mapping[str, int]:

@@ -14,6 +14,7 @@ from rich.console import Console
 from symid import __version__
 from symid.axis import Axis, load_axis
 from symid.axis.source import declared_lines
+from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.diagnosis import Diagnosis
 from symid.errors import SettingError
@@ -75,6 +76,17 @@ def _(log: Log, console: Console) -> None:
         console.print(f"note: {note}", markup=False)
 
 
+@show.register
+def _(model: GeneratedModel, console: Console) -> None:
+    console.print(f"[bold]{model.axis}[/bold] measured by {', '.join(model.measured)}")
+    console.print(f"equations of {', '.join(model.output_names)}", markup=False)
+    for kind, units in (("minimal", model.minimal_units), ("physical", model.physical_units)):
+        named = ", ".join(f"{name} [{unit}]" for name, unit in units.items())
+        console.print(f"{kind} parameters: {named}", markup=False)
+    for assumption in model.assumptions:
+        console.print(f"assumed: {assumption}", markup=False)
+
+
 show.register(DerivedModel, print_derivation)
 show.register(Tuning, print_tuning)
 show.register(TotalTuning, print_total_tuning)
@@ -115,6 +127,7 @@ def figure(found: object, **settings: Any) -> Drawn:
 
 figure.register(Log, log_figure)
 figure.register(DerivedModel, lambda model, **settings: figure(model.axis, **settings))
+figure.register(GeneratedModel, lambda model, **settings: figure(load_axis(model.axis), **settings))
 figure.register(OutputErrorIdentification, identification_figure)
 figure.register(Tuning, tuning_figure)
 figure.register(TotalTuning, total_tuning_figure)

@@ -156,3 +156,19 @@ def test_an_axis_is_welcome_in_every_form(way: str, tmp_path: Path) -> None:
     assert plant_of(axis, {"M": 2.0, "Fv": 3.0, "Fs": 4.0}).mass.tolist() == [[2.0]]
     assert symid.generate(axis) == []
     assert [one.axis for one in fleet_axes(axis, BatchSettings())] == [AXIS]
+
+
+def test_an_axis_of_no_file_is_not_generated(folder: Path) -> None:
+    body = symid.Body("table", mass="M")
+    of_none = symid.Axis("of_none", (body,), symid.Drive("F", body), (symid.Position("q", body),))
+    with pytest.raises(
+        SettingError, match=r"declared in no file: write it with write_axis\(axis, 'models/of_none.py'\)"
+    ):
+        symid.generate(of_none)
+
+
+def test_a_generated_model_shows_itself(folder: Path) -> None:
+    model = symid.load_generated("rigid_1m", ("q",))
+    assert repr(model) == "<GeneratedModel rigid_1m from q: parameters M, Fv, Fs>"
+    assert "physical parameters: M [kg], Fv [N*s/m], Fs [N]" in model.summary()
+    assert "rigid_1m" in model._repr_html_()

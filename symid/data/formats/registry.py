@@ -106,7 +106,10 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
     LogError
         If the file does not exist, is of another kind, empty, damaged, or needs a library that is not installed.
     """
-    parts = parts_of(path)
+    try:
+        parts = parts_of(path)
+    except (OSError, ValueError) as error:
+        raise _not_readable(path, error) from error
     if len(parts) > 1:
         return open_joined(parts, lambda part: open_table(part, layout_found(part), memory))
     kinds = f"{', '.join(SUFFIXES[:2])} or {SUFFIXES[2]} file, or {', '.join(SUFFIXES[3:])}"
@@ -130,4 +133,10 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         with naming_file(path):
             return READERS[suffix](path, memory)
     except OSError as error:
-        raise LogError(f"{path}: cannot be read ({first_line(error)}): check the file") from error
+        raise _not_readable(path, error) from error
+
+
+def _not_readable(path: Path, error: OSError | ValueError) -> LogError:
+    """Error for a file that the system does not give."""
+    reason = getattr(error, "strerror", None) or first_line(error)
+    return LogError(f"{path}: cannot be read ({reason}): check the file and its permissions")
