@@ -4,10 +4,10 @@ The gap-to-noise ratio of a case, from the motions of its validation log as they
 
 1. Each force equation of the plain axis is fitted to them by least squares, as drive force = sum of columns: with one
    position measured the hidden body enters through its own second-order filter, whose two coefficients are fitted too.
-   direct_2m1s: F = Mm (q2'' + q1'') + Fvm q2' + Fsm sign(q2'), with q1 from q2'' by that filter, or from the
-   accelerometer. ballscrew_2m1s: F = Mm qm'' + Fvm qm' + Fsm sign(qm') + filter; with the load measured, the spring and
-   the load instead. A second sensor adds a second equation: the structure's acceleration from the motor's by the
-   filter, brought to force by Mm + Ms, and the load driven through the spring.
+   direct_2m1s: F = Mm (q2'' + q1'') + Fvm q2' + Fsm sign(q2'), with q1'' = c s^2/(s^2 + d s + w^2) q2'' by that
+   filter, or from the accelerometer. ballscrew_2m1s: F = Mm qm'' + Fvm qm' + Fsm sign(qm') + filter; with the load
+   measured, the spring and the load instead. A second sensor adds a second equation: the structure's acceleration from
+   the motor's by the filter, and the load driven through the spring.
 2. Everything passes a zero-phase low-pass filter of 100 Hz. Samples within 20 ms of standstill (|v| < 2 mm/s) are left
    out. The rms error that remains is the missing force that no parameter can stand for.
 3. The noise of the sensors passes through the same columns with the same coefficients, plus the noise of the force: its
@@ -30,13 +30,17 @@ Signals = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Equation:
-    """y = columns @ parameters; `hidden` are columns that pass 1/(s^2 + d s + w^2) or s^2/(...) first."""
+    """y = columns @ parameters; `hidden` are columns that pass 1/(s^2 + d s + w^2) first, or `carried` s^2/(...).
+
+    There are as many coefficients as the axis has parameters: one more could stand for what no parameter can, as free
+    factors of v and a behind a filter stand for a delay.
+    """
 
     y: str
     columns: tuple[str, ...]
     sign: str | None = None
     hidden: tuple[str, ...] = ()
-    scale: float = 1.0
+    carried: tuple[str, ...] = ()
 
 
 def equations(axis: str, sensors: tuple[str, ...], true: dict[str, float]) -> list[Equation]:
@@ -44,14 +48,14 @@ def equations(axis: str, sensors: tuple[str, ...], true: dict[str, float]) -> li
     if axis == "rigid_1m":
         return [Equation("F", ("q.a", "q.v"), "q.v")]
     if axis == "direct_2m1s" and len(sensors) == 1:
-        return [Equation("F", ("q2.a", "q2.v"), "q2.v", ("q2.v", "q2.a"))]
+        return [Equation("F", ("q2.a", "q2.v"), "q2.v", carried=("q2.a",))]
     if axis == "direct_2m1s":
         drive = Equation("F", ("q2.a", "q2.v", "ddq1"), "q2.v")
-        return [drive, Equation("ddq1", ("q2.a",), None, ("q2.v", "q2.a"), true["Mm"] + true["Ms"])]
+        return [drive, Equation("ddq1", (), carried=("q2.a",))]
     if len(sensors) == 1:
         return [Equation("F", ("qm.a", "qm.v"), "qm.v", ("qm.v", "qm.a"))]
     through = ("stretch", "stretch.v")
-    load = Equation("ql.a", (*through, "ql.v"), None, (), true["Ml"])
+    load = Equation("ql.a", (*through, "ql.v"))
     return [Equation("F", ("qm.a", "qm.v", *through), "qm.v"), load]
 
 
@@ -129,7 +133,9 @@ def _one(
 
 def _columns(equation: Equation, source: Signals, shape: np.ndarray) -> np.ndarray:
     plain = [source[name] for name in equation.columns] + ([source["sign"]] if equation.sign else [])
-    return np.stack(plain + [_through_mode(source[name], shape) for name in equation.hidden], axis=1)
+    plain += [_through_mode(source[name], shape, [1]) for name in equation.hidden]
+    plain += [_through_mode(source[name], shape, [1, 0, 0]) for name in equation.carried]
+    return np.stack(plain, axis=1)
 
 
 def _fit(
@@ -143,16 +149,19 @@ def _fit(
         X = np.linalg.lstsq(W / norm, y, rcond=1e-12)[0] / norm
         return y - W @ X, X
 
-    shape = np.array(mode if mode and equation.hidden else (0.0, 0.0))
-    if equation.hidden:
+    filtered = equation.hidden or equation.carried
+    shape = np.array(mode if mode and filtered else (0.0, 0.0))
+    if filtered:
         scale = np.std(signals[equation.y][rows])
         shape = least_squares(lambda s: fit(s)[0] / scale, shape, x_scale=(0.05, 0.5), max_nfev=12).x
     error, X = fit(shape)
     return shape, X, error
 
 
-def _through_mode(x: np.ndarray, shape: np.ndarray) -> np.ndarray:
-    """x through 1/(s^2 + 2 D w s + w^2), from rest."""
+def _through_mode(x: np.ndarray, shape: np.ndarray, numerator: list[float]) -> np.ndarray:
+    """x through numerator/(s^2 + 2 D w s + w^2), from rest."""
     w, damping = np.exp(np.clip(shape, -8, 9))
-    b, a = bilinear([w**2], [1, 2 * damping * w, w**2], RATE)
+    b, a = bilinear(
+        np.multiply(numerator, w**2 if len(numerator) == 1 else 1.0), [1, 2 * damping * w, w**2], RATE
+    )
     return lfilter(b, a, x)

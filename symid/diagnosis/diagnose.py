@@ -17,11 +17,11 @@ from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.faults import damage
 from symid.diagnosis.findings.feedback import feedback_law
-from symid.diagnosis.findings.wording import sentence
+from symid.diagnosis.findings.wording import rejection, sentence
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
-from symid.diagnosis.in_motion.motion import with_motion
+from symid.diagnosis.in_motion.motion import is_contradicted, with_motion
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.integrated_speed import with_positions
@@ -212,13 +212,21 @@ def _diagnosed(
     if accepted := [step for step in steps if step.accepts]:
         steps = [step.fitted_on() for step in most_probable(accepted)]
     steps, comparison = _on_held_out(base, steps, declared, data)
-    steps, comparison = _largest_first(base, steps, declared, data, comparison)
+    steps, comparison = _strongest_first(base, steps, declared, data, comparison)
     fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
     damaged = damage(parts, begun, base).led_by(feedback_law(fits[-1]))
-    found = concluded(comparison, steps, fits, nominal, logs, damaged)
-    found = with_motion(found, comparison, runs, data.held_out, controller=recorded.controller)
+
+    def concluded_from(models: Comparison) -> Diagnosis:
+        found = concluded(models, steps, fits, nominal, logs, damaged)
+        return with_motion(found, models, runs, data.held_out, controller=recorded.controller)
+
+    found = concluded_from(comparison)
+    if is_contradicted(found):  # by all effects together, and by the first alone: there is no cause
+        rejected = rejection(found)
+        found = concluded_from(comparison.with_effects(0))
+        found = replace(found, assumptions=(*found.assumptions, rejected))
     return replace(found, sentence=sentence(found))
 
 
@@ -234,27 +242,28 @@ def _on_held_out(
     return (steps, comparison) if len(rest) == len(accepted) else _on_held_out(base, rest, nominal, data)
 
 
-def _largest_first(
+def _strongest_first(
     base: Fit,
     steps: Sequence[SelectionStep],
     nominal: State | None,
     data: Data,
     comparison: Comparison,
 ) -> tuple[Sequence[SelectionStep], Comparison]:
-    """The effect that removes most of the gap measured as the first, where it then removes more than the one before.
+    """The effect that alone would leave the largest error of the force as the first, see `strengths`.
 
-    Logs excite effects differently: what errs most in the logs for identification may be small in the validation data.
+    Logs excite effects differently, and an effect that is found first takes over what it has in common with others.
     """
     accepted = [step for step in steps if step.accepts][: comparison.upheld]
-    if not accepted or accepted[0].confirmed[0].effect.name == LATE_READING:
+    if len(accepted) < 2 or accepted[0].confirmed[0].effect.name == LATE_READING:
         return steps, comparison
-    shares = [comparison.removed(i + 1, i + 2).share for i in range(len(accepted))]
-    larger = [i for i, share in enumerate(shares) if share > shares[0]]
-    for at in sorted(larger, key=lambda i: -shares[i]):
-        ordered = brought_first(accepted, at)
+    strong = comparison.with_effects(len(accepted)).strengths
+    for at in np.argsort(-strong):
+        if not strong[at] > strong[0]:
+            break
+        ordered = brought_first(accepted, int(at))
         other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
         as_good = other.relative_error**2 < THRESHOLDS.as_good * comparison.relative_error**2
-        if other.upheld > 0 and as_good and other.removed(1, 2).share > shares[0]:
+        if as_good and other.upheld > 0 and other.removed(1, 2).low > 0:
             return ordered, other
     return steps, comparison
 

@@ -100,6 +100,9 @@ class Thresholds:
     half_sample: float = 0.12
     # factor on its error to which an effect must lower that of data that took no part in the fit
     falls: float = 0.995
+    strength_hz: float = (
+        100.0  # band of the force by whose error effects are ranked, Hz: drives are controlled in it
+    )
     no_excess: float = 0.05  # mean square above 1 below which there is nothing to explain
     # tempered_share, doubt: gains are divided by 1 + `tempered_share` times the largest, and by `doubt`
     # deviations of their difference over the blocks: laws differ a little from those of a real axis (reliability

@@ -1,5 +1,6 @@
 """The gap in the motion: the replayed loop beside the closed loop itself, an observer, another simulator, failures."""
 
+import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -15,7 +16,9 @@ from symid.diagnosis.effects import effects_of
 from symid.diagnosis.fitting.fit import Fit, fitted_on
 from symid.diagnosis.fitting.state import evaluated
 from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_with_effects
+from symid.diagnosis.in_motion.motion import is_contradicted
 from symid.diagnosis.in_motion.replayed import fastest, simulated_positions
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 from symid.report.tables.diagnosis import diagnosis_record
 from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids, tuned_cascade
@@ -89,6 +92,29 @@ def test_with_the_missing_effect_the_simulated_axis_moves_as_the_machine_did(fou
     record = diagnosis_record(found)["gap"]["motion"]
     assert record["explained"]["tracking_fit"] == motion.explained.tracking_fit
     assert record["driver"] == "identified"
+
+
+def test_effects_that_make_the_motion_worse_are_no_causes(logs, monkeypatch: pytest.MonkeyPatch) -> None:
+    module = sys.modules[is_contradicted.__module__]
+    monkeypatch.setattr(module, "THRESHOLDS", replace(THRESHOLDS, worse_motion=1e-3))
+    given = {"validation": logs[1], "nominal": NOMINAL, "held": True, "library": COULOMB}
+    found = diagnose(FRICTIONLESS, logs[0], **given)
+    assert found.verdict == "unexplained"
+    assert not found.effects
+    assert found.gap.explained == found.gap.reidentified
+    assert found.alternatives[0].effect == "coulomb_friction"
+    assert found.alternatives[0].probability <= 0.1
+    assert "Rejected: coulomb friction at motor" in found.assumptions[-1]
+
+
+@pytest.mark.parametrize(("off", "speaks"), [(0.2, True), (0.3, False)])
+def test_motion_off_by_a_quarter_of_a_pitch_says_nothing_of_a_force_that_repeats(
+    off: float, speaks: bool
+) -> None:
+    cogging = SimpleNamespace(parameters={"pitch": SimpleNamespace(value=1.0)})
+    before, after = SimpleNamespace(position_rms=off), SimpleNamespace(position_rms=2 * off)
+    motion = SimpleNamespace(reidentified=before, steps=(after,))
+    assert is_contradicted(SimpleNamespace(effects=(cogging,), gap=SimpleNamespace(motion=motion))) is speaks
 
 
 def test_what_was_found_is_fitted_on_until_nothing_falls(found) -> None:

@@ -1,4 +1,4 @@
-"""What closes most of the gap that is measured is named first, and a change of mass lets hidden bodies go on."""
+"""The strongest effect is named first, and a change of mass lets hidden bodies go on."""
 
 import sys
 
@@ -10,6 +10,7 @@ from symid.data import Log
 from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.findings.comparison import compared
+from symid.diagnosis.findings.strength import strengths_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.prediction.joined_logs import joined
@@ -34,7 +35,7 @@ def slide(speeds: list[float], seed: int) -> Log:
     return simulate(axis, values, reference, tuned_cascade(plant_of(RIGID, VALUES), "q"), seed=seed).log
 
 
-def test_what_removes_most_of_the_gap_measured_is_first(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_strongest_of_the_validation_log_is_first(monkeypatch: pytest.MonkeyPatch) -> None:
     slow, fast = slide([0.05, 0.1, 0.3], 1), slide([0.5, 0.8, 1.0], 2)
 
     def found() -> list[str]:
@@ -44,6 +45,35 @@ def test_what_removes_most_of_the_gap_measured_is_first(monkeypatch: pytest.Monk
     assert found() == ["quadratic_drag", "cogging"]
     monkeypatch.setattr(diagnose_module, "brought_first", lambda steps, at: steps)
     assert found() == ["cogging", "quadratic_drag"]  # by what errs in the log for identification
+
+
+def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
+    log = slide([0.5, 0.8, 1.0], 2)
+    fit = (
+        next(s for s in diagnose(RIGID, log, nominal=VALUES, held=True).search[::-1] if s.accepts)
+        .confirmed[0]
+        .fit
+    )
+    assert {item.effect.name for item in fit.state.placed} == {"quadratic_drag", "cogging"}
+    kept = fit.weighting.kept
+    away = (
+        np.abs(np.interp(fit.weighting.record.row_time[kept], log.time, np.gradient(log["q"], log.time)))
+        > 0.02
+    )
+    found = strengths_of(fit.state, fit.weighting, away, 0)
+
+    v = np.gradient(log["q"], log.time)
+    rows = np.isin(
+        np.arange(v.size), np.rint(fit.weighting.record.row_time[kept][away] / log.sampling_period)
+    )
+    columns = np.stack([np.gradient(v, log.time), v, np.sign(v)], axis=1)[rows]
+    for item, strength in zip(fit.state.placed, found, strict=True):
+        place = 2 * np.pi * log["q"] / (item.shape[0] if item.shape else 1.0)
+        terms = [np.sin(place), np.cos(place)] if item.effect.name == "cogging" else [v * np.abs(v)]
+        force = (np.array(item.amplitudes) @ np.array(terms))[rows]
+        left = force - columns @ np.linalg.lstsq(columns, force, rcond=None)[0]
+        noise = fit.weighting.record.noise_of_outputs[0]
+        assert strength == pytest.approx(np.sqrt(np.mean(left**2)) / noise, rel=0.1)
 
 
 def test_what_is_brought_first_keeps_what_spoke_for_it() -> None:

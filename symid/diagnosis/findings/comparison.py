@@ -13,6 +13,7 @@ from symid.data.density import power_density
 from symid.diagnosis.findings.gap import Gap, Level, NotRepeated, Removed, Reversal
 from symid.diagnosis.findings.repetition import repetition
 from symid.diagnosis.findings.shares import closed_fraction, closed_interval, removed_share
+from symid.diagnosis.findings.strength import strengths_of
 from symid.diagnosis.fitting.applied import applied, errors_of, fitted_to_log
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State
@@ -22,6 +23,8 @@ from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _UNEVEN = 2.0
+_REVERSAL = 0.02
+"""Seconds around a reversal that do not count for the strength of an effect: the longest response of its band."""
 _FEW = 8
 _ENOUGH = 60
 """Least number of rows; each half then shows the level of its errors to about 20 %."""
@@ -234,12 +237,26 @@ class Comparison:
     @cached_property
     def near_reversal(self) -> BoolArray:
         """Kept rows near a reversal or a standstill of the driven joint."""
+        return near(self._turns, self.row_rate)[self.weighting.kept]
+
+    @cached_property
+    def _turns(self) -> BoolArray:
+        """Rows at which the driven joint turns or stands, of shape (n_rows,)."""
         record = self.record
         velocity = record.rows(1j * record.omega * self.motion)
         inside = record.rows_in_log
         slow = np.abs(velocity) < SLOW * np.abs(velocity[inside]).max(initial=0.0)
         turns = slow | (np.diff(np.signbit(velocity), prepend=np.signbit(velocity[0])) != 0)
-        return near(turns & inside, self.row_rate)[self.weighting.kept]
+        return np.asarray(turns & inside)
+
+    @cached_property
+    def strengths(self) -> FloatArray:
+        """Strength of each effect beside the others, see `strengths_of`, shape (n_effects,); 0 if a model failed."""
+        base, last = self.states[1], self.states[-1]
+        if base is None or last is None:
+            return np.zeros(len(self.states) - 2)
+        away = ~near(self._turns, self.row_rate, _REVERSAL)[self.weighting.kept]
+        return strengths_of(last, self.weighting, away, len(base.placed))
 
     @cached_property
     def is_stationary(self) -> bool:

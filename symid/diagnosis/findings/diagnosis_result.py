@@ -189,7 +189,7 @@ class Diagnosis(Shown):
     maps : mapping of str to tuple of MapCell
         The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``.
     effects : tuple of FoundEffect
-        Accepted effects, the one that removes most first.
+        Accepted effects, the strongest first: that which alone would leave the largest force error away from reversals.
     alternatives : tuple of Alternative
         All candidates, the most probable first.
     probabilities : mapping of str to float

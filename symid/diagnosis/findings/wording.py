@@ -119,8 +119,14 @@ def of_motion(found: Diagnosis) -> str:
     scale, prefix = (1e3, "m") if max(before, after) >= 1e-3 else (1e6, "u")
     first, last = (f"{scale * rms:.3g} {prefix}{motion.unit}" for rms in (before, after))
     place = motion.signal if found.drives else "position"
-    against = ", which speaks against it" if after > THRESHOLDS.worse_motion * before else ""
-    return f" Simulated, the axis is then {last} off the measured {place} instead of {first} (rms){against}."
+    return f" Simulated, the axis is then {last} off the measured {place} instead of {first} (rms)."
+
+
+def rejection(found: Diagnosis) -> str:
+    """Sentence on effects that would close the gap of the force, but against which the simulated motion speaks."""
+    named = _listed([spoken(effect.effect, effect.at) for effect in found.effects])
+    share = 100 * (1 - found.gap.unexplained_share)
+    return f"Rejected: {named} would remove {share:.0f} % of the excess of the force.{of_motion(found)}"
 
 
 def sentence_against(found: Diagnosis, simulator: Simulator) -> str:

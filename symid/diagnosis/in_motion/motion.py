@@ -32,6 +32,8 @@ from symid.simulation import Cascade
 
 _SAME = 0.01
 """Relative difference of two references or durations below which they count as equal."""
+_PHASE = 0.25
+"""Distance from the measured position, in pitches, from which on a force that repeats along the stroke is another."""
 _AWAY = 10.0
 """Distance from the measured position, in multiples of its range, at which a simulated axis counts as running away."""
 
@@ -64,13 +66,10 @@ def with_motion(
 
 def _contradicted(found: Diagnosis, motion: SimulatedMotion) -> Diagnosis:
     """A diagnosis with the probabilities corrected by the simulated motion."""
-    errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
-    steps = zip(found.effects, errors[:-1], errors[1:], strict=True)
+    against = _against(found, motion)
     effects = tuple(
-        effect.at_most(THRESHOLDS.unlikely)
-        if min(after, errors[-1]) > THRESHOLDS.worse_motion * before
-        else effect
-        for effect, before, after in steps
+        effect.at_most(THRESHOLDS.unlikely) if contradicted else effect
+        for effect, contradicted in zip(found.effects, against, strict=True)
     )
     share = effects[0].probability / max(found.effects[0].probability, np.finfo(float).tiny)
     rivals = tuple(replace(own, probability=share * own.probability) for own in found.alternatives)
@@ -78,6 +77,27 @@ def _contradicted(found: Diagnosis, motion: SimulatedMotion) -> Diagnosis:
     unexplained = found.probabilities["unexplained"] + (1 - share) * rest
     probabilities = {**found.probabilities, "unexplained": unexplained}
     return replace(found, effects=effects, alternatives=rivals, probabilities=probabilities)
+
+
+def is_contradicted(found: Diagnosis) -> bool:
+    """Whether the simulated motion speaks against the first effect of a diagnosis."""
+    motion = found.gap.motion
+    return bool(found.effects) and motion is not None and _against(found, motion)[0]
+
+
+def _against(found: Diagnosis, motion: SimulatedMotion) -> list[bool]:
+    """Whether the simulated motion speaks against each effect found.
+
+    It says nothing of a force that repeats along the stroke where the axis without it is off by a quarter of the pitch:
+    the force acts there with another phase than on the machine.
+    """
+    errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
+    numbers = (effect.parameters for effect in found.effects)
+    farthest = (_PHASE * abs(own["pitch"].value) if "pitch" in own else math.inf for own in numbers)
+    return [
+        before <= far and min(after, errors[-1]) > THRESHOLDS.worse_motion * before
+        for before, after, far in zip(errors[:-1], errors[1:], farthest, strict=True)
+    ]
 
 
 def motions_of(

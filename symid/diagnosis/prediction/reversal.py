@@ -13,12 +13,12 @@ _AROUND = 0.05
 """Seconds before and after a reversal that count as near."""
 
 
-def near(turns: BoolArray, rate: float) -> BoolArray:
-    """Samples within 50 ms of those at which the axis turns or stands; `rate` in Hz.
+def near(turns: BoolArray, rate: float, around: float = _AROUND) -> BoolArray:
+    """Samples within some time, s, of those at which the axis turns or stands; `rate` in Hz.
 
     >>> near(np.array([True, False, False, False]), 20.0).tolist()
     [True, True, False, False]
     """
     if not turns.any():
         return np.zeros(turns.size, dtype=bool)
-    return np.asarray(scipy.ndimage.distance_transform_edt(~turns) / rate <= _AROUND)
+    return np.asarray(scipy.ndimage.distance_transform_edt(~turns) / rate <= around)

@@ -244,8 +244,8 @@ def _chain(
     for i, member in enumerate(members):
         later = [other.placed for other in members[i + 1 :]]
         starts = [Start.of(before, member.placed)]
-        if whole is not None and not later and len(chain) == i:
-            starts.append(_beside_all(whole, first, members))
+        if whole is not None and (not later or member.placed.integrated) and len(chain) == i:
+            starts.append(_with_values_of(whole, first, members[: i + 1]))
         tried = (confirmed_from(before, start, beside=later) for start in starts)
         found = max((own for own in tried if own is not None), key=lambda own: own.gain, default=None)
         if found is None and justified and i:
@@ -265,7 +265,7 @@ def _chain(
     return tuple(chain) if chain and before.mean_square < most else None
 
 
-def _beside_all(whole: Fit, first: Fit, members: Sequence[Member]) -> Start:
+def _with_values_of(whole: Fit, first: Fit, members: Sequence[Member]) -> Start:
     """The last of some effects beside the others, with the values of the whole model."""
     *others, last = (member.placed for member in members)
     placed = (*first.state.placed, *others)
