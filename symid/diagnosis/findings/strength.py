@@ -15,7 +15,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, IntArray
 from symid.diagnosis.fitting.fit import solved
-from symid.diagnosis.fitting.sensitivity import derivatives
+from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -40,7 +40,7 @@ def strengths_of(state: State, weighting: Weighting, away: BoolArray, n_declared
     flat = _flat(weighting)
     rows = np.flatnonzero(weighting.kept)[away]
     n_physical = len(state.prediction.parameters)
-    columns = flat.rows(derivatives(state)[:n_physical])[:, :, rows]
+    columns = flat.rows(prediction_jacobian(state)[:n_physical])[:, :, rows]
     return np.array(
         [_strength(state, flat, at, columns, rows) for at in range(n_declared, len(state.placed))]
     )
