@@ -17,7 +17,7 @@ from symid import (
     ViscousFriction,
     axis_source,
 )
-from symid.codegen.store import delays_of
+from symid.codegen.store import declared_delays
 from symid.data import Log
 from symid.diagnosis import diagnose
 from symid.diagnosis.in_motion.declared import explained_axis
@@ -67,7 +67,7 @@ def test_a_delay_is_in_the_drive_that_it_names() -> None:
     # A held force acts half a sample late besides, so that two samples are nearest for one, none or one for the other.
     assert int(np.argmin(errors[0])) in (0, 1)
     assert int(np.argmin(errors[1])) in (2, 3)
-    assert delays_of(late) == {"F2": -2e-3}
+    assert declared_delays(late) == {"F2": -2e-3}
 
 
 def test_a_drive_that_the_axis_lacks_is_refused() -> None:
