@@ -184,6 +184,12 @@ def _left_out(prediction: Prediction, item: Placed) -> str:
     if item.effect.name == "sensor_delay":
         late = f"{item.at}={1e6 * found['T'][0]:.4g}us"
         return f"sensor_delay ({numbers}) cannot be an element of an axis, as it is early: give `late` {late}"
+    if item.effect.name == "actuator_lag":
+        signal = force_at(prediction.record.forces, item.at)
+        return (
+            f"actuator_lag ({numbers}) cannot be an element of an axis, as it filters the record of {signal} and not "
+            "its force: record it unfiltered, or filter the position alike"
+        )
     return f"{item.effect.name} at {item.at} ({numbers}) cannot be an element of an axis"
 
 

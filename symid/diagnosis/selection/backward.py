@@ -205,8 +205,9 @@ def _chosen(
     refused -= found.keys()
     prefer_coulomb(found)
     best = ranked(found.values(), before)
-    if best and own.key in found and not _is_clearly_better(best[0], found[own.key], first):
-        best = [found[own.key], *(c for c in best if c.key != own.key)]
+    kept = next((c for c in best if c.key == own.key), found.get(own.key))
+    if best and kept is not None and not _is_clearly_better(best[0], kept, first):
+        best = [kept, *(c for c in best if c is not kept)]
     chosen = SelectionStep(before.released(), tuple(best), step.screened, refused)
     if not chosen.justifies_another(first):
         return None

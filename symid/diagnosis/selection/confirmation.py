@@ -14,6 +14,7 @@ from symid.diagnosis.fitting.fit import Fit, fitted, refitted
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.selection.credibility import is_credible
+from symid.diagnosis.selection.late_forces import compared_in_band
 from symid.diagnosis.selection.priors import prior, temperature
 from symid.diagnosis.selection.step import LATE_READING, Confirmed
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -70,7 +71,7 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
     damping of a spring that gains more: with it, what the spring moves is late. Among indistinguishable places a driven
     body goes first.
     """
-    candidates = list(confirmed)
+    candidates = compared_in_band(list(confirmed), before)
     driven = before.state.prediction.record.driven_bodies
     most = max((c.penalised_gain for c in candidates), default=0.0)
     damped = max((c.penalised_gain for c in candidates if c.key[0] == _DAMPED), default=0.0)

@@ -13,6 +13,7 @@ from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_g
 from symid.diagnosis.fitting.state import can_integrate, with_effects
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
+from symid.diagnosis.selection.late_forces import in_band_of_forces
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, is_clear
@@ -44,9 +45,10 @@ def forward_selection(
     # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and
     # presliding friction may be all friction or a part of it. Where one of them comes first, both searches are run to
     # their end, and the better prediction of blocks left out decides.
-    begun = (first, *first.other_timing(), *first.whole_before_part())
-    branches = [_continued(fit, step, library) for step in begun]
-    return max(branches, key=lambda steps: _penalised_likelihood(steps, fit.weighting))
+    timings = first.other_timing()
+    branches = [_continued(fit, step, library) for step in (first, *timings, *first.whole_before_part())]
+    weighting = in_band_of_forces(fit) if timings else fit.weighting
+    return max(branches, key=lambda steps: _penalised_likelihood(steps, weighting))
 
 
 def _with_least_inertia(fit: Fit, nominal: Fit | None) -> tuple[Fit, Fit | None]:

@@ -1,0 +1,62 @@
+"""A delay and a lag of one drive, compared where they can be told apart.
+
+A lag predicts a larger force at high frequencies, and with it more of the noise that the position leaves in the
+predicted force; one of the recorder predicts less of it. Beyond the band in which the force has more noise than the
+position leaves in it, this noise would decide between a lag and a delay, which changes no amplitude.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from symid.diagnosis.effects import LATE_FORCES
+from symid.diagnosis.fitting.cross_validation import log_likelihood
+from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.prediction.weighting import Weighting
+from symid.diagnosis.selection.step import Confirmed
+
+_BAND = 0.5
+"""Power of the weight of a force at the end of its band: noise of the position is then as large as its own."""
+
+_ITERATIONS = 3
+"""Iterations from the values of the whole band, in which noise that a lag increases makes it too short."""
+
+
+def in_band_of_forces(fit: Fit) -> Weighting:
+    """The weighting of a fit without the frequencies at which noise of the position exceeds that of a force."""
+    density, of_noise = fit.weighting.density.copy(), fit.state.prediction.noise_density
+    for i in range(fit.state.prediction.record.n_drives):
+        density[i, of_noise[i] ** 2 < _BAND * of_noise[i].max() ** 2] = 0.0
+    return replace(fit.weighting, density=density)
+
+
+def compared_in_band(candidates: Sequence[Confirmed], before: Fit) -> list[Confirmed]:
+    """Candidates in which the delay and the lag of a drive differ by what they leave in its band."""
+    found = list(candidates)
+    late = [own for own in found if own.effect.name in LATE_FORCES]
+    for place in {own.placed.at for own in late}:
+        pair = [own for own in late if own.placed.at == place]
+        if len(pair) > 1:
+            found = [own for own in found if own not in pair] + _in_band(pair, before)
+    return found
+
+
+def _in_band(pair: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
+    """The better one in the band with the larger gain of both, the other one behind it by their distance there."""
+    weighting, n = in_band_of_forces(before), before.n_rows
+    squares = {
+        own: fitted(own.fit.state.weighted(weighting), weighting, _ITERATIONS).blocks.squares for own in pair
+    }
+    first, *others = sorted(squares, key=lambda own: -log_likelihood(squares[own], n))
+    most = max(squares, key=lambda own: own.gain)
+    best = replace(first, gain=most.gain, certainty=most.certainty, squares=most.squares)
+    behind = (
+        replace(
+            own,
+            gain=most.gain + log_likelihood(squares[own], n) - log_likelihood(squares[first], n),
+            squares=most.squares * (squares[own] / squares[first]),
+        )
+        for own in others
+    )
+    return [best, *behind]

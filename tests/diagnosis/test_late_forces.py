@@ -1,0 +1,25 @@
+"""A delay and a lag of the drive, told apart although noise of the position hides the forces at high frequencies."""
+
+import numpy as np
+import pytest
+
+from benchmarks.diagnosis.drawn_machines import RATES, drawn_machine, drawn_run, simulated
+from symid import ActuatorDelay, ActuatorLag
+from symid.axis import DriveImperfection
+from symid.diagnosis import diagnose
+
+LATE = 1.8e-3
+
+
+@pytest.mark.parametrize(
+    ("late", "name"), [(ActuatorLag(LATE), "actuator_lag"), (ActuatorDelay(LATE), "delay")]
+)
+def test_a_lag_of_a_ball_screw_is_no_delay(late: DriveImperfection, name: str) -> None:
+    rng = np.random.default_rng(40011)
+    machine, period = drawn_machine(rng), 1 / float(rng.choice(RATES))
+    log, other = simulated(machine, [(late, {})], *drawn_run(machine, period, rng), 1)
+    found = diagnose(machine.axis, log, validation=other, nominal=machine.values)
+    (effect,) = found.effects
+    assert effect.effect == name
+    assert effect.probability > 0.5
+    assert effect.parameters["T"].value == pytest.approx(LATE, rel=0.05)
