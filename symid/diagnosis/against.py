@@ -20,7 +20,7 @@ from symid.data import Log
 from symid.diagnosis.diagnose import Recorded, data_of, fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed, declared_effects
 from symid.diagnosis.findings.comparison import compared
-from symid.diagnosis.findings.conclusion import concluded, effect_values
+from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import (
     Diagnosis,
     SimulatedEffect,
@@ -28,6 +28,7 @@ from symid.diagnosis.findings.diagnosis_result import (
     Simulator,
 )
 from symid.diagnosis.findings.found_effects import EffectParameter, ParameterChange
+from symid.diagnosis.findings.parameter_changes import effect_values
 from symid.diagnosis.findings.wording import sentence_against
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.deviations import standard_deviations

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Iterable, Mapping
 from itertools import product
 
 import numpy as np
@@ -20,7 +17,6 @@ from symid.axis import (
     ShapeParameter,
     Spring,
     SpringDamping,
-    Term,
     ViscousFriction,
     laws,
 )
@@ -34,12 +30,11 @@ from symid.diagnosis.effects.effect import (
     joint_units,
     sampled,
 )
+from symid.diagnosis.effects.formula_functions import LawFunctions, functions_of
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_named, place_of
 from symid.diagnosis.prediction.prediction import Prediction
-from symid.simulation.law_code import has_jumps, law_code, level_code
-from symid.simulation.law_functions import array_function
 from symid.units import Unit
 
 _STRONG = (0.3, 1.0, 2.5, 5.0)
@@ -76,7 +71,7 @@ class LawEffect(JointEffect):
     @property
     def functions(self) -> LawFunctions:
         """The formula as functions."""
-        return _functions(self.formula, tuple(number.field for number in self.shape_parameters))
+        return functions_of(self.formula, tuple(number.field for number in self.shape_parameters))
 
     def joint(self, prediction: Prediction, place: str) -> Joint:
         return prediction.springs[place] if self.law.in_spring else prediction.joints[place]
@@ -212,48 +207,6 @@ class LinearLawEffect(LinearEffect, LawEffect):
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         return ()
-
-
-@dataclass(frozen=True, eq=False)
-class LawFunctions:
-    """A formula as functions of q, v, its shape parameters and, but for `arrays`, its amplitudes.
-
-    Parameters
-    ----------
-    arrays : tuple of callable
-        Each term for arrays and a unit amplitude.
-    force : str
-        The whole force as NumPy code, in q, v and `names`.
-    names : tuple of str
-        Names of shape parameters and amplitudes.
-    level : str, optional
-        Of dry friction what stands beside sign(v); it does not fall below 0 along the stroke.
-    jumps : tuple of bool
-        Whether each term jumps where the velocity changes its sign.
-    """
-
-    arrays: tuple[Callable[..., FloatArray], ...]
-    force: str
-    names: tuple[str, ...]
-    level: str | None
-    jumps: tuple[bool, ...]
-
-
-@cache
-def _functions(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFunctions:
-    terms = [law_code(term.expression) for term in formula]
-    levels = [level_code(term.expression) for term in formula]
-    amplitudes = tuple(f"amplitude_{i}" for i in range(len(terms)))
-
-    def whole(parts: Sequence[str | None]) -> str:
-        return " + ".join(f"{a} * ({part})" for a, part in zip(amplitudes, parts, strict=True))
-
-    level = None if None in levels else whole(levels)
-    if level is not None and re.search(r"\bq\b", level):
-        level = f"np.maximum({level}, 0.0)"
-    arrays = tuple(array_function(term, numbers) for term in terms)
-    jumps = tuple(has_jumps(term.expression) for term in formula)
-    return LawFunctions(arrays, whole(terms), (*numbers, *amplitudes), level, jumps)
 
 
 def effects_of(law: type[Law], kind: type[LawEffect] = LawEffect) -> tuple[LawEffect, ...]:

@@ -18,9 +18,17 @@ from symid.diagnosis.experiment.discrimination import (
     simulated_trials,
     trials,
 )
+from symid.diagnosis.experiment.experiment_wording import (
+    none_separates,
+    none_within_limits,
+    odds_of,
+    words_of_drives,
+    words_of_further,
+    words_of_motion,
+    words_of_simulation,
+)
 from symid.diagnosis.experiment.simulated import SimulatedExperiment, simulated_experiment
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
-from symid.diagnosis.findings.wording import spoken
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.selection.evidence import probabilities
 from symid.errors import SettingError, SymidError
@@ -28,7 +36,6 @@ from symid.simulation import Limits, Trajectory
 
 _SMOOTH = 20.0
 _HIGHEST_HZ = 100.0
-_MOST_LOG_ODDS = math.log(1e6)
 _LEAST_CHANCE = 0.01  # probability from which on the motion is also simulated with a further candidate
 _MOST_FURTHER = 3
 
@@ -145,22 +152,22 @@ def next_experiment_of(
     # Candidates are ranked by the log-odds expected of the linear prediction. The best that can decide is simulated
     # with its controller, since limits must hold there.
     best = simulated_trials(rivals, trials(rivals, envelope, forces))
-    considered = {trial.trajectory.name: _odds(trial.log_odds) for trial in best}
+    considered = {trial.trajectory.name: odds_of(trial.log_odds) for trial in best}
     decisive = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
     if not decisive:
-        return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
+        return Experiment(none_separates(rivals), rivals.keys, considered=considered)
     chosen, run, message = _best_within_limits(rivals, decisive, limits, forces)
     if chosen is None:
         return Experiment(
-            _none_within_limits(rivals, message), rivals.keys, considered=considered, message=message
+            none_within_limits(rivals, message), rivals.keys, considered=considered, message=message
         )
     further = _against_further(rivals, chosen.trajectory) if run else {}
-    reference = _words(rivals, chosen.trajectory, chosen.log_odds) + _words_of_drives(record)
+    reference = words_of_motion(rivals, chosen.trajectory, chosen.log_odds) + words_of_drives(record)
     return Experiment(
-        text=reference + _words_of(run, message) + _words_of_further(further),
+        text=reference + words_of_simulation(run, message) + words_of_further(further),
         causes=rivals.keys,
         trajectory=chosen.trajectory,
-        odds=_odds(chosen.log_odds),
+        odds=odds_of(chosen.log_odds),
         considered=considered,
         simulated=run,
         message=message,
@@ -239,77 +246,3 @@ def rivals_of(found: Diagnosis) -> Rivals | None:
             ranked.append(Rivals(step, (confirmed[keys[0]], confirmed[keys[1]]), chance[keys[1]]))
     doubtful = [rivals for rivals in ranked if rivals.remains]
     return next(iter((*doubtful, *ranked)), None)
-
-
-def _odds(log_odds: float) -> float:
-    return math.exp(min(log_odds, _MOST_LOG_ODDS))
-
-
-def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
-    one, other = (spoken(effect, place) for effect, place in rivals.keys)
-    aim = f"To distinguish {one} from {other}" if rivals.remains else f"To confirm {one} against {other}"
-    least = "more than 1e6" if log_odds >= _MOST_LOG_ODDS else f"{_odds(log_odds):.3g}"
-    return (
-        f"{aim}: {trajectory.name}, {trajectory.duration:.3g} s in all; the odds expected after it are {least} to 1 "
-        "for the right one, if the axis follows this reference."
-    )
-
-
-def _words_of_drives(record: Record) -> str:
-    """Motion of several drives in words; empty for one drive."""
-    shares = zip(record.driven[1:], shares_of(record)[1:], strict=True)
-    first = record.driven[0]
-    unlike = [f"{name} {share.factor:.3g} times {first}" for name, share in shares if share.factor != 1.0]
-    if record.n_drives == 1:
-        return ""
-    return f" All drives follow it as they did in the log{': ' + ', '.join(unlike) if unlike else ', alike'}."
-
-
-def _words_of(run: SimulatedExperiment | None, message: str) -> str:
-    """Result of the simulation of a motion in words."""
-    if run is None:
-        return f" It could not be simulated: {message}."
-    demand = run.demand
-    return (
-        f" Simulated with either cause under a controller, it distinguishes them with a probability of "
-        f"{_per_cent(run.probability)} at the noise of the log, "
-        f"and takes positions from {demand.lowest:.3g} to {demand.highest:.3g}, speeds to {demand.speed:.3g}, "
-        f"accelerations to {demand.acceleration:.3g} and forces to {run.force:.3g} (SI)."
-    )
-
-
-def _words_of_further(further: Mapping[Key, float]) -> str:
-    """Discrimination against causes other than the strongest rival, in words."""
-    against = [
-        f"{spoken(*key)} ({'cannot be simulated' if math.isnan(p) else _per_cent(p)})"
-        for key, p in further.items()
-    ]
-    return f" Against what else remains: {', '.join(against)}." if against else ""
-
-
-def _per_cent(probability: float) -> str:
-    return f"{'more than ' * (probability > 0.999)}{100 * min(probability, 0.999):.3g} %"
-
-
-def _none_within_limits(rivals: Rivals, message: str) -> str:
-    (one, at), (other, place) = rivals.keys
-    return (
-        f"No motion that distinguishes {one} at {at} from {other} at {place} stays within the limits in simulation "
-        f"({message}): wider limits are needed."
-    )
-
-
-def _none_separates(rivals: Rivals) -> str:
-    (one, at), (other, place) = rivals.keys
-    record = rivals.record
-    unused = [name for name in record.dynamics.sensors if name not in record.signals]
-    further = f"record {' or '.join(unused)} too" if unused else "another sensor is needed"
-    none = f"No motion within these limits distinguishes {one} at {at} from {other} at {place}"
-    if one == other:
-        return f"{none}: the sensors used see both places alike; {further}."
-    if {one, other} == {"offset_force", "asymmetric_friction"}:
-        return (
-            f"{none}: while it moves, both are a constant force; step the axis round or unload it, "
-            "which changes an offset only."
-        )
-    return f"{none}: wider limits of speed, acceleration or force are needed, or {further}."

@@ -1,0 +1,58 @@
+"""The formula of a law as functions of arrays and of numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from symid.arrays import FloatArray
+from symid.axis import (
+    Term,
+)
+from symid.simulation.law_code import has_jumps, law_code, level_code
+from symid.simulation.law_functions import array_function
+
+
+@dataclass(frozen=True, eq=False)
+class LawFunctions:
+    """A formula as functions of q, v, its shape parameters and, but for `arrays`, its amplitudes.
+
+    Parameters
+    ----------
+    arrays : tuple of callable
+        Each term for arrays and a unit amplitude.
+    force : str
+        The whole force as NumPy code, in q, v and `names`.
+    names : tuple of str
+        Names of shape parameters and amplitudes.
+    level : str, optional
+        Of dry friction what stands beside sign(v); it does not fall below 0 along the stroke.
+    jumps : tuple of bool
+        Whether each term jumps where the velocity changes its sign.
+    """
+
+    arrays: tuple[Callable[..., FloatArray], ...]
+    force: str
+    names: tuple[str, ...]
+    level: str | None
+    jumps: tuple[bool, ...]
+
+
+@cache
+def functions_of(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFunctions:
+    """Functions of the terms of a formula, with some of its numbers as arguments."""
+    terms = [law_code(term.expression) for term in formula]
+    levels = [level_code(term.expression) for term in formula]
+    amplitudes = tuple(f"amplitude_{i}" for i in range(len(terms)))
+
+    def whole(parts: Sequence[str | None]) -> str:
+        return " + ".join(f"{a} * ({part})" for a, part in zip(amplitudes, parts, strict=True))
+
+    level = None if None in levels else whole(levels)
+    if level is not None and re.search(r"\bq\b", level):
+        level = f"np.maximum({level}, 0.0)"
+    arrays = tuple(array_function(term, numbers) for term in terms)
+    jumps = tuple(has_jumps(term.expression) for term in formula)
+    return LawFunctions(arrays, whole(terms), (*numbers, *amplitudes), level, jumps)

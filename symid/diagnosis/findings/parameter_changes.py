@@ -1,0 +1,82 @@
+"""Parameters before and after the effects, and the values of the effects."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from symid.diagnosis.effects import declared_effects, with_parts
+from symid.diagnosis.findings.found_effects import EffectParameter, ParameterChange
+from symid.diagnosis.fitting.deviations import standard_deviations
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.thresholds import THRESHOLDS
+
+
+def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
+    """Free values of each effect with standard deviations.
+
+    A moment that the log does not determine, because the axis rests, has the standard deviation of a uniform
+    distribution over the log.
+    """
+    parts = with_parts(fit.state.placed)
+    if parts != fit.state.placed:  # otherwise the cached derivatives stay valid
+        fit = replace(fit, state=replace(fit.state, placed=parts))
+    deviations = standard_deviations(fit)[len(fit.parameters) :]
+    anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
+    found, place = [], 0
+    for item in fit.state.placed:
+        own = deviations[place : place + item.n_free]
+        place += own.size
+        values = zip(item.values(fit.state.prediction), own, strict=True)
+        moments = item.effect.moments
+        found.append(
+            {
+                name: EffectParameter(
+                    value, min(float(std), anywhere) if name in moments else float(std), unit
+                )
+                for (name, value, unit), std in values
+            }
+        )
+    return found
+
+
+def parameter_changes(
+    fits: Sequence[Fit], nominal: Mapping[str, float] | None
+) -> tuple[ParameterChange, ...]:
+    """Parameters, and values of declared imperfections as `effect.value`; `effect_2.value` for a second one."""
+    base, last = fits[0], fits[-1]
+    before, after = standard_deviations(base), standard_deviations(last)
+    units = base.state.prediction.axis.physical_parameters
+    changes = [
+        _change(
+            (name, str(units[name]), (nominal or {}).get(name, math.nan)),
+            (base.parameters[name], float(before[i])),
+            (last.parameters[name], float(after[i])),
+        )
+        for i, name in enumerate(base.parameters)
+    ]
+    declared = declared_effects(base.state.prediction)
+    known = [effect_values(fit)[: len(declared)] for fit in (base, last)]
+    seen = Counter[str]()
+    for item, olds, news in zip(declared, *known, strict=True):
+        effect = item.effect.name
+        seen[effect] += 1
+        label = effect if seen[effect] == 1 else f"{effect}_{seen[effect]}"
+        for name, value, unit in item.values(base.state.prediction):
+            old, new = olds[name], news[name]
+            changes.append(
+                _change((f"{label}.{name}", unit, value), (old.value, old.std), (new.value, new.std))
+            )
+    return tuple(changes)
+
+
+def _change(
+    declared: tuple[str, str, float], before: tuple[float, float], after: tuple[float, float]
+) -> ParameterChange:
+    """The change of a parameter (name, unit, nominal value) from value and deviation `before` effects to `after`."""
+    (old, old_std), (new, new_std) = before, after
+    limit = max(THRESHOLDS.absorbed_deviations * old_std, THRESHOLDS.absorbed_share * abs(new))
+    absorbed = before != after and abs(new - old) > limit
+    return ParameterChange(*declared, old, old_std, new, new_std, absorbed=bool(absorbed))
