@@ -32,7 +32,7 @@ from symid.identification.cutoff import CutoffTrial, Estimation, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
 from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification, best_covariance
-from symid.identification.lagging import ac_coupling_of, lag_of
+from symid.identification.lagging import ac_coupling_of, lag_of, smoothing_by_residual
 from symid.identification.nonlinearity import ColumnTests
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
@@ -267,6 +267,7 @@ def _faults(
         or folding_of(model, parts)
         or disagreement_of(model, parts)
         or ac_coupling_of(found, parts, fit)
+        or ("" if drift else smoothing_by_residual(found, parts, fit))
         or ("" if drift else more.sensor_gain()),  # a lag changes gains too
         poor_fit=contradicting_part(model, parts, fit)
         or more.force_nonlinearity()

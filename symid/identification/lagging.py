@@ -84,6 +84,41 @@ def ac_coupling_of(
     return ""
 
 
+def smoothing_by_residual(
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
+) -> str:
+    """Statement on a signal whose fast part was damped without a delay, as a zero-phase filter does; else empty.
+
+    Such a filter of squared gain 1 / (1 + (T w)^2) is undone by x - T^2 x''. Where more of x'' is left than taken, the
+    model imitates what a filter did, if next to nothing of the residual remains.
+    """
+    every = []
+    for name in shiftable(found.model):
+        bent = [
+            _rows_of(part, name, _second_derivative(part.log[name], part.log.sampling_period))
+            for part in parts
+        ]
+        one = _filtered_before(parts, fit, bent)
+        every += [(one, name)] if one else []
+    if not every:
+        return ""
+    best, name = min(every, key=lambda pair: pair[0].remaining)
+    least = criteria.smoothing_leaves if best.factor < 0.0 else criteria.lagging
+    is_certain = abs(best.factor) > criteria.ac_coupling * best.deviation
+    if best.remaining > least or not is_certain or not is_beyond_intervals(found, best.parameters):
+        return ""
+    return (
+        f"the fast part of {name} does not agree with the other signals (its second derivative takes away "
+        f"{100 * (1 - best.remaining):.2g} % of the residual), which biases all parameters: a signal was smoothed or "
+        "filtered before it was recorded; record all signals raw, or lower `cutoff_hz`"
+    )
+
+
+def _second_derivative(x: FloatArray, period: float) -> FloatArray:
+    """Second derivative of a signal by central differences; 0 at the ends."""
+    return np.pad(np.diff(x, 2), 1) / period**2
+
+
 def _rows_of(part: Excerpt, name: str, x: FloatArray) -> _Rows:
     """Rows of W and y that a signal makes if it has another course."""
     log = replace(part.log, signals={**part.log.signals, name: x})

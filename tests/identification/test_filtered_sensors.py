@@ -49,3 +49,13 @@ def test_a_small_change_that_distorts_a_parameter_is_a_fault() -> None:
     found = identified(case, Fm=Fm)
     assert found.status == "poor_fit"
     assert "parameters change within the logs" in found.message
+
+
+def test_a_zero_phase_low_pass_of_one_signal_is_no_ok() -> None:
+    case = draw_case(np.random.default_rng([731010, 37, 1]))
+    sos = scipy.signal.butter(1, 25.0, "lowpass", fs=case.rate, output="sos")
+    smoothed = scipy.signal.sosfiltfilt(sos, case.signals["ddq1"])
+    assert identified(case).status == "ok"
+    found = identified(case, ddq1=smoothed)
+    assert found.status == "recording"
+    assert "the fast part of ddq1 does not agree" in found.message
