@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from importlib import import_module
@@ -88,12 +89,15 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         code = 0  # whoever reads has read enough
     except OSError as error:
-        code = fail(
-            f"{error.filename}: {error.strerror}: check the path and its permissions"
-            if error.filename
-            else str(error)
-        )
+        code = fail(_refused_by_system(error))
     sys.exit(code)
+
+
+def _refused_by_system(error: OSError) -> str:
+    """What the system does not do with which file, and the cure."""
+    cures = {errno.EACCES: ": check its permissions", errno.ENOSPC: ": free some space"}
+    where = f"{error.filename}: " if error.filename else ""
+    return f"{where}{error.strerror or error}{cures.get(error.errno or 0, '')}"
 
 
 def _run(arguments: list[str] | None) -> int:

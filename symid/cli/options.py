@@ -187,13 +187,19 @@ def numbers(values: tuple[str, ...], option: str, known: Collection[str] | None 
     return {name: number(text, f"{option} {name}") for name, text in given.items()}
 
 
+_EXAMPLES = {"--known": "Ml=0,12.5kg", "--bounds": "Fv=0..300", "--fix": "Ml=12.5kg", "--unit": "q2=mm"}
+_EXAMPLES |= {"--gain": "q2=-1", "--late": "q2=125us", "--noise": "q2=1e-6", "--controller-gain": "Kpp=30"}
+"""What options that set a value by name are set to, by option."""
+
+
 def assignments(values: tuple[str, ...], option: str, known: Collection[str] | None = None) -> dict[str, str]:
     """Mapping of options such as ``--column q2=pos_mm``: ``NAME=VALUE``, each name once and one of those `known`."""
     pairs: dict[str, str] = {}
     for value in values:
         name, equals, right = value.partition("=")
         if not (name and equals and right):
-            raise SettingError(f"{option} {value!r} is not NAME=VALUE: write for example {option} q2=pos_mm")
+            example = _EXAMPLES.get(option, "q2=pos_mm")
+            raise SettingError(f"{option} {value!r} is not NAME=VALUE: write for example {option} {example}")
         if pairs.setdefault(name.strip(), right.strip()) != right.strip():
             raise SettingError(
                 f"{option} {name.strip()} is given as {pairs[name.strip()]} and as {right.strip()}: give it once"

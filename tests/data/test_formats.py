@@ -70,6 +70,17 @@ def test_a_file_that_ends_its_parser_is_one_line(tmp_path: Path) -> None:
         open_table(tmp_path / "a.mat")
 
 
+def test_a_damaged_feather_file_prints_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    FILES["a.feather"](tmp_path / "a.feather")
+    whole = bytearray((tmp_path / "a.feather").read_bytes())
+    for place in range(len(whole) - 400, len(whole) - 12, 7):  # places and sizes in the footer
+        whole[place] ^= 0x5A
+    (tmp_path / "a.feather").write_bytes(bytes(whole))
+    with pytest.raises(LogError, match=r"a\.feather: is damaged or no Feather file"):
+        open_table(tmp_path / "a.feather").read([0, 1])
+    assert capfd.readouterr().err == ""
+
+
 def _fails_in_one_line_or_reads(path: Path) -> None:
     try:
         read_log(path, expected=EXPECTED)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,8 +26,35 @@ def open_parquet(path: Path, memory: int | None = None) -> Table:
 
 def open_feather(path: Path, memory: int | None = None) -> Table:
     """Table in a Feather file (Arrow IPC), always read as a whole; LogError if it is damaged."""
-    table = _opened(path, "Feather", pl.scan_ipc)
-    return replace(table, slices=None)
+    with _native_silence():
+        table = _opened(path, "Feather", pl.scan_ipc)
+    if path.stat().st_size <= _SMALL:
+        return replace(table, slices=None)
+
+    def read(positions: Sequence[int]) -> list[FloatArray | str]:
+        with _native_silence():
+            return table.read(positions)
+
+    return replace(table, read=read, slices=None)
+
+
+@contextmanager
+def _native_silence() -> Iterator[None]:
+    """Drop what threads of polars print on standard error: 50 lines for a damaged file, beside the exception."""
+    if sys.stderr is not None:
+        sys.stderr.flush()
+    try:
+        kept = os.dup(2)
+    except OSError:  # it is closed
+        yield
+        return
+    try:
+        with open(os.devnull, "w", encoding="utf-8") as nothing:
+            os.dup2(nothing.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
