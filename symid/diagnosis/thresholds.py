@@ -155,6 +155,9 @@ class Thresholds:
     # cause takes all of it away (exact axes whose encoder noise passes through a controller)
     nearly_all: float = 0.8
     nearly_width: float = 0.05
+    # standard deviation, relative to it, of the share of the gap that an effect takes over from others beside it, or
+    # leaves to them (11 drawn worldly cases: 0.07 with that of parts of a log, -0.12 to 0.09)
+    taken_over: float = 0.05
     all_of_it: float = 0.1  # share of the gap that may stay where effects explain it and not a part of it
     # absorbed_deviations, absorbed_share: standard deviations and relative change from which on a parameter had
     # absorbed an effect

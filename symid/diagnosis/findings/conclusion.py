@@ -171,7 +171,7 @@ def _effects(
                 probability_with_ties=there * math.fsum(chance[key] for key in (best, *rivals)),
                 parameters=values[i],
                 gap_after=felt.level(i + 2),
-                removes=comparison.removed(i + 1, i + 2),
+                removes=comparison.removed(i + 1, i + 2).beside_others(THRESHOLDS.taken_over),
                 indistinguishable_from=tuple(rivals),
                 signal=comparison.record.forces[felt.drive],
                 shown_by=comparison.record.outputs[comparison.output_of(i + 2)],
