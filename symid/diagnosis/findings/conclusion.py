@@ -155,6 +155,9 @@ def _effects(
     last, known = fits[-1], len(fits[0].state.placed)
     values = effect_values(last)[known:]
     named = {item.key for item in last.state.placed[known:]}
+    # An effect that explains the gap alone has taken over nothing.
+    alone = len(accepted) == 1 and not comparison.unexplained_of_all > THRESHOLDS.hardly_left
+    spread = 0.0 if alone else THRESHOLDS.taken_over
     found = []
     for i, step in enumerate(accepted):
         item = last.state.placed[known + i]
@@ -171,7 +174,7 @@ def _effects(
                 probability_with_ties=there * math.fsum(chance[key] for key in (best, *rivals)),
                 parameters=values[i],
                 gap_after=felt.level(i + 2),
-                removes=comparison.removed(i + 1, i + 2).beside_others(THRESHOLDS.taken_over),
+                removes=comparison.removed(i + 1, i + 2).beside_others(spread),
                 indistinguishable_from=tuple(rivals),
                 signal=comparison.record.forces[felt.drive],
                 shown_by=comparison.record.outputs[comparison.output_of(i + 2)],
