@@ -26,9 +26,12 @@ Paths: TypeAlias = tuple[Trajectory, ...]
 """Reference of each drive."""
 _FINALISTS, _RUNS = 6, 4
 """The best candidates and the defaults are simulated several times: one run shows little bias."""
+_FINAL_RUNS = 60
+"""Runs of the chosen reference and of the defaults, whose errors then tell more than printed deviations."""
 _TRIES = 4
 _MARGIN = 0.99
-_CHANCE = 2.0  # standard deviations by which a mean may differ from the truth by chance
+_OF_ESTIMATE = 4
+"""Runs that the printed deviations are worth beside the errors that runs have."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,8 @@ class Expectation:
     deviations : dict of str to float
         Standard deviations of the physical parameters, SI.
     relative : dict of str to float
-        Relative deviations of parameters other than zero. A systematic error beyond two standard deviations of the mean
-        is added in squares.
+        Expected rms errors of parameters other than zero, relative to their values: printed deviations in the first run,
+        errors in simulated runs the more of these there are. They include systematic errors.
     reached : dict of str to float
         Largest travel, speed, acceleration and force of a drive of the simulated axis, jerk of a reference, and, if
         limited, largest difference between drives, SI.
@@ -170,11 +173,9 @@ class IdentificationTrial:
         relative = {}
         for name, deviation in deviations.items():
             truth = self.parameters[name]
-            # By chance, the mean of the runs differs from the truth by up to two of its deviations; the rest is bias.
             if truth and math.isfinite(deviation):
-                error = abs(sum(one[0][name] for one in found) / runs - truth)
-                bias = max(error - _CHANCE * deviation / math.sqrt(runs), 0.0)
-                relative[name] = math.hypot(deviation, bias) / abs(truth)
+                squares = _OF_ESTIMATE * deviation**2 + sum((one[0][name] - truth) ** 2 for one in found)
+                relative[name] = math.sqrt(squares / (_OF_ESTIMATE + runs)) / abs(truth)
         return Expectation(motion, deviations, relative, self.reached(*kept))
 
 
@@ -243,4 +244,8 @@ def design(
             f"none of {len(tried)} references within the limits determines the parameters of axis "
             f"{experiment.axis.name!r}: allow more travel, speed, force or time{apart}, or lower the noise"
         )
-    return Design(best, {name: again.get(name) for name in DEFAULTS}, len(tried))
+    compared = {one.trajectory.name: one for one in (best, *map(again.get, DEFAULTS)) if one}
+    final = {name: experiment.expectation(one.references, _FINAL_RUNS) for name, one in compared.items()}
+    return Design(
+        final[best.trajectory.name] or best, {name: final.get(name) for name in DEFAULTS}, len(tried)
+    )
