@@ -45,8 +45,8 @@ class Expectation:
     deviations : dict of str to float
         Standard deviations of the physical parameters, SI.
     relative : dict of str to float
-        Expected rms errors of parameters other than zero, relative to their values: mostly the printed deviations of one
-        run, and the errors of the runs the more of these there are. They include systematic errors.
+        Expected rms errors of parameters other than zero, relative to their values: mostly the printed deviations where
+        there is one run, the errors of the runs where there are many. They include systematic errors.
     reached : dict of str to float
         Largest travel, speed, acceleration and force of a drive of the simulated axis, jerk of a reference, and, if
         limited, largest difference between drives, SI.
