@@ -28,10 +28,10 @@ def test_code_of_a_page_runs_and_prints_what_stands_below_it(
     monkeypatch.chdir(ROOT)
     namespace: dict[str, object] = {"__name__": "page"}
     for block, printed in BLOCK.findall(page.read_text(encoding="utf-8")):
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said):
+        message = io.StringIO()
+        with contextlib.redirect_stdout(message):
             exec(compile(block, page.name, "exec"), namespace)
-        assert not printed or follows(said.getvalue(), printed), f"{block} prints {said.getvalue()}"
+        assert not printed or follows(message.getvalue(), printed), f"{block} prints {message.getvalue()}"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)

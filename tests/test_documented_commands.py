@@ -127,13 +127,13 @@ def test_commands_of_a_page_run(page: str, tmp_path: Path, monkeypatch: pytest.M
     Path("P.json").write_text(json.dumps({**PAPER, **RIGID}), encoding="utf-8")
     FILES[page](tmp_path)
     for command in commands_of(ROOT / page):
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        message = io.StringIO()
+        with contextlib.redirect_stdout(message), contextlib.redirect_stderr(message):
             code = run(*command.arguments)
         stale = "--check" in command.arguments  # a page shows what is found then
-        assert code == int(stale), f"{command.text}: {said.getvalue()}"
+        assert code == int(stale), f"{command.text}: {message.getvalue()}"
         if command.printed is not None and command.arguments[0] not in CHANGING:
-            assert follows(said.getvalue(), command.printed), f"{command.text} prints {said.getvalue()}"
+            assert follows(message.getvalue(), command.printed), f"{command.text} prints {message.getvalue()}"
 
 
 def test_every_page_with_commands_is_run() -> None:

@@ -19,5 +19,5 @@ def test_an_example_prints_what_its_page_says(
     runpy.run_path(str(example), run_name="__main__")
     page = PAGES[example.stem].read_text(encoding="utf-8")
     assert f'--8<-- "examples/{example.name}"' in page
-    (said,) = re.findall(rf"`python examples/{example.name}` prints\n\n```text\n(.*?)```", page, re.DOTALL)
-    assert capsys.readouterr().out == said
+    (printed,) = re.findall(rf"`python examples/{example.name}` prints\n\n```text\n(.*?)```", page, re.DOTALL)
+    assert capsys.readouterr().out == printed

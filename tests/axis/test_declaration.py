@@ -115,7 +115,7 @@ def test_faults_of_types_are_reported_together() -> None:
         ((), (Position("q", Body("motor", mass="M")),), "there is no body"),
     ],
 )
-def test_what_is_missing_is_said(elements: object, sensors: object, fault: str) -> None:
+def test_what_is_missing_is_reported(elements: object, sensors: object, fault: str) -> None:
     found = faults("empty", elements, Drive("F", Body("motor", mass="M")), sensors)
     assert any(fault in text for text in found)
 

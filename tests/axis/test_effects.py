@@ -164,7 +164,7 @@ def test_an_asymmetry_beside_friction_is_asymmetric_friction() -> None:
         assert total == pytest.approx(sum(law.force(0.0, v) for law in second.laws))
 
 
-def test_derivatives_that_are_left_out_are_said() -> None:
+def test_derivatives_that_are_left_out_are_reported() -> None:
     """The second derivative of abs jumps: without Coulomb friction nothing else would say so."""
     axis = load_axis("direct_2m1s")
     smooth = axis.without(axis.elements[-1])

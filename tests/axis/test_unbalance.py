@@ -49,6 +49,9 @@ def test_the_regressor_is_linear_in_sine_and_cosine() -> None:
 
 def test_bodies_without_an_angle_of_their_own_are_refused() -> None:
     slide, arm = Body("slide", mass="M"), Body("arm", inertia="Ja", on=TABLE)
-    for body, said in ((slide, "use Weight where it slides"), (arm, "relative to 'table', which turns too")):
-        with pytest.raises(DeclarationError, match=said):
+    for body, statement in (
+        (slide, "use Weight where it slides"),
+        (arm, "relative to 'table', which turns too"),
+    ):
+        with pytest.raises(DeclarationError, match=statement):
             AXIS.with_effect(body, Unbalance(body, "A", "B"))

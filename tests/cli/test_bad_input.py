@@ -108,8 +108,8 @@ def test_one_line_and_nothing_written(
 ) -> None:
     before = sorted(path.name for path in folder.iterdir())
     assert run(*arguments.split()) == 2
-    said = capsys.readouterr()
-    assert (said.out, said.err.count("\n"), said.err[:7]) == ("", 1, "symid: ")
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err.count("\n"), printed.err[:7]) == ("", 1, "symid: ")
     assert sorted(path.name for path in folder.iterdir()) == before
 
 

@@ -59,9 +59,9 @@ def test_another_mass_differs_and_the_same_does_not(folder: Path, capsys: pytest
     assert same["together"]["chi_square"] == pytest.approx(square, rel=1e-6)
     assert same["together"]["probability"] == pytest.approx(chi2.sf(square, 3), rel=1e-6)
     assert run("compare", "a.json", "c.json") == 0
-    said = capsys.readouterr().out
-    assert "differs" in said
-    assert "setting cutoff_hz" in said
+    printed = capsys.readouterr().out
+    assert "differs" in printed
+    assert "setting cutoff_hz" in printed
 
 
 def test_values_without_deviations_are_compared_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -106,9 +106,9 @@ def test_mistakes_are_one_line(
     Path("a.json").write_text('{"M": 1}')
     Path("b.json").write_text(content)
     assert run("compare", "a.json", "b.json") == 2
-    said = capsys.readouterr().err
-    assert says in said
-    assert said.count("\n") == 1
+    printed = capsys.readouterr().err
+    assert says in printed
+    assert printed.count("\n") == 1
 
 
 def test_the_page_holds_both_results_side_by_side(folder: Path) -> None:

@@ -22,8 +22,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_reference_is_written_and_followed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(*f"{COMMON} {LIMITS},force=1kN {NOISE} -o r.csv --json r.json".split()) == 0
-    said = capsys.readouterr().out
-    assert "default trapezoids" in said
+    printed = capsys.readouterr().out
+    assert "default trapezoids" in printed
     record = json.loads((folder / "r.json").read_text())
     designed = record["expected"]["designed"]
     assert record["limits"]["force"] == 1000.0

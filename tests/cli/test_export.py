@@ -1,4 +1,4 @@
-"""`symid export`: what is written, and what is said to be lost."""
+"""`symid export`: what is written, and what is reported as lost."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_plain_values_have_no_covariance(capsys: pytest.CaptureFixture[str]) -> 
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "printed"),
     [
         (("export", "rigid_1m", "--to", "c"), "--parameters"),
         (("export", "rigid_1m", *PARAMETERS, "--to", "vhdl"), "'mjcf'"),
@@ -86,11 +86,11 @@ def test_plain_values_have_no_covariance(capsys: pytest.CaptureFixture[str]) -> 
 )
 @pytest.mark.usefixtures("folder")
 def test_a_mistake_is_one_line(
-    arguments: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+    arguments: tuple[str, ...], printed: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(*arguments) == 2
     error = capsys.readouterr().err
-    assert said in error
+    assert printed in error
     assert error.count("\n") == 1
 
 

@@ -95,7 +95,7 @@ def test_guesses_that_were_checked_are_silent_and_late_is_used(
         ("percent", "", "per % (rated value / 100)"),
     ],
 )
-def test_what_nothing_tells_is_missing_and_not_used(
+def test_what_nothing_identifies_is_missing_and_not_used(
     kind: str, options: str, words: str, recorded, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = written(kind, recorded, folder)
@@ -114,7 +114,7 @@ def test_layouts_are_found(recorded, folder: Path) -> None:
     assert found["percent"] == Layout("utf-16", "\t", ".", 4, 0)
 
 
-def test_setpoints_and_units_are_told_from_names_and_values(recorded, folder: Path) -> None:
+def test_setpoints_and_units_are_distinguished_from_names_and_values(recorded, folder: Path) -> None:
     columns = foreign_columns(open_table(folder / written("microseconds", recorded, folder)))
     assert [(c.quantity, c.unit, c.setpoint, c.stated) for c in columns] == [
         ("time", "us", False, False),
@@ -158,11 +158,11 @@ def test_a_second_position_is_named_and_an_option_silences_the_guess(
     assert "q may as well be column 'pos 1 [mm]'" in capsys.readouterr().out
     identify = ("identify", "rigid_1m", "a.csv", "--mapping", "m.json", "--held", "F", "--json", "o.json")
     assert run(*identify, "--column", "q=pos 2 [mm]", "--gain", f"F={KT}") == 0
-    said = capsys.readouterr().err
-    assert "t is column 'time [ms]'" in said
-    assert "F is column 'I [A]'" in said
-    assert "pos 1" not in said
-    assert "N per A" not in said
+    printed = capsys.readouterr().err
+    assert "t is column 'time [ms]'" in printed
+    assert "F is column 'I [A]'" in printed
+    assert "pos 1" not in printed
+    assert "N per A" not in printed
 
 
 def test_a_drive_in_volts_takes_a_voltage(recorded, folder: Path) -> None:

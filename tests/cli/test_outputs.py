@@ -81,9 +81,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_nothing_is_overwritten(arguments: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     assert run(*arguments.split()) == 2
-    said = capsys.readouterr().err
-    assert any(words in said for words in TROUBLE.split("|")), said
-    assert said.count("\n") == 1
+    printed = capsys.readouterr().err
+    assert any(words in printed for words in TROUBLE.split("|")), printed
+    assert printed.count("\n") == 1
     assert {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
 
 
@@ -98,7 +98,7 @@ def test_results_are_written_again(folder: Path) -> None:
     assert {"r.json", "r.svg", "r.c", "r.h", "map.json", "in.pdf"} < {path.name for path in folder.iterdir()}
 
 
-def test_a_simulation_is_replaced_if_that_is_said(folder: Path) -> None:
+def test_a_simulation_is_replaced_on_request(folder: Path) -> None:
     simulate = ["simulate", "rigid_1m", "--parameters", "P.json", "--rate", "500", "-o", "run.csv"]
     assert [run(*simulate), run(*simulate), run(*simulate, "--overwrite")] == [0, 2, 0]
 

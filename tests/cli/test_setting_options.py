@@ -51,7 +51,7 @@ def test_every_setting_that_a_message_names_is_an_option() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "written"),
+    ("given", "written"),
     [
         ("give `late` F=-126us", "give --late F=-126us"),
         ("take `method=iv`, or `filter_force=True`", "take --method iv, or --filter all"),
@@ -60,5 +60,5 @@ def test_every_setting_that_a_message_names_is_an_option() -> None:
         ({"a": {"b": ("`held` F",)}}, {"a": {"b": ["--held F"]}}),
     ],
 )
-def test_settings_become_options(said: object, written: object) -> None:
-    assert with_options(said) == written
+def test_settings_become_options(given: object, written: object) -> None:
+    assert with_options(given) == written

@@ -72,18 +72,18 @@ def test_a_log_leads_and_its_force_drives(folder: Path) -> None:
 
 @pytest.mark.parametrize("seconds", ["10", "3.3"])
 @pytest.mark.parametrize("trajectory", ["chirp", "multisine"])
-def test_the_reference_lasts_as_asked_and_its_reach_is_said(
+def test_the_reference_lasts_as_asked_and_its_reach_is_reported(
     folder: Path, trajectory: str, seconds: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     common = ["simulate", "rigid_1m", "--parameters", "rigid_1m.json", "--rate", "2000", "--travel", "0.2"]
     common += ["--trajectory", trajectory, "--seconds", seconds, "-o", "run.csv", "--overwrite"]
     assert run(*common) == 0
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     log = pl.read_csv(folder / "run.csv")
     assert log["t"][-1] - log["t"][0] == pytest.approx(float(seconds), abs=1.1 / 2000)
     reach = log["reference"].abs().max()
-    assert f"travel {reach:.3g} of 0.2 m" in said
-    assert "acceleration is the limit" in said
+    assert f"travel {reach:.3g} of 0.2 m" in printed
+    assert "acceleration is the limit" in printed
     acceleration = np.diff(log["reference"].to_numpy(), 2) * 2000**2
     assert np.abs(acceleration).max() == pytest.approx(5.0, rel=0.01)
 

@@ -81,7 +81,7 @@ def test_total_error_from_a_log_and_from_given_noise(
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "shown"),
     [
         (["--max-sampling-error", "0"], "must be positive"),
         (["--noise", "q=1e-7"], "noise of F is not given"),
@@ -91,10 +91,10 @@ def test_total_error_from_a_log_and_from_given_noise(
     ],
 )
 def test_mistakes_are_one_line(
-    folder: Path, capsys: pytest.CaptureFixture[str], options: list[str], said: str
+    folder: Path, capsys: pytest.CaptureFixture[str], options: list[str], shown: str
 ) -> None:
     arguments = ["tune", "rigid_1m", "--parameters", "rigid_1m.json", "--rate", "2000", "--seconds", "2"]
     assert run(*arguments, *options) == 2
     error = capsys.readouterr().err
-    assert said in error
+    assert shown in error
     assert error.count("\n") == 1

@@ -60,7 +60,7 @@ def test_missing_samples_are_a_gap_after_the_last_good_time(at, missing, decimal
     assert "sampling period from" not in text
 
 
-def test_all_faults_are_told_at_once():
+def test_all_faults_are_reported_at_once():
     time = 0.01 * np.arange(500)
     time[100] = time[99]
     time[300:] -= 0.5
@@ -79,7 +79,7 @@ def test_all_faults_are_told_at_once():
 
 @pytest.mark.parametrize("second", [0.00101, 0.0011, 0.002, 0.0005, 0.01])
 @pytest.mark.parametrize("at", [300, 1000, 1700])
-def test_two_clocks_are_told_with_time_and_both_periods(second, at):
+def test_two_clocks_are_reported_with_time_and_both_periods(second, at):
     index = np.arange(2000)
     time = np.where(index < at, 0.001 * index, 0.001 * at + second * (index - at))
     text = faults_of(time)

@@ -67,7 +67,7 @@ def test_a_missing_signal_names_those_there_are():
 
 
 @pytest.mark.parametrize(
-    ("signals", "period", "said"),
+    ("signals", "period", "statement"),
     [
         ({}, 0.1, "no signals"),
         ({"q": [1.0, 2.0], "F": [1.0]}, 0.1, r"differ in length \(q 2, F 1\)"),
@@ -85,6 +85,6 @@ def test_a_missing_signal_names_those_there_are():
         ({"q": [1.0, 2.0]}, float("nan"), "sampling period nan s"),
     ],
 )
-def test_unusable_arrays_are_refused(signals, period, said):
-    with pytest.raises(LogError, match=said):
+def test_unusable_arrays_are_refused(signals, period, statement):
+    with pytest.raises(LogError, match=statement):
         Log.from_arrays(signals, sampling_period=period)

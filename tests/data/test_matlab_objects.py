@@ -72,7 +72,7 @@ def test_a_timetable_has_the_times_of_its_rows(tmp_path: Path) -> None:
     assert log.sampling_period == pytest.approx(PERIOD)
 
 
-def test_objects_that_hold_no_numbers_are_said(tmp_path: Path) -> None:
+def test_objects_that_hold_no_numbers_are_reported(tmp_path: Path) -> None:
     save_to_mat(str(tmp_path / "a.mat"), {"a": MatlabOpaque({"x": "text"}, "other")}, version="v7")
     with pytest.raises(LogError, match="save the Time and Data of a timeseries as vectors"):
         read_log(tmp_path / "a.mat", expected=EXPECTED)

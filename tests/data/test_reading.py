@@ -132,7 +132,7 @@ def test_no_time_and_no_signal(tmp_path):
     assert "has none of the signals q2, ddq1, Fm" in error_of(path)
 
 
-def test_swapped_units_are_told_together(tmp_path):
+def test_swapped_units_are_reported_together(tmp_path):
     message = error_of(write(tmp_path / "a.csv", {"t": T, "q2 [N]": Q2, "Fm [mm]": FM}))
     assert "column 'q2 [N]': unit 'N' does not measure" in message
     assert "column 'Fm [mm]': unit 'mm' does not measure" in message
@@ -175,7 +175,7 @@ def test_runs_of_missing_values(tmp_path):
     assert "'q2' has 1 value empty or not finite" in error_of(tmp_path / "a.parquet")
 
 
-def test_faults_of_clock_and_channels_are_told_together(tmp_path):
+def test_faults_of_clock_and_channels_are_reported_together(tmp_path):
     time = T.copy()
     time[20] = time[19]
     time[120:] += 1.0

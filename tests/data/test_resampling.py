@@ -49,7 +49,7 @@ def test_jitter_of_a_third_is_taken_out(tmp_path: Path) -> None:
     assert any("jittered by" in note for note in log.notes)
 
 
-def test_short_gaps_are_filled_and_said_and_long_ones_refused(tmp_path: Path) -> None:
+def test_short_gaps_are_filled_and_reported_and_long_ones_refused(tmp_path: Path) -> None:
     t = np.arange(4000) / RATE
     short = np.delete(t, [700, 701, 702, 2000])
     with pytest.raises(LogError, match="gap"):
@@ -126,8 +126,8 @@ def test_on_the_command_line(
     assert run("identify", "rigid_1m", "a.csv") == 2
     assert "--resample own" in capsys.readouterr().err
     assert run("identify", "rigid_1m", "a.csv", "--resample", "own") == 0
-    said = capsys.readouterr().out
-    assert "resampled to" in said
+    printed = capsys.readouterr().out
+    assert "resampled to" in printed
     assert run("identify", "rigid_1m", "a.csv", "--resample", "-3") == 2
     assert run("batch", "rigid_1m", "a.csv", "-o", "r.parquet", "--resample", "500", "--jobs", "1") == 0
     (row,) = pl.read_parquet("r.parquet").iter_rows(named=True)

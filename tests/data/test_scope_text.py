@@ -171,7 +171,7 @@ def test_control_desk(tmp_path: Path) -> None:
     np.testing.assert_array_equal(log["F"], F)
 
 
-def test_clocks_that_differ_are_resampled_if_that_is_said(tmp_path: Path) -> None:
+def test_clocks_that_differ_are_resampled_on_request(tmp_path: Path) -> None:
     path = tmp_path / "clocks.csv"
     path.write_text(twincat(clocks=True), encoding="utf-8")
     assert open_table(path).headers[2:] == ("t", "t of Axis.ActForce")

@@ -59,7 +59,7 @@ def test_one_run_prints_a_table_and_writes_json_page_and_axis(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "statement"),
     [
         (("rigid_1m", "short.csv"), "independent rows of motion"),
         (("rigid_1m", "blind.csv"), "q"),
@@ -76,10 +76,10 @@ def test_one_run_prints_a_table_and_writes_json_page_and_axis(
     ],
 )
 def test_mistakes_are_one_line(
-    folder: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], said: str
+    folder: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], statement: str
 ) -> None:
     assert run("diagnose", *arguments) == 2
     shown = capsys.readouterr()
     assert shown.out == ""
-    assert said in shown.err
+    assert statement in shown.err
     assert len(shown.err.strip().splitlines()) == 1

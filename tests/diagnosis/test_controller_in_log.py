@@ -48,7 +48,7 @@ def test_a_reference_that_moves_shows_the_machine() -> None:
     assert not any("controller" in text for text in found.faults)
 
 
-def test_a_force_of_the_other_sign_is_told_from_an_axis_that_lacks_something() -> None:
+def test_a_force_of_the_other_sign_is_distinguished_from_an_axis_that_lacks_something() -> None:
     time = STEP * np.arange(6000)
     log = closed_loop(np.sin(2 * np.pi * 0.7 * time) + 0.4 * np.sin(2 * np.pi * 1.9 * time))
     turned = Log.from_arrays({"q": log["q"], "u": -log["u"]}, sampling_period=STEP, source="turned")

@@ -93,7 +93,7 @@ def test_one_sided_friction_of_the_load_may_be_in_the_friction_of_the_motor() ->
     assert first.effect == "asymmetric_friction"
 
 
-def test_a_force_of_the_wrong_sign_is_said_without_nominal_values() -> None:
+def test_a_force_of_the_wrong_sign_is_reported_without_nominal_values() -> None:
     log = rigid_log()
     turned = Log.from_arrays({"q": log["q"], "F": -log["F"]}, sampling_period=log.sampling_period)
     found = diagnose(load_axis("rigid_1m"), turned)

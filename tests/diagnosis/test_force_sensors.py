@@ -46,7 +46,7 @@ def test_friction_of_the_load_is_found_beside_a_load_cell() -> None:
 def test_an_axis_is_written_with_the_scale_that_was_identified() -> None:
     found = diagnosed(celled((MOTOR_SCALE, SCALED)), CoulombFriction(LOAD, "Fsl"), Fsl=6.0, cq=1.02, oq=0.003)
     assert [(one.effect, one.at) for one in found.effects] == [("coulomb_friction", "load")]
-    assert any(said.startswith("ql is taken with gain 1.02") for said in found.assumptions)
+    assert any(statement.startswith("ql is taken with gain 1.02") for statement in found.assumptions)
     written = explained_axis(found)
     assert written.axis.sensors[1] == SCALED
     assert written.axis.known == {"cq": pytest.approx(1.02, rel=1e-4), "oq": pytest.approx(0.003, rel=1e-3)}

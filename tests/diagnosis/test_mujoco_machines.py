@@ -1,4 +1,4 @@
-"""The machines of `benchmarks.diagnosis.mujoco_machines` obey the laws that they are said to have."""
+"""The machines of `benchmarks.diagnosis.mujoco_machines` obey the laws that they declare."""
 
 import mujoco
 import numpy as np

@@ -45,13 +45,13 @@ def test_it_does_not_count_on_a_sensor_that_the_log_lacks() -> None:
     assert [record.outputs for record in run.records] == [pair.record.outputs] * 2
 
 
-def test_a_larger_motion_tells_more_and_none_nothing(pair: Rivals) -> None:
+def test_a_larger_motion_discriminates_more_and_none_nothing(pair: Rivals) -> None:
     small, large = (simulated_experiment(pair, experiment(size)) for size in (0.005, 0.03))
     assert large.probability > 0.999 > small.probability
     assert min(s.distance for s in large.separations) > max(s.distance for s in small.separations)
 
 
-def test_two_gaussians_are_told_apart_as_drawn_samples_are() -> None:
+def test_two_gaussians_are_distinguished_as_drawn_samples_are() -> None:
     draw = np.random.default_rng(1)
     apart = np.array([0.9, -1.2, 0.4])
     d = float(np.linalg.norm(apart))

@@ -171,7 +171,7 @@ def test_each_case_has_logs_of_its_axis_and_values_for_it():
 
 
 def answer(*effects: tuple[str, str]) -> SimpleNamespace:
-    """An answer whose first effect is said to be indistinguishable from the others."""
+    """An answer whose first effect is indistinguishable from the others."""
     if not effects:
         return SimpleNamespace(effects=())
     (name, place), *others = effects

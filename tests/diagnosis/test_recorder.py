@@ -1,4 +1,4 @@
-"""What a recorder does to channels costs no effect its name, and is said."""
+"""What a recorder does to channels costs no effect its name, and is reported."""
 
 import json
 from collections.abc import Callable
@@ -42,7 +42,7 @@ def zeroed(x: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize(
-    ("change", "names", "said"),
+    ("change", "names", "statement"),
     [
         (held, ("q",), "q is updated every 4th sample only"),
         (held, ("q", "F"), "q is updated every 4th sample only"),
@@ -51,13 +51,13 @@ def zeroed(x: FloatArray) -> FloatArray:
     ],
 )
 def test_an_effect_is_found_in_spite_of_the_recorder(
-    change: Callable[[FloatArray], FloatArray], names: tuple[str, ...], said: str
+    change: Callable[[FloatArray], FloatArray], names: tuple[str, ...], statement: str
 ) -> None:
     found = diagnose(load_axis("rigid_1m"), recorded(with_drag(), change, *names), nominal=RIGID)
     assert (found.verdict, found.effects[0].effect) == ("effect", "quadratic_drag")
     drag = found.effects[0].parameters["c"]
     assert abs(drag.value - 300) < 3 * drag.std < 0.1 * 300
-    assert any(fault.startswith(said) for fault in found.faults)
+    assert any(fault.startswith(statement) for fault in found.faults)
 
 
 def test_rows_that_a_recorder_repeats_are_interpolated() -> None:

@@ -8,7 +8,7 @@ import pytest
 from symid import Cogging, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import Diagnosis, diagnose
-from symid.diagnosis.selection.backward import _beside_all, _chain, _members
+from symid.diagnosis.selection.backward import _chain, _members, _with_values_of
 from symid.diagnosis.selection.lack_of_fit import lack_of_fit
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -61,7 +61,7 @@ def test_the_last_effect_of_an_order_is_also_fitted_from_the_values_of_the_whole
     accepted = [step for step in found.search if step.accepts]
     first, whole = accepted[0].before, accepted[-1].confirmed[0].fit
     drag, cogging = members = _members(accepted)
-    start = _beside_all(whole, first, members)
+    start = _with_values_of(whole, first, members)
     assert start.placed is cogging.placed
     assert start.placed_state().prediction.parameters == whole.state.prediction.parameters
     found_again = _chain([drag, cogging], first, math.inf, justified=True, whole=whole)

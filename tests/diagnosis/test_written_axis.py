@@ -179,8 +179,8 @@ def test_exports_say_what_they_lack_and_the_regressor_passes_it_over() -> None:
     axis = RIGID.with_effect(ActuatorLag(0.004), PreslidingFriction(MOTOR, 12.0, reach=3e-4))
     model = derive(axis, ("q",))
     assert str(model) == str(derive(RIGID, ("q",)))
-    said = derivation_record(model)["assumptions"]
-    assert "ActuatorLag is passed over by the regressor, simulated only: 0.004 s f(1) + f = F" in said
+    assumptions = derivation_record(model)["assumptions"]
+    assert "ActuatorLag is passed over by the regressor, simulated only: 0.004 s f(1) + f = F" in assumptions
     (lost,) = [loss for loss in mjcf(axis, VALUES).losses if "left out: " in loss]
     assert lost.startswith("PreslidingFriction: MuJoCo has no such element; left out: 12 (z - sign(v))")
     assert not any("left out: " in loss for loss in c_source(model, VALUES).losses)

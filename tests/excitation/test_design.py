@@ -95,12 +95,12 @@ def test_references_are_from_rest_to_rest_and_derivatives_belong_together():
         assert np.abs(moved - one.position).max() < 2e-4 * np.ptp(one.position), one.name
 
 
-def test_names_tell_references_apart():
+def test_names_distinguish_references():
     names = [one.name for one in references(LIMITS, SECONDS, RATE, 45.0, 2)]
     assert len(set(names)) == len(names)
     assert 24 <= len(names) <= 100
 
 
-def test_limits_that_nothing_can_keep_are_said():
+def test_limits_that_nothing_can_keep_are_reported():
     with pytest.raises(SettingError, match=r"none of .* references within the limits determines"):
         design(experiment_of(force=1.0), 2.0, 500.0, seeds=0)

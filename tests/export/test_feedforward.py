@@ -124,11 +124,11 @@ def test_cpp_calls_what_c_has_compiled(tmp_path: Path) -> None:
     assert cpp, "no C++ compiler on the path: install one (apt-get install g++)"
     command = [cpp, "-Wall", "-Werror", "main.cpp", "./axis.so", "-o", "main"]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
-    said = subprocess.run(
+    printed = subprocess.run(
         [tmp_path / "main"], check=True, capture_output=True, text=True, cwd=tmp_path
     ).stdout
     p = VALUES["rigid_1m"]
-    assert float(said) == pytest.approx(2.0 * p["M"] + 0.5 * p["Fv"] + p["Fs"], rel=1e-12)
+    assert float(printed) == pytest.approx(2.0 * p["M"] + 0.5 * p["Fv"] + p["Fs"], rel=1e-12)
 
 
 def test_friction_is_a_line_at_rest_and_words_of_the_language_are_free() -> None:

@@ -124,7 +124,7 @@ def test_motion_under_a_given_force_is_that_of_the_simulation(name: str) -> None
     assert np.max(np.abs(ours - theirs)) < 2e-3 * np.ptp(ours)
 
 
-def test_what_signals_lose_is_said_in_every_format() -> None:
+def test_what_signals_lose_is_reported_in_every_format() -> None:
     axis = (
         load_axis("motor_bench")
         .with_signal("iq", noise=0.1)

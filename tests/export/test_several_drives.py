@@ -93,7 +93,7 @@ def test_mujoco_has_a_motor_for_each_drive() -> None:
         np.testing.assert_allclose(data.qacc[places], wanted, rtol=1e-6, atol=1e-6 * np.abs(wanted).max())
 
 
-def test_what_cannot_be_exported_is_said() -> None:
+def test_what_cannot_be_exported_is_reported() -> None:
     with pytest.raises(SettingError, match=r"has several drives and ActuatorLag, which cannot be exported"):
         c_source(derive(AXIS.with_effect(ActuatorLag(2e-3))), TRUE)
     with pytest.raises(SettingError, match=r"axis 'gantry' has 2 drives"):

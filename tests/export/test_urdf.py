@@ -1,4 +1,4 @@
-"""The exported URDF, read by MuJoCo: joints, masses, damping and friction, and what is said to be lost."""
+"""The exported URDF, read by MuJoCo: joints, masses, damping and friction, and what is reported as lost."""
 
 import mujoco
 import numpy as np

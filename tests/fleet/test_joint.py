@@ -98,7 +98,7 @@ def test_a_log_that_cannot_stand_alone_adds_what_it_knows() -> None:
     assert both.degrees_of_freedom == 0
 
 
-def test_mistakes_are_told() -> None:
+def test_mistakes_are_reported() -> None:
     with pytest.raises(SettingError, match="no log"):
         identify_jointly(MODEL, [])
     factor = TriangularFactor.empty(2)

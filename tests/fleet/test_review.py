@@ -23,7 +23,7 @@ def by_name(table: pl.DataFrame, **options) -> dict:
     return {axis.name: axis for axis in review_fleet(table, **options).axes}
 
 
-def test_each_axis_is_told_what_was_drawn_into_it(table) -> None:
+def test_each_axis_reports_what_was_drawn_into_it(table) -> None:
     axes = by_name(table)
     assert axes["rigid_1m"].verdict.parameters == ("Fs",)
     assert axes["emps"].verdict.parameters == ("Fc",)
@@ -70,7 +70,7 @@ def test_other_statuses_enter_and_parameters_stay_out_if_asked_for(table) -> Non
     assert not axes["emps"].verdict.differs
 
 
-def test_machines_of_one_axis_are_told_apart_by_folder_and_by_sensors() -> None:
+def test_machines_of_one_axis_are_distinguished_by_folder_and_by_sensors() -> None:
     parts = []
     for seed, (folder, mass) in enumerate((("east", 20.0), ("west", 25.0))):
         rows = pl.DataFrame(drawn_rows("rigid_1m", 20, {"M": (mass, 0.1, 0.0)}, seed))

@@ -1,4 +1,4 @@
-"""A delay that the axis declares of a sensor or a drive is taken off the log; what is passed over is said."""
+"""A delay that the axis declares of a sensor or a drive is taken off the log; what is passed over is reported."""
 
 from __future__ import annotations
 
@@ -62,15 +62,15 @@ def test_blocks_and_predictions_know_the_delay(log: Log) -> None:
     assert late < 0.02 < early
 
 
-def test_what_is_declared_and_passed_over_is_said_with_the_way_out() -> None:
+def test_what_is_declared_and_passed_over_is_reported_with_the_way_out() -> None:
     declared = PLAIN.with_signal("q", noise=1e-8).with_effect(ActuatorLag(5e-3), ForceLimit(1e3))
     run = simulate(declared, TRUE, SHORT, CONTROLLER).log
     by_regression = symid.identify(declared, run, preparation=Preparation(held=True))
-    said = (
+    statement = (
         "ActuatorLag and ForceLimit are declared, but this method passes them over: "
         "take `method=oe` with `controller`, which simulates them"
     )
-    assert said in by_regression.notes
+    assert statement in by_regression.notes
     simulated: Any = symid.identify(
         declared, run, method="oe", preparation=Preparation(held=True), **loop_of(declared, "loop")
     )

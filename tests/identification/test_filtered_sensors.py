@@ -26,9 +26,9 @@ def test_an_ac_coupled_sensor_is_named_with_its_corner(axis: str, number: int, n
     assert identified(case).status == "ok"
     found = identified(case, **{name: ac_coupled(case.signals[name], 0.2, case.rate)})
     assert found.status == "recording"
-    said = found.message.split("with a corner of ")
-    assert said[0].startswith(name)
-    assert float(said[1].split()[0]) == pytest.approx(0.2, rel=0.1)
+    statement = found.message.split("with a corner of ")
+    assert statement[0].startswith(name)
+    assert float(statement[1].split()[0]) == pytest.approx(0.2, rel=0.1)
 
 
 def test_a_gain_that_differs_in_a_small_part_of_a_long_log_is_seen() -> None:

@@ -132,8 +132,8 @@ def test_deviations_are_those_of_repetitions() -> None:
         for k in range(12)
     ]
     scatter = np.std([one.physical_parameters["Kt"] for one in found], ddof=1)
-    said = np.mean([one.standard_deviations[list(one.physical_units).index("Kt")] for one in found])
-    assert 0.55 < said / scatter < 1.8  # 12 runs tell a deviation to 21 %
+    stated = np.mean([one.standard_deviations[list(one.physical_units).index("Kt")] for one in found])
+    assert 0.55 < stated / scatter < 1.8  # 12 runs tell a deviation to 21 %
 
 
 def test_one_payload_does_not_tell_and_a_fixed_mass_does() -> None:

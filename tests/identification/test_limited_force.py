@@ -13,5 +13,5 @@ def test_a_force_that_is_cut_off_faster_than_the_cutoff_is_named() -> None:
     for recorded, is_named in ((case, False), (damaged(case, generator, "clipped_then_noise"), True)):
         log = Log.from_arrays(recorded.signals, sampling_period=1 / case.rate)
         found = identify(load_generated(case.axis, case.measured), log)
-        said = "its largest values explain" in found.message
-        assert (said, found.status == "ok") == (is_named, not is_named), found.message
+        is_stated = "its largest values explain" in found.message
+        assert (is_stated, found.status == "ok") == (is_named, not is_named), found.message

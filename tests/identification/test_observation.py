@@ -101,7 +101,7 @@ def test_edges_are_trimmed_and_rows_keep_their_time() -> None:
     assert observation.W.shape == (1, observation.time.size, 3)
 
 
-def test_the_chosen_cutoff_scales_with_the_sampling_rate_and_is_said() -> None:
+def test_the_chosen_cutoff_scales_with_the_sampling_rate_and_is_reported() -> None:
     log = rigid_log(noise=0.2)
     chosen = observe(load_generated("rigid_1m"), log, Preparation()).preparation
     assert chosen.cutoff_hz is not None

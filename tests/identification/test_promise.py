@@ -139,8 +139,8 @@ def test_a_lag_that_imitates_a_damped_mode_is_named() -> None:
     for chosen, is_named in ((case.signals, False), (signals, True)):
         log = Log.from_arrays(chosen, sampling_period=1 / case.rate)
         found = identify(load_generated(case.axis, case.measured), log)
-        said = f"{case.force} lags with a time constant" in found.message
-        assert (said, found.status == "ok") == (is_named, not is_named), found.message
+        is_stated = f"{case.force} lags with a time constant" in found.message
+        assert (is_stated, found.status == "ok") == (is_named, not is_named), found.message
 
 
 def test_a_soft_limit_of_a_force_that_is_faster_than_the_cutoff_is_named() -> None:
@@ -150,8 +150,8 @@ def test_a_soft_limit_of_a_force_that_is_faster_than_the_cutoff_is_named() -> No
     for recorded, is_named in ((F, False), (level * np.tanh(F / level), True)):
         log = Log.from_arrays({**case.signals, "Fm": recorded}, sampling_period=1 / case.rate)
         found = identify(load_generated("ballscrew_2m1s", ("qm",)), log)
-        said = "where Fm is large it is less than in proportion" in found.message
-        assert (said, found.status == "ok") == (is_named, not is_named), found.message
+        is_stated = "where Fm is large it is less than in proportion" in found.message
+        assert (is_stated, found.status == "ok") == (is_named, not is_named), found.message
 
 
 def test_signals_that_are_averaged_alike_are_no_fault() -> None:

@@ -148,7 +148,7 @@ def test_a_log_lacks_the_force_of_a_drive() -> None:
         measured_signals(AXIS, [read])
 
 
-def test_what_is_wrong_with_several_drives_is_said() -> None:
+def test_what_is_wrong_with_several_drives_is_reported() -> None:
     def faults(*drives: Drive) -> str:
         with pytest.raises(DeclarationError) as caught:
             replace(AXIS, drive=drives)

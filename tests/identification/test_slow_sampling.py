@@ -39,22 +39,22 @@ def two_masses(number: int, measured: tuple[str, ...]) -> Case:
     )
 
 
-def said_of(case: Case, **changed: np.ndarray) -> str:
+def message_of(case: Case, **changed: np.ndarray) -> str:
     return identified(case.changed("", **changed)).message
 
 
 def test_faults_of_single_sensors_are_named() -> None:
     """An accelerometer in g, or late beside a scale that repeats it; a scale that is late against all others."""
     case = two_masses(1, ("q2", "ddq1"))
-    assert "ddq1" not in said_of(case)
-    assert "ddq1 would have to be" in said_of(case, ddq1=case.signals["ddq1"] / 9.80665)
-    assert said_of(case, q2=shifted(case.signals["q2"], 7)).startswith("q2 acts as if")
+    assert "ddq1" not in message_of(case)
+    assert "ddq1 would have to be" in message_of(case, ddq1=case.signals["ddq1"] / 9.80665)
+    assert message_of(case, q2=shifted(case.signals["q2"], 7)).startswith("q2 acts as if")
     case = two_masses(2, ("q2", "ddq2"))
-    assert "what other sensors say" not in said_of(case)
+    assert "what other sensors say" not in message_of(case)
     late = shifted(case.signals["ddq2"], 40)
-    assert "ddq2 is 8 ms later than what other sensors say" in said_of(case, ddq2=late)
+    assert "ddq2 is 8 ms later than what other sensors say" in message_of(case, ddq2=late)
     early = shifted(case.signals["ddq2"], -1)
-    assert "ddq2 is 0.2 ms earlier than what other sensors say" in said_of(case, ddq2=early)
+    assert "ddq2 is 0.2 ms earlier than what other sensors say" in message_of(case, ddq2=early)
 
 
 def test_a_log_with_few_rows_at_its_first_cutoff_is_estimated_at_the_one_of_the_smallest_deviations() -> None:

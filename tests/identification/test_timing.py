@@ -85,7 +85,7 @@ def test_a_lag_of_a_drive_is_a_note_unless_it_moves_a_parameter_out_of_its_inter
     """Fast motion makes friction of a mass that acts late: Fv is 4 or 32 % too small."""
     found = identified(rigid_log(late=-0.8, force=0.5, ripple=ripple), cutoff_hz=40.0)
     assert found.status == status
-    assert any("F acts as if 0." in said for said in (found.message, *found.notes))
+    assert any("F acts as if 0." in statement for statement in (found.message, *found.notes))
 
 
 @pytest.mark.parametrize("force", [0.0, 0.5, 10.0])

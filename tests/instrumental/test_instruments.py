@@ -126,7 +126,7 @@ def mean_error(results: list[Identification], truth: np.ndarray) -> np.ndarray:
     return np.asarray(np.mean(errors, axis=0) / deviation)
 
 
-def test_the_controller_is_read_from_the_log_and_said() -> None:
+def test_the_controller_is_read_from_the_log_and_reported() -> None:
     log = with_noise(closed_loop_log("rigid_1m"), {"q": 1e-6}, 0)
     found = identify_by_instruments(
         load_generated("rigid_1m"), log, ClosedLoop(load_axis("rigid_1m")), examine=False

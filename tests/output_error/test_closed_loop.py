@@ -48,7 +48,7 @@ def test_an_unknown_start_friction_and_another_log() -> None:
     assert np.isfinite(again.innovations).all()
 
 
-def test_a_log_without_reference_is_told() -> None:
+def test_a_log_without_reference_is_reported() -> None:
     axis, loop, log = rigid_log()
     bare = type(log)(log.source, log.start, log.sampling_period, {"q": log["q"], "F": log["F"]})
     with pytest.raises(SettingError, match="no column reference"):

@@ -51,14 +51,14 @@ def test_a_force_with_the_wrong_sign_is_no_result(rigid: Log) -> None:
     assert identified(with_force(rigid, -rigid["F"])).status != "ok"
 
 
-def test_a_gain_that_changes_within_the_log_is_told(rigid: Log) -> None:
+def test_a_gain_that_changes_within_the_log_is_reported(rigid: Log) -> None:
     first = np.arange(rigid.n_samples) < 0.5 * rigid.n_samples
     found = identified(with_force(rigid, np.where(first, 1.0, 1.5) * rigid["F"]))
     assert found.status == "poor_fit"
     assert "parameters change within the logs" in found.message
 
 
-def test_a_force_that_says_little_of_the_motion_is_told(rigid: Log) -> None:
+def test_a_force_that_says_little_of_the_motion_is_reported(rigid: Log) -> None:
     """Its spectrum is that of a force, so that it shows no noise; only what it should move does not move so."""
     found = identified(with_force(rigid, np.roll(rigid["F"], rigid.n_samples // 2)))
     assert found.status != "ok"
@@ -80,7 +80,7 @@ def test_a_fast_and_a_slow_log_of_one_axis() -> None:
         assert found.physical_parameters[name] == pytest.approx(PAPER[name], rel=0.02)
 
 
-def test_logs_of_different_axes_are_told_apart(rigid: Log) -> None:
+def test_logs_of_different_axes_are_distinguished(rigid: Log) -> None:
     heavier = swept(RIGID | {"M": 120.0}, seed=2)
     axis, model = load_axis("rigid_1m"), load_generated("rigid_1m")
     found = identify_output_error(axis, model, [rigid, heavier], held=True)

@@ -153,11 +153,11 @@ def test_instruments_of_two_controllers_determine_the_axis(controller: tuple[Cas
         found.physical_parameters.items(), found.physical_deviations, strict=True
     ):
         assert abs(value - TRUE[name]) < 5 * deviation, name
-    said = "the given controller" if controller else "a cascade read from the log"
-    assert any(said in note for note in found.notes)
+    printed = "the given controller" if controller else "a cascade read from the log"
+    assert any(printed in note for note in found.notes)
 
 
-def test_what_the_methods_need_of_two_drives_is_said() -> None:
+def test_what_the_methods_need_of_two_drives_is_reported() -> None:
     log = closed_loop_log()
     with pytest.raises(SettingError, match=r"late by different times \(F1 0.001 s, F2 0 s\)"):
         identify_output_error(PAIR, ("q1", "q2"), log, preparation=Preparation(late={"F1": 1e-3}))

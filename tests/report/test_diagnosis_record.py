@@ -153,5 +153,5 @@ def test_names_that_look_like_markup_are_printed_as_they_are():
     assert "[red]motor[/red]" in text
 
 
-def test_missing_nominal_values_are_told():
+def test_missing_nominal_values_are_reported():
     assert "none given" in printed(diagnosis_record(without_nominal(diagnosis_example("effect"))))

@@ -77,6 +77,6 @@ def test_rows_that_have_only_a_status_make_a_page(tmp_path) -> None:
     assert "There is no log." in written(bare.head(0), tmp_path)
 
 
-def test_values_without_intervals_are_told(table, tmp_path) -> None:
+def test_values_without_intervals_are_reported(table, tmp_path) -> None:
     bare = table.with_columns(pl.lit(None, pl.Float64).alias(n) for n in table.columns if n.endswith("_std"))
     assert "none with an interval" in written(bare, tmp_path)

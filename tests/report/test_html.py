@@ -52,7 +52,7 @@ class Content(HTMLParser):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_page_tells_verdict_gap_causes_parameters_and_next_step(kind):
+def test_a_page_states_verdict_gap_causes_parameters_and_next_step(kind):
     found = diagnosis_example(kind)
     content = Content(page_of(kind))
     first_heading = content.text.index("How large the gap is")
@@ -101,7 +101,7 @@ def test_hostile_names_stay_text():
     assert content.text.count(hostile) >= 20
 
 
-def test_missing_nominal_values_are_told():
+def test_missing_nominal_values_are_reported():
     content = Content(written(without_nominal(diagnosis_example("effect"))))
     assert "no nominal values given" in content.text
     assert "nan" not in content.text.lower()

@@ -64,7 +64,7 @@ def test_a_sensor_that_is_late_is_read_late() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "statement"),
     [
         ({}, "determines no physical parameters"),
         ({**RIGID, "M": -3.0}, "M = -3 is impossible"),
@@ -72,10 +72,10 @@ def test_a_sensor_that_is_late_is_read_late() -> None:
         ({**RIGID, "Fv": np.nan}, "."),
     ],
 )
-def test_what_cannot_be_simulated_is_said(values: dict[str, float], said: str) -> None:
+def test_what_cannot_be_simulated_is_reported(values: dict[str, float], statement: str) -> None:
     found = identified_motion(AXIS, values, rigid_log(seconds=2.0))
     assert found.motions == ()
-    assert said in found.message or (said == "." and found.message)
+    assert statement in found.message or (statement == "." and found.message)
 
 
 def test_an_axis_that_reads_no_position() -> None:

@@ -150,7 +150,7 @@ def test_a_validation_gets_a_panel_with_its_own_motion() -> None:
     assert spans[1] == pytest.approx(np.ptp(other["q"]), rel=0.1)
 
 
-def test_curves_are_told_apart_without_colour() -> None:
+def test_curves_are_distinguished_without_colour() -> None:
     top = figure().axes[0]
     wide, thin = line(top, "measured"), line(top, "predicted")
     assert wide.get_linewidth() > 2 * thin.get_linewidth()

@@ -78,9 +78,9 @@ def test_notebooks_are_shown_the_text_of_the_summary_escaped(kind: str) -> None:
 
 
 def test_an_axis_is_shown_as_its_file_declares_it() -> None:
-    said = results()["axis"].summary()
-    assert 'ViscousFriction(motor, "Fv")' in said
-    assert "inertia=None" not in said
+    printed = results()["axis"].summary()
+    assert 'ViscousFriction(motor, "Fv")' in printed
+    assert "inertia=None" not in printed
 
 
 def test_an_identification_shows_the_motion_of_its_logs(tmp_path: Path) -> None:

@@ -188,7 +188,7 @@ def test_a_load_on_a_geared_carriage_moves_by_its_own_coordinate() -> None:
     assert direction_of(load, ["pinion", "load"]).tolist() == [0.0, 1.0]
 
 
-def test_faults_are_said_and_files_written() -> None:
+def test_faults_are_reported_and_files_written() -> None:
     with pytest.raises(DeclarationError, match=r"time_constant is 0\.0: it must be positive"):
         AXIS.with_effect(FrictionDrift(MOTOR, 1.0, 0.0, time_constant=0.0))
     with pytest.raises(DeclarationError, match="not a position sensor: choose from q"):

@@ -97,7 +97,7 @@ def test_the_equations_hold_for_the_response_by_hand() -> None:
     assert np.allclose(W[0] @ X, y[0], rtol=0, atol=1e-9 * np.abs(W[0] * X).sum(axis=1).max())
 
 
-def test_a_sensor_at_the_node_tells_the_springs_apart() -> None:
+def test_a_sensor_at_the_node_distinguishes_the_springs() -> None:
     axis = axis_with()
     log = simulate(axis, TRUE, PATH, LOOP).log
     found = identify(axis, log, examine=False)

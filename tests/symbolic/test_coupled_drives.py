@@ -101,7 +101,7 @@ def test_two_motors_with_crossed_belts_move_two_slides() -> None:
     assert model.physical_parameters(*solved) == pytest.approx([true[n] for n in axis.physical_parameters])
 
 
-def test_faults_of_several_gears_are_said() -> None:
+def test_faults_of_several_gears_are_reported() -> None:
     motor = Body("motor", mass="M")
     for geared, words in (
         ((), "must be Geared"),

@@ -150,7 +150,7 @@ def test_structure_and_load_of_3m2s_may_change_places_behind_the_motor(data: st.
     assert other["Ms"] != pytest.approx(values["Ms"], rel=1e-3)
 
 
-def test_3m2s_is_told_to_have_several_solutions_from_the_motor_and_one_from_all_sensors() -> None:
+def test_3m2s_has_several_solutions_from_the_motor_and_one_from_all_sensors() -> None:
     alone = derived("direct_3m2s", ("q2",)).parameter_map.identifiability
     values = cases()["direct_3m2s"].values
     other = swapped(dict(values))

@@ -10,8 +10,8 @@ from benchmarks import random_axes
 @settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 5))
 def test_equations_are_those_of_the_ode(seed: int, n: int) -> None:
-    verdict, said = random_axes.outcome(seed, n)
-    assert verdict == "agrees", said
+    verdict, printed = random_axes.outcome(seed, n)
+    assert verdict == "agrees", printed
 
 
 def test_an_ode_with_another_stiffness_would_be_seen(monkeypatch) -> None:

@@ -118,7 +118,7 @@ def test_a_ratio_is_that_of_a_reference() -> None:
         Axis("s", *turning, (Position("q", screw), Position("d", nut, ratio=0.002)))
 
 
-def test_an_accelerometer_beside_a_sensor_of_unknown_gain_tells_that_gain() -> None:
+def test_an_accelerometer_beside_a_sensor_of_unknown_gain_determines_that_gain() -> None:
     slide = Body("slide", mass="M")
     sensors = (Position("wire", slide, gain="c", offset="o", unit="V"), Acceleration("a", slide))
     axis = Axis("drawn", (slide, ViscousFriction(slide, "Fv")), Drive("F", slide), sensors)

@@ -66,7 +66,7 @@ def test_the_simulation_and_mujoco_follow_it() -> None:
         assert data.qacc[0] == pytest.approx(a, rel=1e-6)
 
 
-def test_the_weight_tells_the_table_from_the_screw() -> None:
+def test_the_weight_distinguishes_the_table_from_the_screw() -> None:
     """Without it only J + M r^2 is seen."""
     path = trapezoids([60.0, 10.0] * 3, 60.0, acceleration=600.0, jerk=2e4, dwell=0.1, sampling_period=1e-3)
     loop = Cascade("q", position_gain=20.0, velocity_gain=0.15, integral_gain=10.0)

@@ -76,7 +76,7 @@ def test_bounds_that_cannot_be_met_or_are_met_by_all_are_a_status():
     assert loose.cutoff.frequency_hz == loose.cutoff.scanned_hz[0]
 
 
-def test_a_parameter_without_relative_error_is_said():
+def test_a_parameter_without_relative_error_is_reported():
     found = tune(load_axis("emps"), {"M": 95.0, "Fv": 203.0, "Fc": 20.0, "OF": 0.0}, trajectory=sine(4000.0))
     assert found.status == "not_determined"
     assert "OF" in found.message
