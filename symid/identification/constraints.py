@@ -23,7 +23,13 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
-from symid.identification.physical import PhysicalEstimate, Restricted, correlation_root, jacobian
+from symid.identification.physical import (
+    PhysicalEstimate,
+    Restricted,
+    correlation_root,
+    jacobian,
+    open_directions,
+)
 
 Bounds = Mapping[str, tuple[float | None, float | None]]
 Priors = Mapping[str, tuple[float, float]]
@@ -137,7 +143,7 @@ def constrained_estimates(
     problem = _Problem.of(model, minimal, covariance, constraints)
     if problem is None:
         return ()
-    found = [(problem.solved(branch), branch) for branch in free if np.isfinite(branch.parameters).all()]
+    found = [(problem.solved(branch), branch) for branch in free]
     found.sort(key=lambda pair: problem.cost(pair[0][0]))
     return tuple(problem.estimate(branch, *solution) for solution, branch in found)
 
@@ -182,15 +188,20 @@ class _Problem:
 
     def solved(self, free: PhysicalEstimate) -> tuple[FloatArray, tuple[int, ...]]:
         """Parameters of least cost within the bounds, and which of them are held at one."""
-        deviation = free.standard_deviations
-        unit = np.where(deviation > 0, deviation, np.maximum(np.abs(free.parameters), 1e-12))
-        theta = self._within(free.parameters, unit, self.low, self.high)
+        deviation, begun = free.standard_deviations, self._begun(free.parameters)
+        unit = np.where(deviation > 0, deviation, np.maximum(np.abs(begun), 1e-12))
+        theta = self._within(begun, unit, self.low, self.high)
         near = _AT_BOUND * np.maximum(unit, np.abs(theta))
         at_low, at_high = theta - self.low <= near, self.high - theta <= near
         force = -2 * self.slope(theta).T @ self.residual(theta)  # points where the cost falls
         held = np.flatnonzero((at_low & (force < 0)) | (at_high & (force > 0)))
         theta[held] = np.where(at_low, self.low, self.high)[held]
         return theta, tuple(map(int, held))
+
+    def _begun(self, free: FloatArray) -> FloatArray:
+        """Values to begin with: those that the log does not determine from their prior, or within their bounds."""
+        within = np.clip(np.where(self.precision > 0, self.mean, 1.0), self.low, self.high)
+        return np.asarray(np.where(np.isfinite(free), free, within))
 
     def _within(self, start: FloatArray, unit: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
         def residual(x: FloatArray) -> FloatArray:
@@ -213,8 +224,12 @@ class _Problem:
         return np.asarray(found.x * unit)
 
     def estimate(self, free: PhysicalEstimate, theta: FloatArray, held: tuple[int, ...]) -> PhysicalEstimate:
-        """Values with their posterior covariance; those that are held have none."""
-        loose = np.setdiff1d(np.arange(theta.size), held)
+        """Values with their posterior covariance; those that are held have none, those that stay open are nan."""
+        scale = np.where(theta == 0, 1.0, np.abs(theta))
+        still_open = np.flatnonzero(
+            open_directions(self.slope(theta) * scale)[1] & ~np.isfinite(free.parameters)
+        )
+        loose = np.setdiff1d(np.arange(theta.size), (*held, *still_open))
         theta = self._polished(theta, loose)
         slope, data = self.slope(theta)[:, loose], self.minimal.size
         inverse = np.linalg.pinv(slope)
@@ -223,6 +238,11 @@ class _Problem:
         by_prior[loose] = inverse[:, data:]
         covariance = np.zeros((theta.size, theta.size))
         covariance[np.ix_(loose, loose)] = inverse @ inverse.T
+        costs = {i: self._cost_of_bound(free, theta, i) for i in held if i not in still_open}
+        theta = theta.copy()
+        theta[still_open] = sensitivity[still_open] = covariance[still_open] = covariance[:, still_open] = (
+            np.nan
+        )
         return replace(
             free,
             parameters=theta,
@@ -231,7 +251,7 @@ class _Problem:
             restricted=Restricted(
                 free=free,
                 by_prior=by_prior @ by_prior.T,
-                held={i: self._cost_of_bound(free, theta, i) for i in held},
+                held=costs,
             ),
         )
 
@@ -244,7 +264,7 @@ class _Problem:
 
     def _cost_of_bound(self, free: PhysicalEstimate, theta: FloatArray, i: int) -> float:
         """Decrease of the cost if the bound of one parameter is removed."""
-        unit = np.maximum(free.standard_deviations, 1e-12 * np.maximum(np.abs(free.parameters), 1e-300))
+        unit = np.fmax(free.standard_deviations, 1e-12 * np.fmax(np.abs(theta), 1e-300))
         low, high = self.low.copy(), self.high.copy()
         low[i], high[i] = -np.inf, np.inf
         return max(self.cost(theta) - self.cost(self._within(theta, unit, low, high)), 0.0)

@@ -1,10 +1,12 @@
 """Values, bounds and priors of parameters, against least squares written by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy
 
-from symid import Log, Preparation, identify
+from symid import Log, Preparation, Velocity, identify, load_axis
 from symid.errors import SettingError
 from symid.identification import Identification
 
@@ -54,6 +56,30 @@ def test_a_known_friction_level_is_taken_off_the_output() -> None:
     by_hand, *_ = np.linalg.lstsq(W[:, :2], y - W[:, 2] * FS, rcond=None)
     found = plain(log, fixed={"Fs": FS})
     assert np.allclose(found.fit.parameters, by_hand, rtol=1e-9)
+
+
+def test_bounds_count_beside_a_parameter_that_no_sensor_used_sees() -> None:
+    """The unmeasured tachometer has an unknown gain; a bound above the viscous friction is held all the same."""
+    axis = load_axis("rigid_1m")
+    tachometer = Velocity("w", axis.bodies[0], gain="g", unit="V")
+    scaled = replace(axis, sensors=(*axis.sensors, tachometer))
+
+    def found(**settings: object) -> Identification:
+        return identify(
+            scaled,
+            log_of(1),
+            measured=["q"],
+            preparation=RAW,
+            examine=False,
+            bounds={"Fv": (35.0, None)},
+            **settings,
+        )
+
+    values = found().physical_parameters
+    assert values["Fv"] == 35.0
+    assert np.isnan(values["g"])
+    assert found().status == "contradicted"
+    assert found(prior={"g": (2.0, 0.1)}).physical_parameters["g"] == pytest.approx(2.0)
 
 
 def test_a_prior_is_a_row_more() -> None:
