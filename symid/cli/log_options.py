@@ -113,9 +113,9 @@ def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
 
 def notes_on_guesses(options: dict[str, Any]) -> tuple[str, ...]:
     """Guesses of a mapping as notes, printed on standard error with the first of several logs."""
-    guesses, told = mapping_of(options).guesses, get_current_context().meta
-    if guesses and not told.get("guesses"):
-        told["guesses"] = True
+    guesses, noted = mapping_of(options).guesses, get_current_context().meta
+    if guesses and not noted.get("guesses"):
+        noted["guesses"] = True
         say(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
     return tuple(f"guessed in the mapping: {guess}" for guess in guesses)
 

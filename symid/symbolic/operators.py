@@ -110,7 +110,7 @@ def parents(axis: Axis) -> dict[str, str | None]:
 
 
 def relative_to_absolute(relative: Mapping[str, Any], parent_of: Mapping[str, str | None]) -> dict[str, Any]:
-    """Coefficients of absolute coordinates from those of relative ones: q_b = x_b - x_carrier."""
+    """Coefficients of absolute coordinates from those of relative ones: q_b = x_b - x_parent."""
     absolute: dict[str, Any] = {}
     for body, coefficient in relative.items():
         absolute = add(absolute, {body: coefficient}, 1)

@@ -39,7 +39,7 @@ def forward_selection(
     fit, nominal = _with_least_inertia(fit, nominal)
     first = _selection_step(fit, library, nominal).with_acceptable()
     if nominal is not None and (better := _restarted(first)) is not None:
-        # Once only: each restart weights the errors anew, and two solutions might replace each other for ever.
+        # Once only: each restart weights the errors again, and two solutions might replace each other for ever.
         fit, nominal = _with_least_inertia(better, nominal)
         first = _selection_step(fit, library, nominal).with_acceptable()
     # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and

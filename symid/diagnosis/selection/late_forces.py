@@ -1,4 +1,4 @@
-"""A delay and a lag of one drive, compared where they can be told apart.
+"""A delay and a lag of one drive, compared where they differ.
 
 A lag predicts a larger force at high frequencies, and with it more of the noise that the position leaves in the
 predicted force; one of the recorder predicts less of it. Beyond the band in which the force has more noise than the

@@ -47,7 +47,7 @@ class IdentifiedEquations:
 
     @property
     def sources(self) -> list[str]:
-        """Sources of all logs."""
+        """Files of all logs, that of the validation last."""
         return [*self.found.logs, *([self.validation.log] if self.validation else [])]
 
     @property
@@ -70,7 +70,7 @@ class IdentifiedEquations:
 
     @property
     def late(self) -> Lateness:
-        """Lateness of each log."""
+        """Delays that were taken off the signals of each log, s."""
         titles = [*self.found.logs, *(one.log for one in self.validating[:1])]
         observations = [*self.found.observations, *([self.validation.observation] if self.validation else [])]
         return [(title, one.preparation.late) for title, one in zip(titles, observations, strict=True)]
@@ -122,7 +122,7 @@ class IdentifiedReadings:
 
     @property
     def sources(self) -> list[str]:
-        """Sources of all logs."""
+        """Files of all logs, that of the validation last."""
         return [*(log.source for log in self.logs), *([self.validation.log] if self.validation else [])]
 
     @property
@@ -147,7 +147,7 @@ class IdentifiedReadings:
 
     @property
     def late(self) -> Lateness:
-        """Lateness of each log."""
+        """Delays that were taken off the signals of each log, s."""
         late = {drive.signal: self.found.late for drive in self.found.axis.drives}
         titles = [*(log.source for log in self.logs), *(one.log for one in self.validating[:1])]
         return [(title, late) for title in titles]
