@@ -6,6 +6,7 @@ Plain functions of numbers and arrays, without allocation and static state, whic
 from __future__ import annotations
 
 import math
+import re
 import textwrap
 from collections.abc import Mapping, Sequence
 
@@ -86,7 +87,17 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
         **_regressor_words(model),
         "header": f"{header or axis.name}.h",
     }
-    return Exported({".c": SOURCE.format(**words), ".h": HEADER.format(**words)}, losses)
+    texts = {".c": SOURCE.format(**words), ".h": HEADER.format(**words)}
+    return Exported({suffix: _of_any_precision(text) for suffix, text in texts.items()}, losses)
+
+
+def _of_any_precision(text: str) -> str:
+    """C code whose numbers have the type that its header defines.
+
+    >>> _of_any_precision("double y = (double)1;")
+    'SYMID_REAL y = (SYMID_REAL)1;'
+    """
+    return re.sub(r"\bdouble\b(?! /\*)", "SYMID_REAL", text)
 
 
 def internal_step(axis: Axis, values: Mapping[str, float]) -> float:

@@ -10,6 +10,9 @@ HEADER = """\
 #ifdef __cplusplus
 extern "C" {{
 #endif
+#ifndef SYMID_REAL
+#define SYMID_REAL double /* the type of all numbers; -DSYMID_REAL=float for single precision */
+#endif
 
 enum {{
     {name}_bodies = {bodies},         /* displacements in a state x: all displacements, then all velocities */

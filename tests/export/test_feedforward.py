@@ -103,11 +103,24 @@ def test_the_c_function_gives_the_force_that_a_motion_needs(name: str, tmp_path:
         assert found == pytest.approx(BY_HAND[name](case.values, *motion), rel=1e-12)
 
 
-def _built(files: Mapping[str, str], name: str, folder: Path) -> ctypes.CDLL:
+def test_the_c_function_in_single_precision(tmp_path: Path) -> None:
+    name = next(iter(BY_HAND))
+    case = cases()[name]
+    exported = c_source(derived(name, case.sensor_sets[0]), case.values)
+    library = _built(exported.files, name, tmp_path, "-DSYMID_REAL=float")
+    function = library[f"{name}_feedforward"]
+    function.restype = ctypes.c_float
+    parameters = np.array(list(case.values.values()), dtype=np.float32)
+    for motion in MOTIONS:
+        found = function(parameters.ctypes, *map(ctypes.c_float, motion))
+        assert found == pytest.approx(BY_HAND[name](case.values, *motion), rel=1e-5, abs=1e-4)
+
+
+def _built(files: Mapping[str, str], name: str, folder: Path, *options: str) -> ctypes.CDLL:
     for suffix, text in files.items():
         (folder / f"{name}{suffix}").write_text(text)
     strict = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC")
-    command = [compiler(), *strict, f"{name}.c", "-lm", "-o", "axis.so"]
+    command = [compiler(), *strict, *options, f"{name}.c", "-lm", "-o", "axis.so"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return ctypes.CDLL(str(folder / "axis.so"))
