@@ -210,3 +210,14 @@ def test_values_beyond_physics_are_absurd():
     assert absurdities(case, found(96.0, unknown), script) == ("stribeck_friction less than its deviation",)
     late = effect("delay", share=(1.0, nan), T=(7e-4, 1e-5))
     assert absurdities(case, found(96.0, late), script) == ()
+
+
+def test_an_inertia_at_its_bound_is_no_estimate():
+    """The motor turns so slowly that its inertia hardly shows."""
+    (case,) = (case for case in cases(["motor"]) if case.name == "motor-viscous")
+    found = case.found()
+    J, Fv = found.parameters
+    assert J.at_bound
+    assert not Fv.at_bound
+    assert J.explained == pytest.approx(J.reidentified / 2)
+    assert f"J = {J.explained:.3g} A*s^2/rad is at its bound" in found.sentence

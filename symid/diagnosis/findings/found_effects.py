@@ -111,6 +111,8 @@ class ParameterChange:
         With the effects found.
     absorbed : bool
         Whether it left its interval when the effects were added: it had absorbed them.
+    at_bound : bool
+        Whether the fit with the effects ended at its lower bound, which keeps the axis from losing its mass.
     """
 
     name: str
@@ -121,6 +123,7 @@ class ParameterChange:
     explained: float
     explained_std: float
     absorbed: bool
+    at_bound: bool = False
 
     @property
     def is_negative(self) -> bool:

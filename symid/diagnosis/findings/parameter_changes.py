@@ -54,6 +54,7 @@ def parameter_changes(
             (name, str(units[name]), (nominal or {}).get(name, math.nan)),
             (base.parameters[name], float(before[i])),
             (last.parameters[name], float(after[i])),
+            at_bound=math.isclose(last.parameters[name], last.state.bounds.get(name, (math.nan,))[0]),
         )
         for i, name in enumerate(base.parameters)
     ]
@@ -73,10 +74,14 @@ def parameter_changes(
 
 
 def _change(
-    declared: tuple[str, str, float], before: tuple[float, float], after: tuple[float, float]
+    declared: tuple[str, str, float],
+    before: tuple[float, float],
+    after: tuple[float, float],
+    *,
+    at_bound: bool = False,
 ) -> ParameterChange:
     """The change of a parameter (name, unit, nominal value) from value and deviation `before` effects to `after`."""
     (old, old_std), (new, new_std) = before, after
     limit = max(THRESHOLDS.absorbed_deviations * old_std, THRESHOLDS.absorbed_share * abs(new))
     absorbed = before != after and abs(new - old) > limit
-    return ParameterChange(*declared, old, old_std, new, new_std, absorbed=bool(absorbed))
+    return ParameterChange(*declared, old, old_std, new, new_std, absorbed=bool(absorbed), at_bound=at_bound)

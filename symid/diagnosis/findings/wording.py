@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from symid.diagnosis.effects import LIBRARY, LawEffect
 from symid.diagnosis.findings.diagnosis_result import Diagnosis, Simulator
-from symid.diagnosis.findings.found_effects import Alternative, FoundEffect
+from symid.diagnosis.findings.found_effects import Alternative, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -54,10 +54,8 @@ def sentence(found: Diagnosis) -> str:
         if gap.reidentified.rms > THRESHOLDS.white * gap.noise_floor.rms:
             rest = "nothing in the library explains the rest, which drifts in the same way however the axis moves"
             return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
-        if impossible := of_impossible(found):
-            return (
-                f"Parameter values were off: re-identified, the model leaves {before}{nominal}.{impossible}"
-            )
+        if doubtful := of_doubtful_values(found):
+            return f"Parameter values were off: re-identified, the model leaves {before}{nominal}.{doubtful}"
         values = "The structure is right and only parameter values were off"
         return f"{values}: re-identified, the model leaves {before}{nominal}."
     if found.verdict == "recording":
@@ -80,17 +78,26 @@ def sentence(found: Diagnosis) -> str:
         text += (
             f"; a law of the {quantity} of another shape explains clearly more, which the library may lack"
         )
-    return f"{text}.{of_motion(found)}{of_impossible(found)}"
+    return f"{text}.{of_motion(found)}{of_doubtful_values(found)}"
 
 
-def of_impossible(found: Diagnosis) -> str:
-    """Sentence on values that no machine has, such as negative friction; empty if there are none."""
+def of_doubtful_values(found: Diagnosis) -> str:
+    """Sentences on values that no machine has, such as negative friction, and on masses at their least; or empty."""
     signed = found.axis.signed_parameters
-    values = [p for p in found.parameters if p.is_negative and p.name not in signed]
-    if not values:
-        return ""
-    listed = _listed([f"{p.name} = {p.explained:.3g} {p.unit}" for p in values])
-    return f" No machine has {listed}: small errors of model or timing that this log hardly shows distort it."
+    negative = [p for p in found.parameters if p.is_negative and p.name not in signed]
+    least = [p for p in found.parameters if p.at_bound]
+    said = []
+    if negative:
+        cause = "small errors of model or timing that this log hardly shows distort it"
+        said.append(f"No machine has {_values(negative)}: {cause}.")
+    if least:
+        bound = "half of its nominal or re-identified value, whichever is smaller"
+        said.append(f"{_values(least)} is at its bound, {bound}: determine it from another log.")
+    return "".join(f" {sentence}" for sentence in said)
+
+
+def _values(parameters: Sequence[ParameterChange]) -> str:
+    return _listed([f"{p.name} = {p.explained:.3g} {p.unit}" for p in parameters])
 
 
 def _lacking(effects: Sequence[FoundEffect]) -> str:

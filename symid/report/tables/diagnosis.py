@@ -73,6 +73,7 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
                 "explained": {"value": change.explained, "std": change.explained_std},
                 "unit": change.unit,
                 "absorbed": change.absorbed,
+                "at_bound": change.at_bound,
             }
             for change in found.parameters
         },
@@ -277,9 +278,15 @@ def _parameters_table(record: dict[str, Any]) -> TextTable:
     for name, change in record["parameters"].items():
         stages = [change["reidentified"], change["explained"]][: 1 + several]
         values = [with_deviation(stage["value"], stage["std"]) for stage in stages]
-        remark = ["had absorbed the effects" if change["absorbed"] else ""] if several else []
+        remark = [_remark(change)] if several else []
         table.add(name, significant(change["nominal"]), *values, change["unit"], *remark)
     return table
+
+
+def _remark(change: dict[str, Any]) -> str:
+    if change.get("at_bound"):  # records of earlier versions lack it
+        return "at its bound, not determined"
+    return "had absorbed the effects" if change["absorbed"] else ""
 
 
 def _simulated_table(record: dict[str, Any]) -> TextTable:
