@@ -19,7 +19,9 @@ import shlex
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import asammdf
@@ -256,6 +258,51 @@ def gzipped(path: Path) -> None:
     path.write_bytes(gzip.compress(("time,position (mm),force (N)\n" + rows([T, 1e3 * Q, F], ",")).encode()))
 
 
+def simulink_dataset(path: Path) -> None:
+    """Logged signals as objects, with uniform times by start and increment."""
+    with warnings.catch_warnings():  # it sets an option of pandas that is deprecated
+        warnings.simplefilter("ignore")
+        matio, opaque = import_module("matio"), import_module("matio.utils.matclass").MatlabOpaque
+    signals = np.empty((2, 1), dtype=object)
+    for place, (name, values, unit) in enumerate((("x_meas", 1e3 * Q, "mm"), ("F_cmd", F, "N"))):
+        times = {"Units": "seconds", "Start_": 0.0, "Increment_": PERIOD, "Length": float(T.size)}
+        info = opaque(times, "tsdata.timemetadata"), opaque({"Units": unit}, "tsdata.datametadata")
+        series = {
+            "Name": name,
+            "Data_": values,
+            "Time_": np.zeros((0, 0)),
+            "TimeInfo": info[0],
+            "DataInfo": info[1],
+        }
+        signal = {"Name": name, "Values": opaque(series, "timeseries")}
+        signals[place, 0] = opaque(signal, "Simulink.SimulationData.Signal")
+    storage = opaque({"Elements_": signals}, "Simulink.SimulationData.Storage.RamDatasetStorage")
+    dataset = opaque({"Name": "logsout", "Storage_": storage}, "Simulink.SimulationData.Dataset")
+    matio.save_to_mat(str(path), {"logsout": dataset}, version="v7")
+
+
+def oscilloscope(path: Path) -> None:
+    """As PicoScope exports: units in parentheses above an empty line; 1 V is 50 mm and 100 N."""
+    body = rows([1e3 * T, 20 * Q, 10 * F], ";", comma=True)
+    path.write_text(f"Zeit;Kanal A;Kanal B\n(ms);(V);(mV)\n\n{body}\n")
+
+
+def sheet_of_texts(path: Path) -> None:
+    book = openpyxl.Workbook()
+    book.active.append(["Protokoll", "Achse X"])
+    sheet = book.create_sheet("Messung")
+    sheet.append(["Zeit [ms]", "Weg [mm]", "Kraft [kN]"])
+    for line in rows([1e3 * T, 1e3 * Q, 1e-3 * F], ";", comma=True).splitlines():
+        sheet.append(line.split(";"))
+    book.save(path)
+
+
+def two_files(path: Path) -> None:
+    drive, scope = (Path(name) for name in str(path).split("+"))
+    drive.write_text("t_s,pos_mm\n" + rows([T, 1e3 * Q], ","))
+    scope.write_text("t_s,force_N\n" + rows([T, F], ","))
+
+
 def headerless(path: Path) -> None:
     path.write_text(rows([T, 1e3 * Q, F], " "))
 
@@ -296,6 +343,15 @@ FILES: dict[str, tuple[str, Callable[[Path], None], str, str]] = {
     "CSV.GZ": ("t.csv.gz", gzipped, "", ""),
     "without names": ("u.txt", headerless, "--column q='column 2' --unit q=mm --column F='column 3'", ""),
     "ISO time": ("v.csv", iso, "", ""),
+    "Simulink dataset": ("x.mat", simulink_dataset, "", ""),
+    "oscilloscope, volts": (
+        "y.csv",
+        oscilloscope,
+        "--column 'q=Kanal A [V]' --unit q='50 mm' --column 'F=Kanal B [mV]' --unit F='0.1 N'",
+        "",
+    ),
+    "Excel, texts": ("z.xlsx", sheet_of_texts, "", ""),
+    "two files": ("drive.csv+scope.csv", two_files, "", ""),
 }
 """By name: file, writer, options of `symid import` beyond the axis, and those of `identify` and `diagnose`."""
 

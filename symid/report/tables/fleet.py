@@ -212,7 +212,7 @@ def _events(axis: dict[str, Any]) -> list[str]:
         if far:
             shown = ", ".join(f"{other['log']} ({other['z']:+.3g} sigma)" for other in far[:_MOST_OUTLIERS])
             rest = f" and {len(far) - _MOST_OUTLIERS} more" if len(far) > _MOST_OUTLIERS else ""
-            lines.append(f"{name} stands off in {shown}{rest}")
+            lines.append(f"{name} is an outlier in {shown}{rest}")
     return lines
 
 
