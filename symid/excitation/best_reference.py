@@ -19,6 +19,7 @@ from symid.codegen import GeneratedModel
 from symid.errors import LogError, SettingError
 from symid.excitation.references import DEFAULTS, references, references_apart, scaled
 from symid.identification import Preparation, identify
+from symid.identification.physical import open_by_structure
 from symid.instrumental import identify_by_instruments
 from symid.simulation import ClosedLoop, Controller, Limits, Simulation, Trajectory, plant_of, simulate
 
@@ -238,6 +239,11 @@ def design(
     }
     best = min((one for one in again.values() if one), key=lambda one: one.worst, default=None)
     if best is None:
+        if unseen := open_by_structure(experiment.model):
+            raise SettingError(
+                f"no motion determines {', '.join(unseen)} of axis {experiment.axis.name!r} by these sensors: declare "
+                "what is known as a number, or measure more"
+            )
         is_common = drives > 1 and experiment.apart is None
         apart = ", or that drives differ by apart=..." if is_common else ""
         raise SettingError(

@@ -201,7 +201,9 @@ def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
     other = [plant.damping[nodes], plant.drives[nodes], plant.constant[nodes]]
     named = f"bodies {', '.join(compress(plant.bodies, nodes))} without mass"
     if any(forces.any() for forces in other) or any(law.direction[nodes].any() for law in plant.laws):
-        raise SettingError(f"{named} carry more than springs: give each a mass to simulate")
+        raise SettingError(
+            f"{named} carry more than springs: give each a mass to simulate{_small(plant, nodes)}"
+        )
     if np.linalg.matrix_rank(springs) < len(springs):
         raise SettingError(f"{named} are held by no spring: give each a mass, or a spring")
     T = np.zeros((heavy.size, int(heavy.sum())))
@@ -209,6 +211,18 @@ def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
     T[nodes] = -np.linalg.solve(springs, plant.stiffness[np.ix_(nodes, heavy)])
     reduced: Plant = condensed(plant, T, tuple(compress(plant.bodies, heavy)))
     return reduced
+
+
+def _small(plant: Plant, nodes: BoolArray) -> str:
+    """Masses of damped nodes that hardly change the motion; empty without damping.
+
+    With D^2/(1000 K) a node comes to its balance of springs and dampers a thousand times faster than that relaxes.
+    """
+    springs, dampers = plant.stiffness.diagonal()[nodes], plant.damping.diagonal()[nodes]
+    if not (np.all(springs > 0) and np.all(dampers > 0)):
+        return ""
+    masses = ", ".join(f"{mass:.2g}" for mass in dampers**2 / springs / 1000)
+    return f", such as {masses} (SI), which are too small to matter"
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import scipy
 
-from symid.axis import Axis, load_axis
+from symid import derive
+from symid.axis import Axis, Body, Drive, Geared, Position, load_axis
 from symid.codegen import load_generated
+from symid.codegen.generate import compiled
 from symid.errors import SettingError
 from symid.excitation import IdentificationTrial, design, references
 from symid.identification import Preparation, identify
@@ -99,6 +101,22 @@ def test_names_distinguish_references():
     names = [one.name for one in references(LIMITS, SECONDS, RATE, 45.0, 2)]
     assert len(set(names)) == len(names)
     assert 24 <= len(names) <= 100
+
+
+def test_parameters_that_no_motion_determines_are_named() -> None:
+    pinion = Body("pinion", inertia="J")
+    table = Body("table", mass="M", geared=Geared(to=pinion, ratio=0.0159))
+    axis = Axis("rack", (pinion, table), Drive("T", pinion, noise=0.1), (Position("q", pinion, noise=1e-6),))
+    values = {"J": 0.004, "M": 60.0}
+    trial = IdentificationTrial(
+        axis,
+        compiled(derive(axis)),
+        values,
+        tuned_cascade(plant_of(axis, values), "q", 10.0),
+        Limits((-1.0, 1.0), speed=2.0, acceleration=3.0),
+    )
+    with pytest.raises(SettingError, match="no motion determines J, M of axis 'rack'"):
+        design(trial, 3.0, 200.0, seeds=0)
 
 
 def test_limits_that_nothing_can_keep_are_reported():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -42,6 +43,17 @@ def axis_with(*elements: Element) -> Axis:
     sensors = (Position("qm", MOTOR), Position("qn", NODE), Position("ql", LOAD))
     own = (MOTOR, NODE, LOAD, ViscousFriction(MOTOR, "Fv"), SCREW, NUT, *elements)
     return Axis("series", own, Drive("F", MOTOR, held=True), sensors)
+
+
+def damped(mass: float) -> Axis:
+    """A node of a mass between springs, in oil."""
+    node = Body("node", mass=mass)
+    springs = (
+        Spring("screw", Between(first=MOTOR, second=node), stiffness="K1"),
+        Spring("nut", Between(first=node, second=LOAD), stiffness="K2"),
+    )
+    own = (MOTOR, node, LOAD, ViscousFriction(MOTOR, "Fv"), *springs, Damper("oil", node, damping="D"))
+    return Axis("damped", own, Drive("F", MOTOR, held=True), (Position("qm", MOTOR), Position("ql", LOAD)))
 
 
 def test_the_plant_has_the_series_stiffness() -> None:
@@ -129,6 +141,26 @@ def test_a_diagnosis_sees_springs_in_series_as_one() -> None:
     k = {change.name: change.explained for change in two.parameters}
     (stiffness,) = (change.explained for change in single.parameters if change.name == "K")
     assert k["K1"] * k["K2"] / (k["K1"] + k["K2"]) == pytest.approx(stiffness, rel=0.03)
+
+
+def test_the_mass_that_is_advised_for_a_damped_node_hardly_changes_the_motion() -> None:
+    values = TRUE | {"D": 150.0}
+    with pytest.raises(SettingError, match="such as") as refused:
+        plant_of(damped(0.0), values)
+    mass = float(re.findall(r"such as (\S+) ", str(refused.value))[0])
+    log = simulate(damped(mass), values, PATH, LOOP).log
+    # Without mass the node has no velocity as a state: 150 x_n(1) = K1 (x_m - x_n) + K2 (x_l - x_n).
+    A = np.zeros((6, 6))
+    A[[0, 1], [3, 4]] = 1.0
+    A[2, :3] = np.array([1e5, 2e5, -3e5]) / 150.0
+    A[3, [0, 2, 3, 5]] = -1e4, 1e4, -5.0, 0.1
+    A[4, [1, 2]] = -1e4, 1e4
+    step, state, found = scipy.linalg.expm(A * log.sampling_period), np.zeros(5), []
+    for force in log["F"]:
+        found.append(state[1])
+        state = (step @ np.append(state, force))[:5]
+    assert np.ptp(found) > 0.1
+    assert np.allclose(log["ql"], found, atol=1e-6)
 
 
 def test_what_a_node_cannot_carry_is_refused() -> None:
