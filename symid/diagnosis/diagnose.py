@@ -251,19 +251,21 @@ def _strongest_first(
 ) -> tuple[Sequence[SelectionStep], Comparison]:
     """The effect that alone would leave the largest error of the force as the first, see `strengths`.
 
-    Logs excite effects differently, and an effect that is found first takes over what it has in common with others.
+    Logs excite effects differently, and an effect that is found first takes over what it has in common with others. One
+    that removes less than half of the largest share shows only beside the others and is not the first.
     """
     accepted = [step for step in steps if step.accepts][: comparison.upheld]
     if len(accepted) < 2 or accepted[0].confirmed[0].effect.name == LATE_READING:
         return steps, comparison
-    strong = comparison.with_effects(len(accepted)).strengths
-    for at in np.argsort(-strong):
-        if not strong[at] > strong[0]:
+    shares = [comparison.removed(i + 1, i + 2).share for i in range(len(accepted))]
+    least = THRESHOLDS.stands_in * max(shares)
+    for at in np.argsort(-comparison.with_effects(len(accepted)).strengths, kind="stable"):
+        if at == 0 and shares[0] >= least:
             break
         ordered = brought_first(accepted, int(at))
         other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
         as_good = other.relative_error**2 < THRESHOLDS.as_good * comparison.relative_error**2
-        if as_good and other.upheld > 0 and other.removed(1, 2).low > 0:
+        if as_good and other.upheld > 0 and other.removed(1, 2).share >= least:
             return ordered, other
     return steps, comparison
 

@@ -256,6 +256,8 @@ class Comparison:
         if base is None or last is None:
             return np.zeros(len(self.states) - 2)
         away = ~near(self._turns, self.row_rate, _REVERSAL)[self.weighting.kept]
+        if away.sum() < _ENOUGH:  # an axis that does little but turn
+            away = np.ones(away.size, dtype=bool)
         return strengths_of(last, self.weighting, away, len(base.placed))
 
     @cached_property
