@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
 import re
+from collections.abc import Collection
 from typing import Final
 
 _UNSEEN: Final = re.compile(
@@ -45,3 +47,13 @@ def counted(count: int, one: str, many: str = "") -> str:
     ('1 log', '2 logs', '0 axes')
     """
     return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def similar(name: str, names: Collection[str]) -> str:
+    """A name that is meant perhaps, in brackets behind what is not known; empty if none is close.
+
+    >>> similar("rigid_1", ["emps", "rigid_1m"]), similar("x", ["emps"])
+    (" (did you mean 'rigid_1m'?)", '')
+    """
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from symid.axis.axis import Axis
 from symid.errors import SymidError
+from symid.text import similar
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -57,7 +58,8 @@ def axis_file(name_or_path: str) -> Path:
         if (path := folder / f"{name_or_path}.py").is_file():
             return path
     raise SymidError(
-        f"there is no axis {name_or_path!r}: choose from {', '.join(axis_names())}, or give a path to a .py file"
+        f"there is no axis {name_or_path!r}{similar(name_or_path, axis_names())}: choose from "
+        f"{', '.join(axis_names())}, or give a path to a .py file"
     )
 
 

@@ -12,6 +12,7 @@ import click
 
 from symid.cli.terminal import fail, finish_output, prepare_streams, say
 from symid.errors import SymidError
+from symid.text import similar
 
 COMMANDS = {
     "demo": "Identify the shipped EMPS axis from its real log, diagnose its gap and write a report.",
@@ -26,7 +27,7 @@ COMMANDS = {
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
     "compare": "Two results side by side: which parameters differ, and by how many deviations.",
     "fleet": "Review a batch: spread between runs, changes over time, outliers.",
-    "export": "An identified axis as C, MuJoCo model, FMU, Structured Text or JSON, and what it loses there.",
+    "export": "An identified axis as C, MuJoCo model, URDF, FMU, Structured Text or JSON, and what is lost.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }
 
@@ -55,6 +56,13 @@ class _Commands(click.Group):
         command = import_module(f"symid.cli.{cmd_name}_command").command
         assert isinstance(command, click.Command)
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            ctx.fail(f"No such command {args[0]!r}{similar(args[0], COMMANDS)}")
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from symid.errors import LogError
+from symid.text import similar
 from symid.units import Unit, to_si
 
 REFERENCE: Final = "reference"
@@ -61,7 +61,7 @@ def sources_of(given: Assignment, named: Collection[str]) -> tuple[Source, ...]:
     made = (name for name, _ in given.alternatives.values())
     known = {TIME, *given.expected, *made, *references_of(given.expected)}
     faults = [
-        f"signal {key!r} is not known{_similar(key, known)}: the axis has {', '.join(given.expected)}"
+        f"signal {key!r} is not known{similar(key, known)}: the axis has {', '.join(given.expected)}"
         for key in dict.fromkeys([*given.columns, *given.units, *given.gains])
         if key not in known
     ]
@@ -97,7 +97,7 @@ def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
         what = "time" if signal == TIME else f"signal {signal!r}"
         hint = "map it with" if signal == TIME else "correct"
         raise LogError(
-            f"there is no column {column!r} for the {what}{_similar(column, given.headers)}: "
+            f"there is no column {column!r} for the {what}{similar(column, given.headers)}: "
             f"{_there(given.headers)}, {hint} `columns` {signal}=NAME, or let symid import look at the file"
         )
     if signal not in given.alternatives:
@@ -159,8 +159,3 @@ def _position(headers: Sequence[str], column: str) -> int | None:
 def _there(headers: Sequence[str]) -> str:
     shown = ", ".join(headers[:20]) + (", ..." if len(headers) > 20 else "")
     return f"the file has {shown}" if headers else "the file has no columns of numbers"
-
-
-def _similar(name: str, names: Collection[str]) -> str:
-    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
-    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -96,7 +96,10 @@ def test_faults_of_a_declaration_in_a_file_stay_all_reported(tmp_path: Path) -> 
 
 
 def test_a_missing_axis_is_refused_with_those_that_exist() -> None:
-    with pytest.raises(SymidError, match=r"there is no axis 'direct_9m': choose from .*direct_2m1s"):
+    with pytest.raises(
+        SymidError,
+        match=r"there is no axis 'direct_9m' \(did you mean 'direct_.*'\?\): choose from .*direct_2m1s",
+    ):
         load_axis("direct_9m")
     with pytest.raises(SymidError, match=r"there is no axis file 'nowhere/a\.py'"):
         load_axis("nowhere/a.py")

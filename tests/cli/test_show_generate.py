@@ -85,10 +85,11 @@ def test_show_prints_every_shipped_axis(capsys: pytest.CaptureFixture[str], name
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("show", "direct_9m"), "there is no axis 'direct_9m': choose from"),
+        (("show", "direct_9m"), "there is no axis 'direct_9m' (did you mean 'direct_"),
         (("show", "direct_2m1s", "--measured", "q7"), "has no sensor 'q7': choose from q2, ddq1, ddq2"),
         (("show", "direct_2m1s", "--measured", "ddq1"), "CoulombFriction at 'motor'"),
         (("show",), "Missing argument"),
+        (("idetify",), "No such command 'idetify' (did you mean 'identify'?)"),
         (("generate", "direct_9m"), "there is no axis 'direct_9m'"),
         (("show", "direct_2m1s", "--json", "no/such/folder/x.json"), "no/such/folder/x.json: No such file"),
     ],
@@ -168,7 +169,7 @@ def test_a_failing_disk_leaves_the_old_module_and_one_line(
 
     monkeypatch.setattr(os, "replace", full)
     code, _, err = run(capsys, "generate", "mine")
-    assert (code, err) == (2, f"symid: {module}: No space left on device\n")
+    assert (code, err) == (2, f"symid: {module}: No space left on device: free some space\n")
     assert module.read_text(encoding="utf-8") == before
 
 
