@@ -73,6 +73,9 @@ class Criteria:
     # printed deviation, as part of the value, up to which a result is as precise as wanted; beyond it, other
     # cutoffs are tried
     precise: float = 0.05
+    # probability of the relations between minimal parameters, if the model is right, below which it is not: undamaged
+    # random logs have 0.01 and more, a flexible axis whose force was averaged 1e-97
+    disagreement: float = 1e-9
     # largest ratio of a residual to the noise of the log that counts as explained by it
     noise_explains: float = 3.0
     # largest difference of the gains of redundant sensors: accelerometers are

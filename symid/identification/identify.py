@@ -14,6 +14,8 @@ from dataclasses import replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel, as_generated
 from symid.data import AnyLog, Log, LongLog
@@ -28,11 +30,13 @@ from symid.identification.bias import Bias, Correction, bias_of_instruments
 from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import with_constraint_check
+from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.cutoff import CutoffTrial, Estimation, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
 from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification, best_covariance
 from symid.identification.lagging import ac_coupling_of, lag_of, smoothing_by_residual
+from symid.identification.modes import lost_mode
 from symid.identification.nonlinearity import ColumnTests
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
@@ -274,6 +278,7 @@ def _faults(
         or _said_change(found, change)
         or more.gain_drift()
         or more.force_limit()
+        or _structure_fault(found)
         or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
         drift=drift,
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
@@ -285,3 +290,17 @@ def _said_change(found: Identification, change: Change | None) -> str:
     if change is None:
         return ""
     return change.statement(found.model, distorts=is_beyond_intervals(found, change.outside))
+
+
+def _structure_fault(found: Identification, criteria: Criteria = CRITERIA) -> str:
+    """Statement on an axis whose minimal parameters contradict each other, or that lost its mode; else empty."""
+    if not found.physical:
+        return ""
+    if found.physical[0].disagreement_probability < criteria.disagreement:
+        return (
+            "relations between the minimal parameters do not hold (probability "
+            f"{found.physical[0].disagreement_probability:.1g}): the model lacks an effect, or a signal was filtered "
+            "before it was recorded"
+        )
+    minimal = np.asarray(found.model.minimal_parameters(*found.physical[0].parameters))
+    return lost_mode(found.model, minimal, found.observations[0].preparation.cutoff_hz or 1.0)

@@ -59,3 +59,16 @@ def test_a_zero_phase_low_pass_of_one_signal_is_no_ok() -> None:
     found = identified(case, ddq1=smoothed)
     assert found.status == "recording"
     assert "the fast part of ddq1 does not agree" in found.message
+
+
+@pytest.mark.parametrize(
+    ("number", "samples", "said"), [(19, 101, "without a mode"), (34, 51, "relations between the minimal")]
+)
+def test_an_averaged_force_does_not_pass_for_an_overdamped_axis(number: int, samples: int, said: str) -> None:
+    case = draw_case(np.random.default_rng([731080, number, 1]))
+    weights = np.full(samples, 1 / samples)
+    averaged = np.convolve(np.pad(case.signals["Fm"], (samples - 1, 0), mode="edge"), weights, "valid")
+    assert identified(case).status == "ok"
+    found = identified(case, Fm=averaged)
+    assert found.status == "poor_fit"
+    assert said in found.message
