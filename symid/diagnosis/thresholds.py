@@ -159,6 +159,11 @@ class Thresholds:
     # leaves to them (11 drawn worldly cases: 0.07 with that of parts of a log, -0.12 to 0.09)
     taken_over: float = 0.05
     all_of_it: float = 0.1  # share of the gap that may stay where effects explain it and not a part of it
+    # impossible_deviations, impossible: deviations below zero from which on a value that cannot be negative speaks
+    # against the effects beside it, and their probability at most then (an encoder of a load one sample late, called a
+    # delay with 0.96: damping of -71 times its nominal value, 200 deviations; right effects of drawn cases had 3)
+    impossible_deviations: float = 10.0
+    impossible: float = 0.5
     # absorbed_deviations, absorbed_share: standard deviations and relative change from which on a parameter had
     # absorbed an effect
     absorbed_deviations: float = 3.0

@@ -54,10 +54,12 @@ def concluded(
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
         gaps, found = _gaps(comparison), maps(comparison)
-    effects = _effects(comparison, accepted, fits, chances, nonparametric)
-    alternatives = _alternatives(comparison, steps[0], chances)
     axis = comparison.record.dynamics.axis
     parameters = parameter_changes(fits, nominal)
+    if any(own.is_far_from_physical for own in parameters if own.name not in axis.signed_parameters):
+        chances = chances.at_most(THRESHOLDS.impossible)
+    effects = _effects(comparison, accepted, fits, chances, nonparametric)
+    alternatives = _alternatives(comparison, steps[0], chances)
     undetermined = [change.name for change in parameters if not change.is_determined]
     faults = (*damaged.texts, *shifted_channels(logs[0], comparison.record.forces, accepted))
     return Diagnosis(

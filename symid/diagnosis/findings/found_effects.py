@@ -131,6 +131,16 @@ class ParameterChange:
         return self.explained + THRESHOLDS.absorbed_deviations * self.explained_std < 0
 
     @property
+    def is_far_from_physical(self) -> bool:
+        """Whether its value is below zero by many deviations, and by more than its nominal value is above.
+
+        Another cause than the one found then distorts the model, as a late second encoder moves damping from one body
+        to the other.
+        """
+        beyond = self.explained + THRESHOLDS.impossible_deviations * self.explained_std < 0
+        return beyond and self.nominal > 0 and -self.explained > self.nominal
+
+    @property
     def is_determined(self) -> bool:
         """Whether the log determines it, and not only a combination with other parameters."""
         return self.explained_std < math.inf

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -115,6 +115,11 @@ class Outcome:
     # whether the effects found are more than noise and remove a considerable share of the gap. They may still stand in
     # for an effect that is not in the library, the more probably the less they remove
     holds: bool = False
+
+    def at_most(self, effect: float) -> Outcome:
+        """The same with no higher a probability of the effects found; what they lose is unexplained."""
+        least = min(self.effect, effect)
+        return replace(self, effect=least, unexplained=self.unexplained + self.effect - least)
 
     @property
     def verdict(self) -> Verdict:

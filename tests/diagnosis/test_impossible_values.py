@@ -1,0 +1,37 @@
+"""Values that no machine has speak against the effects beside them."""
+
+import numpy as np
+
+from symid import load_axis
+from symid.data import Log
+from symid.diagnosis import diagnose
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+SCREW = load_axis("ballscrew_2m1s")
+VALUES = {
+    "Mm": 100.0,
+    "Fvm": 100.0,
+    "Fsm": 60.0,
+    "Kt": 200 * (2 * np.pi * 30) ** 2,
+    "Ft": 800.0,
+    "Ml": 200.0,
+    "Fvl": 100.0,
+}
+
+
+def late_by_a_sample(seed: int) -> Log:
+    """A log of a ball screw whose load encoder is read one sample late."""
+    axis = SCREW.with_signal("qm", noise=1e-7).with_signal("ql", noise=1e-7).with_signal("Fm", noise=1.0)
+    levels = list(np.random.default_rng(seed).uniform(0.03, 0.15, 6))
+    path = trapezoids(levels, 0.35, acceleration=3.0, jerk=60.0, dwell=0.05, sampling_period=1e-3)
+    log = simulate(axis, VALUES, path, tuned_cascade(plant_of(SCREW, VALUES), "qm"), seed=seed).log
+    columns = {name: log[name][1:] for name in ("qm", "Fm")} | {"ql": log["ql"][:-1]}
+    return Log.from_arrays(columns, sampling_period=log.sampling_period)
+
+
+def test_a_cause_beside_impossible_damping_is_not_probable() -> None:
+    found = diagnose(SCREW, late_by_a_sample(1), validation=late_by_a_sample(2), nominal=VALUES)
+    first = found.effects[0]
+    assert first.effect == "sensor_delay" or first.probability <= 0.5
+    assert first.effect == "sensor_delay" or found.probabilities["unexplained"] >= 0.45
+    assert first.effect == "sensor_delay" or any(own.is_far_from_physical for own in found.parameters)
