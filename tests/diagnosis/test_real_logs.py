@@ -12,6 +12,7 @@ from benchmarks.diagnosis.real.judge import absurdities, rightness
 from benchmarks.diagnosis.real.machines import MACHINES, cases
 from benchmarks.diagnosis.real.plain import LOAD, Motion, Plain, Script, fitted, matrix, plain
 from benchmarks.diagnosis.real.recordings import Recording
+from benchmarks.diagnosis.real.repeated import repeated
 from benchmarks.emps import read as read_emps
 from benchmarks.motor_bench import read as read_bench
 
@@ -221,3 +222,14 @@ def test_an_inertia_at_its_bound_is_no_estimate():
     assert not Fv.at_bound
     assert J.explained == pytest.approx(J.reidentified / 2)
     assert f"J = {J.explained:.3g} A*s^2/rad is at its bound" in found.sentence
+
+
+@pytest.mark.parametrize("way", ["first-half", "second-half"])
+def test_half_a_log_of_a_robot_shows_coulomb_friction(way):
+    """Its level varies along the half stroke, and a friction of another shape leaves less: both are for later steps."""
+    (case,) = cases(["robot-viscous"])
+    found = next(again for again in repeated(case) if again.name.endswith(way)).found()
+    (first, *_) = found.effects
+    assert (first.effect, first.at) == ("coulomb_friction", "body")
+    assert first.probability > 0.7
+    assert found.parameters[1].explained == pytest.approx(2050, rel=0.1)  # viscous, published

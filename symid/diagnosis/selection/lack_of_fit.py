@@ -26,6 +26,8 @@ from symid.errors import SettingError
 _ITERATIONS = 2
 _ROWS_PER_VALUE = 10.0
 """Least number of independent rows for each value of a law without a shape."""
+_FIRST_TERMS = ("coulomb_friction", "viscous_friction")
+"""Effects that any friction has, whatever its shape: another shape is a second effect beside them."""
 _LAWS = tuple(NonparametricLaw(of) for of in ("position", "velocity", "acceleration"))
 
 
@@ -55,7 +57,7 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
     item = whole.state.placed[known]
     # What refines the effect would take its place, as presliding friction takes that of Coulomb friction.
     others = tuple(x for x in whole.state.placed if x is not item and not x.contains(item.key))
-    if own <= 0:
+    if own <= 0 or item.effect.name in _FIRST_TERMS:
         return LackOfFit()
     found = ((law, fit) for law in _laws(item, whole) if (fit := _with(whole, (*others, law))) is not None)
     law, best = min(found, key=lambda pair: _excess(pair[1]), default=(None, whole))
