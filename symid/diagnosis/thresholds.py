@@ -153,6 +153,9 @@ class Thresholds:
     # effects 0.8 or more, laws that the library lacks 0.02 and 0.36)
     outdone: float = 0.5
     outdone_width: float = 0.13
+    # probability, at most, that such a law is the true one: beside further effects that are not in the model a law of
+    # any shape explains some of them too (a dozen drawn cases leave room for one wrong test in seven)
+    outdone_at_most: float = 0.85
     # nearly_all, nearly_width: the same of a gap hardly above the floor, whose level is not known better: only a
     # cause takes all of it away (exact axes whose encoder noise passes through a controller)
     nearly_all: float = 0.8

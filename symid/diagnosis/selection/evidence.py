@@ -216,7 +216,8 @@ def _covers(errors: Errors) -> float:
 def _is_outdone(errors: Errors) -> float:
     """Probability that the first effect has not the shape of the true law, which the library then lacks."""
     share = max(errors.nonparametric, np.finfo(float).tiny)
-    return _logistic((math.log(THRESHOLDS.outdone) - math.log(share)) / THRESHOLDS.outdone_width)
+    clearly = (math.log(THRESHOLDS.outdone) - math.log(share)) / THRESHOLDS.outdone_width
+    return THRESHOLDS.outdone_at_most * _logistic(clearly)
 
 
 def _removes_too_little(errors: Errors) -> float:
