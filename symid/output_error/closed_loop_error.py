@@ -102,6 +102,11 @@ class ClosedLoopError:
         """Whether the log holds any motion."""
         return bool(np.ptp(self.log[self.signals[0]]) > 0)
 
+    @property
+    def n_signals(self) -> int:
+        """Number of signals that are compared: sensors and forces."""
+        return len(self._compared)
+
     def excerpt(self) -> ClosedLoopError:
         """The run itself: a loop is simulated from its beginning."""
         return self

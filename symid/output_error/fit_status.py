@@ -11,6 +11,7 @@ from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.noise import noise_deviations
 from symid.identification.physical import negative_parameters
 from symid.identification.poor_fit import unexplained_statement
+from symid.output_error.controller_check import controller_mismatch
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification, Status
 
@@ -53,6 +54,9 @@ def verdict_of(
             "not_converged",
             "the iterations did not converge: give `nominal`, values to start from",
         )
+    mismatch = controller_mismatch(found.fit)
+    if mismatch and (contradiction := mismatch.statement(found.fit.search.seen)):
+        return "poor_fit", contradiction
     values = np.array(list(found.physical_parameters.values()))
     absent = _absent_friction(found)
     if below := [name for name in negative_parameters(found.model, values) if name not in absent]:
@@ -215,7 +219,10 @@ def _course_remark(found: OutputErrorIdentification) -> str:
     force, course = " and ".join(found.model.forces), found.comparison.force
     several = len(found.model.forces) > 1
     if course == "simulated":
-        return f"readings and {force} are compared with those of the simulated closed loop"
+        return (
+            f"readings and {force} are compared with those of the simulated closed loop; the deviations take the gains "
+            "of its controller as exact"
+        )
     if course == "held":
         return f"{force} {'are' if several else 'is'} held from each sample to the next"
     if not found.comparison.free_timing:

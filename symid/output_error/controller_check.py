@@ -1,0 +1,198 @@
+"""Whether the controller of a simulated closed loop is that of the log.
+
+Small terms are added to the given controller, and their sizes estimated together with the parameters, by one step from
+the estimate (a score test: C. R. Rao, Proc. Cambridge Phil. Soc. 44, 1948). They are 0 within their deviations for the
+controller that made the log. Force and motion are both measured, which tells these terms from parameters of the axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+from symid.arrays import FloatArray
+from symid.data import Log
+from symid.estimation import corrected_covariance, estimate, triangular_factors
+from symid.output_error.altered_controller import TERMS, AlteredController
+from symid.output_error.closed_loop_error import ClosedLoopError, Whitening
+from symid.output_error.likelihood_fit import LikelihoodFit
+from symid.output_error.search import Search
+from symid.simulation import ClosedLoop, Controller
+
+_STEP = 1e-4
+"""Difference step of a term, as a share of the rms force."""
+_CHANCE = 1e-5
+"""Probability that the controller of a log is taken for another."""
+_CERTAIN = 4.0
+"""Deviations from 0 above which a combination of terms counts."""
+_PASSES = 3
+"""Fits of the whitening to what parameters and terms leave."""
+_NOTICEABLE = 0.005
+"""Relative change of a parameter below which it is not reported."""
+_VISIBLE = 1e-9
+"""Least size of a combination of terms that the parameters do not imitate, relative to the greatest one."""
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerMismatch:
+    """Terms by which the controller of a log certainly differs from the given one."""
+
+    share: float  # rms force of the terms along the first log, as a share of its rms force
+    # seen parameters, their printed deviations, and the change of them that the terms bring, SI
+    values: FloatArray
+    deviations: FloatArray
+    moved: FloatArray
+
+    def statement(self, names: Sequence[str]) -> str:
+        """What contradicts the log, and the cure; empty if no parameter moves beyond its deviation."""
+        excess = self.moved / np.maximum(self.deviations, _NOTICEABLE * np.abs(self.values))
+        i = int(np.argmax(excess))
+        if not excess[i] > 1.0:
+            return ""
+        return (
+            "the controller given does not produce the logged force from reference and readings: "
+            f"{100 * self.share:.2g} % of the force differ, which moves {names[i]} of {self.values[i]:.4g} "
+            f"+- {self.deviations[i]:.2g} by {self.moved[i]:.2g}: check gains, rate, delay and feed-forward of the "
+            "controller, or identify without it"
+        )
+
+
+def controller_mismatch(fit: LikelihoodFit) -> ControllerMismatch | None:
+    """Difference between the controllers of the logs and those of the simulated loop; None if none is certain."""
+    first = fit.search.errors[0]
+    if not isinstance(first, ClosedLoopError):
+        return None
+    loop = first.loop if first.loop.controller is not None else first.loop.tuned(fit.search.parameters)
+    terms, force = _terms(loop, first.log), _force(loop, first.log)
+    sizes = np.sqrt(np.mean(terms**2, axis=1))
+    units = np.divide(force, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    search = _unwhitened(fit.search)
+    W, _ = search.linearised()
+    lengths = np.maximum(np.linalg.norm(W, axis=0), np.finfo(float).tiny)
+    V = _slopes(search, loop, units)
+    if not (np.isfinite(W).all() and V.any() and np.isfinite(V).all()):
+        return None
+    W, V, y = _whitened(search, W / lengths, V, search.residual(search.x))
+    # What of the terms the parameters cannot imitate
+    imitated = np.linalg.lstsq(W, V, rcond=_VISIBLE)[0]
+    changes = _certain_changes(V - W @ imitated, y)
+    if not changes.any():
+        return None
+    n = len(search.seen)
+    return ControllerMismatch(
+        share=float(np.sqrt(np.mean(((changes * units) @ terms) ** 2))) / force,
+        values=np.array([search.parameters[name] for name in search.seen]),
+        deviations=np.sqrt(np.diag(fit.covariance))[:n],
+        moved=(np.abs(imitated @ changes) / lengths)[:n],
+    )
+
+
+def _certain_changes(V: FloatArray, y: FloatArray) -> FloatArray:
+    """Sizes of the columns of V in y, of their certain combinations only; zeros if chance explains all."""
+    U, sizes, rotation = np.linalg.svd(V, full_matrices=False)
+    seen = sizes > _VISIBLE * sizes[0]
+    U = U[:, seen]
+    found = estimate(triangular_factors(U[None], y[None]))
+    size, covariance = found.solution, corrected_covariance(U[None], y[None], found).covariance
+    if not np.isfinite(covariance).all():
+        return np.zeros(len(rotation))
+    statistic = float(size @ np.linalg.pinv(covariance, hermitian=True) @ size)
+    if statistic < scipy.stats.chi2.isf(_CHANCE, size.size):
+        return np.zeros(len(rotation))
+    certain = np.abs(size) > _CERTAIN * np.sqrt(np.diag(covariance))
+    return np.asarray(rotation[seen].T @ (np.where(certain, size, 0.0) / sizes[seen]))
+
+
+def _unwhitened(search: Search) -> Search:
+    """The search with errors that are scaled by noise only."""
+    errors = tuple(
+        replace(error, whitening=None) for error in search.errors if isinstance(error, ClosedLoopError)
+    )
+    return replace(search, errors=errors)
+
+
+def _whitened(
+    search: Search, W: FloatArray, V: FloatArray, y: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Slopes and errors, whitened by the errors that parameters and terms together leave.
+
+    Those that the parameters alone leave hold the effect of the terms, which a model of them would take for noise.
+    """
+    joint, rest = np.hstack([W, V]), y
+    n_signals = [error.n_signals for error in search.errors if isinstance(error, ClosedLoopError)]
+    ends = np.cumsum(search.rows)[:-1]
+    for _ in range(_PASSES):
+        parts = [part.reshape(-1, n) for part, n in zip(np.split(rest, ends), n_signals, strict=True)]
+        models = [Whitening.of(part) for part in parts]
+
+        def white(column: FloatArray, models: list[Whitening] = models) -> FloatArray:
+            runs = zip(np.split(column, ends), n_signals, models, strict=True)
+            return np.concatenate([model.apply(run.reshape(-1, n)).ravel() for run, n, model in runs])
+
+        white_joint = np.stack([white(column) for column in joint.T], axis=1)
+        white_y = white(y)
+        rest = y - joint @ np.linalg.lstsq(white_joint, white_y, rcond=_VISIBLE)[0]
+    n = W.shape[1]
+    return white_joint[:, :n], white_joint[:, n:], white_y
+
+
+def _controllers(loop: ClosedLoop) -> tuple[Controller, ...]:
+    assert loop.controller is not None
+    return (loop.controller,) if isinstance(loop.controller, Controller) else tuple(loop.controller)
+
+
+def _force(loop: ClosedLoop, log: Log) -> float:
+    return float(np.sqrt(np.mean(np.stack([log[drive.signal] for drive in loop.axis.drives]) ** 2)))
+
+
+def _terms(loop: ClosedLoop, log: Log) -> FloatArray:
+    """Unit terms of the controllers along a log, those of one drive after the other, of shape (n, n_samples)."""
+    period, rows = log.sampling_period, []
+    for drive, column, controller in zip(
+        loop.axis.drives, loop.reference_columns(log), _controllers(loop), strict=True
+    ):
+        path = log[column] - log[column][0] if column in log.signals else np.zeros(log.n_samples)
+        velocity = np.gradient(path, period)
+        acceleration = np.gradient(velocity, period)
+        error = np.zeros(log.n_samples)
+        order = _order(loop, controller)
+        if order is not None and controller.signals[0] in log.signals:
+            reading = log[controller.signals[0]]
+            error = (path, velocity, acceleration)[order] - (reading - reading[0] if order == 0 else reading)
+        delayed = -np.gradient(log[drive.signal], period) * loop.held_for(log)
+        rows += [
+            error,
+            period * np.cumsum(error),
+            np.gradient(error, period),
+            velocity,
+            acceleration,
+            delayed,
+        ]
+    return np.stack(rows)
+
+
+def _order(loop: ClosedLoop, controller: Controller) -> int | None:
+    """Derivative of the position that the first signal of a controller reads; None without such a signal."""
+    orders = {sensor.signal: sensor.derivative for sensor in loop.axis.sensors}
+    return orders[controller.signals[0]] if controller.signals else None
+
+
+def _slopes(search: Search, loop: ClosedLoop, units: FloatArray) -> FloatArray:
+    """Decrease of the errors of all runs with each term, as central differences; a column for each term."""
+    controllers = _controllers(loop)
+
+    def residual(changes: FloatArray) -> FloatArray:
+        parts = zip(controllers, changes.reshape(len(controllers), len(TERMS)), strict=True)
+        altered = tuple(AlteredController(one, part, _order(loop, one)) for one, part in parts)
+        errors = tuple(
+            replace(error, loop=replace(error.loop, controller=altered))
+            for error in search.errors
+            if isinstance(error, ClosedLoopError)
+        )
+        return replace(search, errors=errors).residual(search.x)
+
+    columns = [(residual(-step) - residual(step)) / (2 * _STEP) for step in _STEP * np.diag(units)]
+    return np.stack(columns, axis=1)
