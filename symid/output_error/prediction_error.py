@@ -8,7 +8,7 @@ projected out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -162,13 +162,17 @@ class PredictionError:
         return np.asarray(np.where(typical > 0, typical, 1.0))
 
     @cached_property
-    def _law_values(self) -> tuple[list[list[FloatArray]], list[list[FloatArray]]]:
-        """Values of each law of each joint in the parts of the intervals, and at the samples."""
-        joints = list(zip(self.motions, self.dynamics.laws, strict=True))
-        within = [[term.forces(motion.q, motion.v) for term in terms] for motion, (_, terms) in joints]
-        return within, [
-            [term.forces(motion.q_at, motion.v_at) for term in terms] for motion, (_, terms) in joints
-        ]
+    def _forces(self) -> tuple[FloatArray, FloatArray]:
+        """Forces of the drives, then values of each law of each joint: in the parts of the intervals, at the samples.
+
+        Of shapes (n_samples, n_parts * n_forces) and (n_samples, n_forces).
+        """
+        joints = zip(self.motions, self.dynamics.laws, strict=True)
+        laws = [(term, motion) for motion, (_, terms) in joints for term in terms]
+        within = [term.forces(motion.q, motion.v)[:, :, None] for term, motion in laws]
+        at = [term.forces(motion.q_at, motion.v_at)[:, None] for term, motion in laws]
+        inside = np.concatenate([self.run.drive, *within], axis=2)
+        return inside.reshape(len(inside), -1), np.hstack([self.run.drive_at, *at])
 
     @cached_property
     def _driven(self) -> tuple[int, ...]:
@@ -213,21 +217,20 @@ class PredictionError:
 
     def _inputs(self, plant: Plant, sampled: SampledPlant, nuisance: FloatArray) -> FloatArray:
         """Readings without what forces add to them directly, and effects of the forces on the state."""
-        run = self.run
-        m = sampled.n_drives
-        driven, at_once = sampled.effects[:, :, :m].transpose(0, 2, 1), sampled.feedthrough[:, :m].T
-        driven = driven.reshape(-1, driven.shape[-1])
-        effects = run.drive.reshape(len(run.drive), -1) @ driven + sampled.effects[:, :, -1].sum(axis=0)
-        direct = run.drive_at @ at_once + sampled.feedthrough[:, -1]
+        run, m = self.run, sampled.n_drives
+        joints = [m + j for j, law in enumerate(plant.laws) for _ in law.terms]
+        weights = [1.0] * m + [term.parameter for law in plant.laws for term in law.terms]
+        places, (within, at) = [*range(m), *joints], self._forces
+        at_once = sampled.feedthrough[:, places] * weights
+        effects = within @ _rows(sampled.effects[:, :, places] * weights)
+        effects += sampled.effects[:, :, -1].sum(axis=0)
+        direct = at @ at_once.T + sampled.feedthrough[:, -1]
         if run.course == "held" and sampled.read_forces.any():  # the mean of both sides of a jump is read
             direct += (run.drive[:, 0] - run.drive_at) / 2 @ sampled.read_forces.T
         if self.free_timing:
-            effects += nuisance[-1] * run.drive_rate.reshape(len(run.drive), -1) @ driven
-            direct += nuisance[-1] * run.drive_rate_at @ at_once
-        for j, (law, within, at) in enumerate(zip(plant.laws, *self._law_values, strict=True), start=m):
-            weights = [term.parameter for term in law.terms]
-            effects += _combined(weights, within) @ sampled.effects[:, :, j]
-            direct += np.outer(_combined(weights, at), sampled.feedthrough[:, j])
+            rate = run.drive_rate.reshape(len(run.drive), -1)
+            effects += nuisance[-1] * (rate @ _rows(sampled.effects[:, :, :m]))
+            direct += nuisance[-1] * (run.drive_rate_at @ at_once[:, :m].T)
         return np.hstack([run.readings - direct, effects])
 
     def _projected(self, raw: FloatArray, found: Predictor, whitening: FloatArray) -> FloatArray:
@@ -245,7 +248,7 @@ class PredictionError:
         for first, last in self._stretches:
             length = min(last - first, memory)
             if length not in bases:
-                bases[length] = np.linalg.qr(free[:length].reshape(-1, n))[0]
+                bases[length] = _orthonormal(free[:length].reshape(-1, n))
             beginning = errors[first : first + length].ravel()
             remaining = beginning - bases[length] @ (bases[length].T @ beginning)
             errors[first : first + length] = remaining.reshape(length, -1)
@@ -256,8 +259,15 @@ def _whitening(found: Predictor) -> tuple[FloatArray, float]:
     """Whitening matrix of determinant 1 for the innovations, and their level for unit noise."""
     root = np.linalg.cholesky(found.covariance)
     level = float(np.exp(np.mean(np.log(np.diag(root)))))
-    return np.asarray(scipy.linalg.solve_triangular(root, level * np.eye(len(root)), lower=True)), level
+    return level * np.linalg.inv(root), level
 
 
-def _combined(weights: Sequence[float], values: Sequence[FloatArray]) -> FloatArray:
-    return np.asarray(sum(w * x for w, x in zip(weights, values, strict=True)))
+def _rows(effects: FloatArray) -> FloatArray:
+    """Effects of shape (n_parts, n_states, n_forces) as rows, for forces in the order of `PredictionError._forces`."""
+    return effects.transpose(0, 2, 1).reshape(-1, effects.shape[1])
+
+
+def _orthonormal(columns: FloatArray) -> FloatArray:
+    """Orthonormal basis of columns; LAPACK's own functions, as those of numpy take several times as long."""
+    reflectors, factors, _, _ = scipy.linalg.lapack.dgeqrf(columns)
+    return np.asarray(scipy.linalg.lapack.dorgqr(reflectors[:, : factors.size], factors)[0])

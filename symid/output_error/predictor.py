@@ -16,9 +16,6 @@ from symid.arrays import FloatArray
 from symid.output_error.sampled_plant import SampledPlant
 from symid.output_error.state_space import StateSpace
 
-_DOUBLINGS = 60
-_SETTLED = 1e-13
-
 
 @dataclass(frozen=True, eq=False)
 class Predictor:
@@ -68,29 +65,24 @@ def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: Float
 
 def _state_scale(plant: SampledPlant) -> FloatArray:
     """Scale of each state for a well-conditioned equation: the effect of a force over a few samples."""
-    effect = plant.noise_effects[:, : plant.n_drives]
-    reach = np.abs(effect).max(axis=1)
+    effects = [plant.noise_effects[:, : plant.n_drives]]
     for _ in range(8):
-        effect = plant.transition @ effect
-        reach = np.maximum(reach, np.abs(effect).max(axis=1))
+        effects.append(plant.transition @ effects[-1])
+    reach = np.abs(np.hstack(effects)).max(axis=1)
     return np.asarray(np.where(reach > 0, reach, reach.max()))
 
 
 def _stationary_covariance(
     A: FloatArray, C: FloatArray, process: FloatArray, measurement: FloatArray, cross: FloatArray
 ) -> FloatArray:
-    """Covariance of the predicted state, by the structure-preserving doubling algorithm (Chu, Fan, Lin, Wang 2004)."""
-    # Each step doubles the horizon of the Riccati recursion: after k of them H is the covariance after 2**k samples.
-    A = (A - cross @ np.linalg.solve(measurement, C)).T
-    G = C.T @ np.linalg.solve(measurement, C)
-    H = process - cross @ np.linalg.solve(measurement, cross.T)
-    one = np.eye(len(A))
-    for _ in range(_DOUBLINGS):
-        W = np.linalg.solve(one + G @ H, np.hstack([A, G]))
-        through, spread = W[:, : len(A)], W[:, len(A) :]
-        growth = A.T @ H @ through
-        A, G, H = A @ through, G + A @ spread @ A.T, H + growth
-        H, G = (H + H.T) / 2, (G + G.T) / 2
-        if np.abs(growth).max() <= _SETTLED * np.abs(H).max():
-            return H
-    raise np.linalg.LinAlgError("no stationary predictor is found")
+    """Covariance of the predicted state."""
+    from symid.output_error.compiled_algebra import doubled  # numba takes 0.3 s to import
+
+    n = len(A)
+    weighted = np.linalg.solve(measurement, np.hstack([C, cross.T]))
+    covariance = process - cross @ weighted[:, n:]
+    transition = np.ascontiguousarray((A - cross @ weighted[:, :n]).T)
+    found = doubled(transition, C.T @ weighted[:, :n], covariance)
+    if not found or not np.isfinite(covariance).all():
+        raise np.linalg.LinAlgError("no stationary predictor is found")
+    return covariance

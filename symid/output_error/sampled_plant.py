@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -42,7 +43,7 @@ class SampledPlant:
     # shape (2 n_bodies, n_states): displacements and velocities by the states; unobservable ones are removed
     basis: FloatArray
 
-    @property
+    @cached_property
     def noise_effects(self) -> FloatArray:
         """Effects over an interval of the noise of each drive's logged force and of each disturbance.
 
@@ -50,7 +51,7 @@ class SampledPlant:
         """
         return np.column_stack([-self.effects[:, :, : self.n_drives].sum(axis=0), self.disturbances])
 
-    @property
+    @cached_property
     def noise_feedthrough(self) -> FloatArray:
         """Direct feedthrough of these noises to the readings, of shape (n_outputs, n_sources)."""
         return np.column_stack([-self.feedthrough[:, : self.n_drives], self.disturbance_feedthrough])

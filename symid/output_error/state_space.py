@@ -27,13 +27,13 @@ class StateSpace:
         >>> system.free_response(4).ravel().tolist()
         [1.0, 0.5, 0.25, 0.125]
         """
-        response, power = self.C[None], self.A
-        while len(response) < n_samples:
-            following = response @ power
-            if np.abs(following).max() <= forgotten * np.abs(response).max():
+        outputs, power = self.C, self.A  # the outputs of all samples, one below the other: one product each
+        while len(outputs) < n_samples * len(self.C):
+            following = outputs @ power
+            if np.abs(following).max() <= forgotten * np.abs(outputs).max():
                 break
-            response, power = np.concatenate([response, following]), power @ power
-        return response[:n_samples]
+            outputs, power = np.concatenate([outputs, following]), power @ power
+        return outputs.reshape(-1, *self.C.shape)[:n_samples]
 
     def observed(self, C: FloatArray) -> StateSpace:
         """The recursion with other outputs, without direct feedthrough."""

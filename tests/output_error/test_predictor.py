@@ -1,5 +1,7 @@
 """The stationary predictor against scipy's Riccati equation and a Kalman filter run until it settles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
@@ -98,3 +100,10 @@ def test_a_state_that_no_reading_shows_leaves_the_innovations_right() -> None:
     found = predictor(plant, FORCE[:1], READING[:1])
     _, F = settled(plant, FORCE[:1], READING[:1], steps=10_000)
     np.testing.assert_allclose(found.covariance, F, rtol=1e-6)
+
+
+@pytest.mark.parametrize("transition", [np.full((4, 4), np.nan), 2 * np.eye(4)])
+def test_a_growing_state_that_is_not_read_has_no_predictor(transition: np.ndarray) -> None:
+    unread = replace(sampled(("q2",)), transition=transition, output=np.zeros((1, 4)))
+    with np.errstate(all="ignore"), pytest.raises(np.linalg.LinAlgError, match="no stationary predictor"):
+        predictor(unread, FORCE[:1], READING[:1])
