@@ -34,6 +34,7 @@ from symid.codegen import model_of
 from symid.data import REFERENCE, Log, write_log
 from symid.errors import SettingError
 from symid.excitation import Design, IdentificationTrial, design
+from symid.excitation.best_reference import FINAL_RUNS, LEAST_RUNS
 from symid.simulation import Limits, Trajectory, plant_of
 from symid.units import Unit
 
@@ -53,6 +54,12 @@ _run_options = shared(
         help="How the log will be identified: iv is free of the bias of encoder noise and takes several times as long.",
     ),
     option("--seeds", type=IntRange(0, 100), default=2, help="Multisines with random phases for each band."),
+    option(
+        "--runs",
+        type=IntRange(LEAST_RUNS, 10_000),
+        default=FINAL_RUNS,
+        help="Simulated identifications from which the errors of the chosen reference and the defaults are expected.",
+    ),
 )
 
 
@@ -99,6 +106,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         options["seconds"],
         options["rate"],
         seeds=options["seeds"],
+        runs=options["runs"],
         track=lambda every: tracked(every, "references"),
     )
     write_log(references_log(declared, found.best.references), output)

@@ -25,9 +25,9 @@ from symid.simulation import ClosedLoop, Controller, Limits, Simulation, Traject
 
 Paths: TypeAlias = tuple[Trajectory, ...]
 """Reference of each drive."""
-_FINALISTS, _RUNS = 6, 4
+_FINALISTS, LEAST_RUNS = 6, 4
 """The best candidates and the defaults are simulated several times: one run shows little bias."""
-_FINAL_RUNS = 60
+FINAL_RUNS = 60
 """Runs of the chosen reference and of the defaults, whose errors then tell more than printed deviations."""
 _TRIES = 4
 _MARGIN = 0.99
@@ -205,6 +205,7 @@ def design(
     rate: float,
     *,
     seeds: int = 2,
+    runs: int = FINAL_RUNS,
     track: Callable[[Sequence[Paths]], Iterable[Paths]] = iter,
 ) -> Design:
     """Choose the reference whose largest relative deviation of a physical parameter is smallest.
@@ -217,14 +218,19 @@ def design(
         Duration, s, and sampling rate of controller and log, Hz.
     seeds : int
         Number of multisines with random phases for each band.
+    runs : int
+        Number of simulated identifications of the chosen reference and of the defaults, 4 at least: the expected errors
+        come from them.
     track : callable, optional
         Passes on the references that are tried, and may show progress.
 
     Raises
     ------
     SettingError
-        If no reference determines the parameters within the limits.
+        If no reference determines the parameters within the limits, or there are fewer than 4 runs.
     """
+    if runs < LEAST_RUNS:
+        raise SettingError(f"runs is {runs}: it must be at least {LEAST_RUNS}")
     mode = plant_of(experiment.axis, experiment.parameters).highest_mode
     drives, limits = len(experiment.axis.drives), experiment.limits
     tried = [(one,) * drives for one in references(limits, seconds, rate, mode, seeds)]
@@ -233,7 +239,7 @@ def design(
     found = {paths[0].name: experiment.expectation(paths) for paths in track(tried)}
     ranked = sorted((one for one in found.values() if one), key=lambda one: one.worst)
     again = {
-        one.trajectory.name: experiment.expectation(one.references, _RUNS)
+        one.trajectory.name: experiment.expectation(one.references, LEAST_RUNS)
         for i, one in enumerate(ranked)
         if i < _FINALISTS or one.trajectory.name in DEFAULTS
     }
@@ -251,7 +257,16 @@ def design(
             f"{experiment.axis.name!r}: allow more travel, speed, force or time{apart}, or lower the noise"
         )
     compared = {one.trajectory.name: one for one in (best, *map(again.get, DEFAULTS)) if one}
-    final = {name: experiment.expectation(one.references, _FINAL_RUNS) for name, one in compared.items()}
+    final: Mapping[str, Expectation | None] = compared
+    if runs > LEAST_RUNS:
+        final = _repeated(experiment, compared, runs)
     return Design(
         final[best.trajectory.name] or best, {name: final.get(name) for name in DEFAULTS}, len(tried)
     )
+
+
+def _repeated(
+    experiment: IdentificationTrial, expected: Mapping[str, Expectation], runs: int
+) -> Mapping[str, Expectation | None]:
+    """Expectations of the same references from more runs."""
+    return {name: experiment.expectation(one.references, runs) for name, one in expected.items()}

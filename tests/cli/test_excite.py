@@ -8,7 +8,7 @@ import pytest
 from axes.shipped import write_parameters
 from command_line import run
 
-COMMON = "excite rigid_1m --parameters rigid_1m.json --rate 500 --seconds 2 --seeds 0 --bandwidth 5"
+COMMON = "excite rigid_1m --parameters rigid_1m.json --rate 500 --seconds 2 --seeds 0 --runs 4 --bandwidth 5"
 LIMITS = "--limits travel=200mm,speed=0.5m/s,acceleration=5m/s^2"
 NOISE = "--noise q=1e-7 --noise F=2"
 

@@ -28,7 +28,7 @@ def experiment_of(force: float = math.inf) -> IdentificationTrial:
 
 @pytest.fixture(scope="module")
 def found():
-    return design(experiment_of(), SECONDS, RATE, seeds=1)
+    return design(experiment_of(), SECONDS, RATE, seeds=1, runs=8)
 
 
 def test_it_is_better_than_the_defaults(found):
@@ -117,6 +117,11 @@ def test_parameters_that_no_motion_determines_are_named() -> None:
     )
     with pytest.raises(SettingError, match="no motion determines J, M of axis 'rack'"):
         design(trial, 3.0, 200.0, seeds=0)
+
+
+def test_a_design_needs_some_runs():
+    with pytest.raises(SettingError, match="runs is 3: it must be at least 4"):
+        design(experiment_of(), SECONDS, RATE, runs=3)
 
 
 def test_limits_that_nothing_can_keep_are_reported():

@@ -29,7 +29,7 @@ PAIR = Axis(
 TRUE = {"M1": 30.0, "Fv1": 150.0, "Fs1": 12.0, "M2": 50.0, "Fv2": 260.0, "K": 2e5, "C": 600.0}
 NOISE = "--noise F1=1 --noise F2=1 --noise q1=1e-7 --noise q2=1e-7"
 COMMON = "travel=0.2m,speed=0.5,acceleration=5"
-RUN = "--seconds 2.5 --rate 1000 --seeds 0 --bandwidth 10"
+RUN = "--seconds 2.5 --rate 1000 --seeds 0 --runs 4 --bandwidth 10"
 OUTPUT = "-o r.csv --overwrite --json r.json"
 
 
