@@ -21,7 +21,8 @@ from symid.data import Log
 from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.simulation import ClosedLoop
 
-_ORDER = 12
+ORDER = 12
+"""Order of the autoregressive model of the errors."""
 _OFFSET_STEP = 1e-2
 _MEDIAN_OF_FOURTH_DIFFERENCES = 0.6745 * math.sqrt(70.0)
 """Median of the absolute fourth difference of white noise of unit deviation."""
@@ -40,7 +41,7 @@ class Whitening:
     root: FloatArray
 
     @classmethod
-    def of(cls, errors: FloatArray, order: int = _ORDER) -> Whitening:
+    def of(cls, errors: FloatArray, order: int = ORDER) -> Whitening:
         """Model fitted to errors of shape (n_samples, n_signals) by least squares.
 
         >>> noise = np.random.default_rng(0).standard_normal((4000, 1))

@@ -15,9 +15,11 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.data import Log
-from symid.estimation import corrected_covariance, estimate, triangular_factors
+from symid.estimation import LeastSquares, corrected_covariance, estimate, triangular_factors
+from symid.identification.stability import scatter
+from symid.identification.whitened import segments_of_rows
 from symid.output_error.altered_controller import TERMS, AlteredController
-from symid.output_error.closed_loop_error import ClosedLoopError, Whitening
+from symid.output_error.closed_loop_error import ORDER, ClosedLoopError, Whitening
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.search import Search
 from symid.simulation import ClosedLoop, Controller
@@ -30,8 +32,8 @@ _CERTAIN = 4.0
 """Deviations from 0 above which a combination of terms counts."""
 _PASSES = 3
 """Fits of the whitening to what parameters and terms leave."""
-_NOTICEABLE = 0.005
-"""Relative change of a parameter below which it is not reported."""
+_NOTICEABLE = 0.02
+"""Relative change of a parameter below which it is not reported: noise is not steady where friction holds the axis."""
 _VISIBLE = 1e-9
 """Least size of a combination of terms that the parameters do not imitate, relative to the greatest one."""
 
@@ -78,32 +80,49 @@ def controller_mismatch(fit: LikelihoodFit) -> ControllerMismatch | None:
     W, V, y = _whitened(search, W / lengths, V, search.residual(search.x))
     # What of the terms the parameters cannot imitate
     imitated = np.linalg.lstsq(W, V, rcond=_VISIBLE)[0]
-    changes = _certain_changes(V - W @ imitated, y)
+    lost = [ORDER * error.n_signals for error in search.errors if isinstance(error, ClosedLoopError)]
+    fitted = sum(ORDER * error.n_signals**2 for error in search.errors if isinstance(error, ClosedLoopError))
+    rows = [n - first_ones for n, first_ones in zip(search.rows, lost, strict=True)]
+    changes = _certain_changes(V - W @ imitated, y, rows, fitted + len(lengths))
     if not changes.any():
         return None
-    n = len(search.seen)
+    n, n_drives = len(search.seen), len(loop.axis.drives)
+    added = ((changes * units)[:, None] * terms).reshape(n_drives, len(TERMS), -1).sum(axis=1)
     return ControllerMismatch(
-        share=float(np.sqrt(np.mean(((changes * units) @ terms) ** 2))) / force,
+        share=float(np.sqrt(np.mean(added**2))) / force,
         values=np.array([search.parameters[name] for name in search.seen]),
         deviations=np.sqrt(np.diag(fit.covariance))[:n],
         moved=(np.abs(imitated @ changes) / lengths)[:n],
     )
 
 
-def _certain_changes(V: FloatArray, y: FloatArray) -> FloatArray:
-    """Sizes of the columns of V in y, of their certain combinations only; zeros if chance explains all."""
+def _certain_changes(V: FloatArray, y: FloatArray, rows: Sequence[int], fitted: int) -> FloatArray:
+    """Sizes of the columns of V in y, of their certain combinations only; zeros if chance explains all.
+
+    `rows` are those of each run; `fitted` coefficients of the whitening were fitted to them.
+    """
     U, sizes, rotation = np.linalg.svd(V, full_matrices=False)
     seen = sizes > _VISIBLE * sizes[0]
     U = U[:, seen]
     found = estimate(triangular_factors(U[None], y[None]))
-    size, covariance = found.solution, corrected_covariance(U[None], y[None], found).covariance
-    if not np.isfinite(covariance).all():
+    size, covariance = found.solution, _covariance(U, y, found, rows)
+    freedom = y.size - fitted - size.size
+    if freedom < size.size or not np.isfinite(covariance).all():
         return np.zeros(len(rotation))
-    statistic = float(size @ np.linalg.pinv(covariance, hermitian=True) @ size)
-    if statistic < scipy.stats.chi2.isf(_CHANCE, size.size):
+    covariance = covariance * (y.size / freedom)
+    statistic = float(size @ np.linalg.pinv(covariance, hermitian=True) @ size) / size.size
+    if statistic < scipy.stats.f.isf(_CHANCE, size.size, freedom):
         return np.zeros(len(rotation))
     certain = np.abs(size) > _CERTAIN * np.sqrt(np.diag(covariance))
     return np.asarray(rotation[seen].T @ (np.where(certain, size, 0.0) / sizes[seen]))
+
+
+def _covariance(U: FloatArray, y: FloatArray, found: LeastSquares, rows: Sequence[int]) -> FloatArray:
+    """Covariance of sizes, at least as large as their scatter between segments, as that of the parameters."""
+    covariance = corrected_covariance(U[None], y[None], found).covariance
+    by_segments = np.diag(scatter(segments_of_rows(U, y, found, rows), found))
+    wider = np.fmax(np.sqrt(by_segments / np.diag(covariance)), 1.0)
+    return np.asarray(covariance * np.outer(wider, wider))
 
 
 def _unwhitened(search: Search) -> Search:

@@ -60,6 +60,10 @@ def test_the_controller_of_the_log_is_ok() -> None:
     assert status_of(log_of(GIVEN, seed=1)) == ("ok", "")
 
 
+def test_a_short_log_that_ends_in_motion_is_ok() -> None:
+    assert status_of(log_of(GIVEN, seed=2).window(0, 300)) == ("ok", "")
+
+
 @pytest.mark.parametrize(
     "made",
     [
