@@ -48,6 +48,8 @@ DAMPING = "damping"
 SEED, RATIO = 7, 50.0
 LATE = 0.25e-3
 """Time by which a late reading is late, s: one sample of the logs of the blind cases."""
+MOVES = ((0.4, 0.2), (0.01, 0.02), (0.2, 0.2), (0.04, 0.06), (0.5, 0.2), (0.1, 0.1))
+"""Speed and way of the moves to and fro, m/s and m."""
 _TURNED = 12.0
 """Angle of the table per metre of the other moves, rad/m."""
 _SHOWN = 5000
@@ -143,11 +145,10 @@ class Residual:
 
 
 def moves() -> np.ndarray:
-    """Position and velocity at the controller's rate: to and fro at six speeds, with short rests."""
-    speeds, ways = (0.4, 0.01, 0.2, 0.04, 0.5, 0.1), (0.2, 0.02, 0.2, 0.06, 0.2, 0.1)
+    """Position and velocity at the controller's rate: to and fro at each speed, with short rests."""
     rest = np.zeros(CONTROL_HZ // 10)
     parts = [rest]
-    for speed, way in zip(speeds, ways, strict=True):
+    for speed, way in MOVES:
         for side in (1, -1):
             parts += [motion.velocity_profile(side * way, speed, 6.0, 0.02), rest]
     v = np.concatenate(parts)
@@ -210,6 +211,7 @@ def turning_table() -> tuple[Axis, Log, dict[str, float]]:
     return axis, log, values
 
 
+@cache
 def residual_of(effect: str) -> Residual:
     """Error of the re-identified plain axis on a log with the effect; for a late reading, of the true axis."""
     signature = signature_of(effect)

@@ -30,6 +30,14 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
     return folder, label
 
 
+@pytest.fixture(scope="module")
+def rigid() -> draw.Setting:
+    """A rigid axis on motions of 4 s."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(draw, "SECONDS", {"identification": 4.0, "validation": 4.0})
+        return draw.draw_setting("rigid_1m", ("q",), np.random.default_rng(5))
+
+
 def test_the_simulator_shares_nothing_with_symid():
     code = (
         "import sys, benchmarks.blind.__main__; print([m for m in sys.modules if m.split('.')[0] == 'symid'])"
@@ -79,36 +87,34 @@ def test_a_case_is_written_without_its_label(drawn: tuple[Path, dict]):
     assert label["effects"][0]["numbers"]["force"] > 0
 
 
-def test_the_missing_force_by_hand_is_the_gap(drawn: tuple[Path, dict]):
+def test_the_missing_force_by_hand_is_the_gap(rigid: draw.Setting):
     """A constant force on one mass: the ratio by a straight fit, differences and a running mean in place of `gap`."""
-    setting = draw.draw_setting("rigid_1m", ("q",), np.random.default_rng(5))
     offset = laws.draw("offset_force", "motor", np.random.default_rng(1)).sized(20.0)
-    run = draw.simulate(setting, (offset,), "validation", disturbed=False)
+    run = draw.simulate(rigid, (offset,), "validation", disturbed=False)
     v = run.velocity
     moving = np.convolve(np.abs(v) < 2e-3, np.ones(161), "same") == 0
     W = np.stack([np.gradient(v) * 4000, v, np.sign(v)], axis=1)[moving]
     missing = np.full(v.size, 20.0)[moving]
     left = missing - W @ np.linalg.lstsq(W, missing, rcond=None)[0]
-    assert draw.gap_ratio(setting, (offset,)) == pytest.approx(
-        2 * draw.gap_ratio(setting, (offset.sized(10),)), rel=0.02
+    assert draw.gap_ratio(rigid, (offset,)) == pytest.approx(
+        2 * draw.gap_ratio(rigid, (offset.sized(10),)), rel=0.02
     )
-    noise = np.sqrt(np.mean(left**2)) / draw.gap_ratio(setting, (offset,))
-    band = setting.noise["F"] * np.sqrt(2 * 100 / 4000)
-    assert band < noise < 3 * band + setting.true["M"] * (2 * np.pi * 100) ** 2 * 3e-7
-    assert draw.gap_ratio(setting, ()) < 0.2
+    noise = np.sqrt(np.mean(left**2)) / draw.gap_ratio(rigid, (offset,))
+    band = rigid.noise["F"] * np.sqrt(2 * 100 / 4000)
+    assert band < noise < 3 * band + rigid.true["M"] * (2 * np.pi * 100) ** 2 * 3e-7
+    assert draw.gap_ratio(rigid, ()) < 0.2
 
 
-def test_the_record_of_a_worldly_case_wanders_from_zero_in_whole_quanta():
-    setting = draw.draw_setting("rigid_1m", ("q",), np.random.default_rng(5))
-    rough, white = draw.wandering(setting, np.random.default_rng(6)), setting.noise["F"]
-    readings = {"F": np.zeros(40_000), "q": np.zeros(40_000)}
+def test_the_record_of_a_worldly_case_wanders_from_zero_in_whole_quanta(rigid: draw.Setting):
+    rough, white = draw.wandering(rigid, np.random.default_rng(6)), rigid.noise["F"]
+    readings = {"F": np.zeros(16_000), "q": np.zeros(16_000)}
     force = draw.measured(rough, readings, "identification")["F"] / rough.noise["quantum"]
     np.testing.assert_allclose(force, np.round(force), atol=1e-9)
     slow = force.reshape(-1, 200).mean(axis=1) * rough.noise["quantum"]  # means of 50 ms
     assert 0.5 < slow.std() / rough.noise["wander"] < 1.5
     assert abs(force[:20].mean() * rough.noise["quantum"]) < white
     assert np.diff(force).std() * rough.noise["quantum"] == pytest.approx(np.sqrt(2) * white, rel=0.1)
-    assert not np.array_equal(draw.measured(setting, readings, "identification")["F"], force)
+    assert not np.array_equal(draw.measured(rigid, readings, "identification")["F"], force)
 
 
 def strength(setting: draw.Setting, effects: tuple[laws.Effect, ...]) -> float:
@@ -153,18 +159,16 @@ def test_a_worldly_case_has_one_strong_effect_and_three_small_ones(monkeypatch: 
     assert len(seen) > 10
 
 
-def test_what_an_effect_removes_is_its_share_of_the_square(monkeypatch: pytest.MonkeyPatch):
+def test_what_an_effect_removes_is_its_share_of_the_square(rigid: draw.Setting):
     """Two forces at frequencies that share nothing: their squares add up."""
-    monkeypatch.setattr(draw, "SECONDS", {"identification": 4.0, "validation": 4.0})
-    setting = draw.draw_setting("rigid_1m", ("q",), np.random.default_rng(5))
     wave = laws.draw("periodic_disturbance", "motor", np.random.default_rng(1))
     waves = tuple(
         replace(wave, numbers=wave.numbers | {"force": force, "frequency": hertz})
         for force, hertz in ((20.0, 23.0), (8.0, 37.0))
     )
-    large, small = (draw.missing_square(setting, (wave,)) for wave in waves)
+    large, small = (draw.missing_square(rigid, (wave,)) for wave in waves)
     assert small / large == pytest.approx((8 / 20) ** 2, rel=0.1)
-    assert draw.removed(setting, waves) == {"0": pytest.approx(large / (large + small), abs=0.03), "01": 1}
+    assert draw.removed(rigid, waves) == {"0": pytest.approx(large / (large + small), abs=0.03), "01": 1}
 
 
 def test_labels_stay_sealed_until_all_is_answered(drawn: tuple[Path, dict], tmp_path: Path):

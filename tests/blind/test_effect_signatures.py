@@ -1,9 +1,19 @@
 """Pictures of the catalogue: one for each effect, and what they show is what was hidden."""
 
 import numpy as np
+import pytest
 
+from benchmarks import effect_signatures
+from benchmarks.blind import draw
 from benchmarks.effect_signatures import LATE, SIGNATURES, picture, residual_of
 from symid.diagnosis import LIBRARY
+
+
+@pytest.fixture(autouse=True)
+def _short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four seconds of moves; the motions of the blind cases, which they replace, are shorter still."""
+    monkeypatch.setattr(effect_signatures, "MOVES", ((0.4, 0.2), (0.2, 0.2), (0.1, 0.1)))
+    monkeypatch.setattr(draw, "SECONDS", {"identification": 1.0, "validation": 1.0})
 
 
 def test_signatures_are_those_of_the_library() -> None:
