@@ -36,11 +36,11 @@ from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_lo
 from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification, best_covariance
 from symid.identification.lagging import ac_coupling_of, lag_of, smoothing_by_residual
-from symid.identification.modes import lost_mode
+from symid.identification.modes import lost_mode, mode_above
 from symid.identification.nonlinearity import ColumnTests
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
-from symid.identification.poor_fit import contradicting_part, unexplained_outputs
+from symid.identification.poor_fit import contradicting_part, unexplained, unexplained_outputs
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
 from symid.identification.reliability import Faults, is_beyond_intervals, with_faults
@@ -279,6 +279,7 @@ def _faults(
         or more.gain_drift()
         or more.force_limit()
         or _structure_fault(found)
+        or _mode_beyond_band(found, parts, fit)
         or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
         drift=drift,
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
@@ -304,3 +305,15 @@ def _structure_fault(found: Identification, criteria: Criteria = CRITERIA) -> st
         )
     minimal = np.asarray(found.model.minimal_parameters(*found.physical[0].parameters))
     return lost_mode(found.model, minimal, found.observations[0].preparation.cutoff_hz or 1.0)
+
+
+def _mode_beyond_band(
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
+) -> str:
+    """Statement on a mode above the cutoff of a model that does not describe even what lies below; else empty."""
+    cutoff = found.observations[0].preparation.cutoff_hz
+    if found.model.known or cutoff is None:
+        return ""
+    if np.max(unexplained(found.model, parts, fit, criteria)) <= criteria.cutoff_fit:
+        return ""
+    return mode_above(found.model, fit.solution, cutoff)

@@ -41,6 +41,23 @@ def lost_mode(model: GeneratedModel, X: FloatArray, around_hz: float) -> str:
     )
 
 
+def mode_above(model: GeneratedModel, X: FloatArray, cutoff_hz: float) -> str:
+    """Statement on a mode above the cutoff, which rows below it show only by its stiffness; empty without one.
+
+    What the model does not describe there changes such a stiffness, and the masses that follow from it.
+    """
+    if max(model.highest_derivatives.values()) <= _RIGID:
+        return ""
+    frequencies = natural_frequencies(model, X, cutoff_hz)
+    if not frequencies.size or frequencies[-1] <= cutoff_hz:
+        return ""
+    return (
+        f"the mode of {frequencies[-1]:.3g} Hz lies above the cutoff of {cutoff_hz:.3g} Hz, and the model does not "
+        "describe what lies below: a signal was filtered before it was recorded, or the model lacks an effect; record "
+        "raw signals, and faster motion"
+    )
+
+
 def is_square(model: GeneratedModel) -> bool:
     """Whether there are as many equations as sensors that do not repeat each other."""
     return len(model.output_names) == len(_independent_sensors(model))

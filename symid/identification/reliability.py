@@ -101,10 +101,10 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
 def _is_fault(found: Identification, timing: Timing) -> bool:
     """Whether a held force and the lag of a drive cannot explain a delay, or intervals do not hold what it changes.
 
-    A force that acts before it is recorded has no natural cause.
+    A force that acts before it is recorded has no natural cause, unless that is a small part of a sample.
     """
     natural = timing.is_force and timing.late <= 0 and timing.samples >= -_USUAL_LAG
-    return not natural or is_beyond_intervals(found, timing.parameters)
+    return not (natural or timing.is_small) or is_beyond_intervals(found, timing.parameters)
 
 
 def is_beyond_intervals(found: Identification, parameters: FloatArray) -> bool:

@@ -42,6 +42,8 @@ _SIGNIFICANT = 5.0
 """Standard deviations from which a delay is reported."""
 _NOTICEABLE = 0.2
 """Samples from which a delay is reported."""
+_EXPLAINS = 0.5
+"""Residual that a smaller delay must leave at most to be reported: slow samples make much of a small part of one."""
 _ROUND = 3.0
 """Standard deviations within which a delay is taken for a number of whole or half samples."""
 _HELD = 0.1
@@ -94,7 +96,12 @@ class Timing:
     def is_significant(self) -> bool:
         """Whether there is a delay that noise does not explain, and of a size that matters."""
         certain = abs(self.late) > _SIGNIFICANT * self.deviation
-        return bool(certain and abs(self.samples) > _NOTICEABLE and self.remaining < 1.0)
+        return bool(certain and self.remaining < (_EXPLAINS if self.is_small else 1.0))
+
+    @property
+    def is_small(self) -> bool:
+        """Whether the delay is a small part of a sample."""
+        return abs(self.samples) <= _NOTICEABLE
 
     @property
     def seems_held(self) -> bool:

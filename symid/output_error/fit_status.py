@@ -71,6 +71,8 @@ def verdict_of(
         )
     if regression is not None and regression.status == "recording":
         return "recording", regression.message
+    if regression is not None and _is_no_delay(regression):
+        return "timing", regression.message
     if doubt := (
         _noise_remark(found, criteria)
         or _change_remark(found, criteria)
@@ -87,6 +89,15 @@ def verdict_of(
                 f"{_correlated_remark(found)}: the log is damaged, or the model lacks an effect",
             )
     return "ok", ""
+
+
+def _is_no_delay(regression: Identification) -> bool:
+    """Whether least squares found a fault of timing that is no delay: a lag or a drifting clock.
+
+    A delay is estimated with the parameters; these are not, and bias the parameters beside white innovations too.
+    """
+    delay = regression.timing.statement if regression.timing is not None else ""
+    return regression.status == "timing" and not (delay and regression.message.startswith(delay))
 
 
 def _uncertain_parameters(found: OutputErrorIdentification, most: float) -> list[str]:

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 import scipy
 
+from benchmarks.promise.faults import damaged
 from benchmarks.promise.machines import Case, draw_case
 from symid import Log, load_generated
 from symid.identification import Identification, identify
+from symid.identification.modes import mode_above
 
 SEED = 80611
 
@@ -72,3 +74,31 @@ def test_an_averaged_force_does_not_pass_for_an_overdamped_axis(number: int, sam
     found = identified(case, Fm=averaged)
     assert found.status == "poor_fit"
     assert said in found.message
+
+
+def low_passed(number: int) -> Case:
+    random = np.random.default_rng([731099, number, 1])
+    return damaged(draw_case(random), random, "low_passed")
+
+
+def test_a_mode_above_the_cutoff_of_a_model_that_leaves_much_is_no_ok() -> None:
+    found = identified(low_passed(34))
+    assert found.status == "poor_fit"
+    assert "lies above the cutoff" in found.message
+
+
+@pytest.mark.parametrize(("cutoff", "is_said"), [(15.0, True), (20.0, False)])
+def test_only_a_mode_above_the_cutoff_is_said(cutoff: float, is_said: bool) -> None:
+    model = load_generated("direct_2m1s", ("q2",))
+    X = np.asarray(model.minimal_parameters(30.0, 20.0, 4e5, 10.0, 5.0, 1.0))
+    assert bool(mode_above(model, X, cutoff)) == is_said  # it is at 18.38 Hz
+
+
+def test_a_delay_of_a_small_part_of_a_slow_sample_is_a_fault_where_it_moves_a_parameter() -> None:
+    case = low_passed(14)
+    found = identified(case)
+    assert found.timing is not None
+    assert abs(found.timing.samples) < 0.2
+    assert found.status == "timing"
+    cured = dict(zip(found.model.physical_units, found.timing.parameters, strict=True))
+    assert cured["Fv"] == pytest.approx(case.truth["Fv"], rel=0.01)

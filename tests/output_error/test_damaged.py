@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.promise.faults import damaged
+from benchmarks.promise.machines import draw_case
 from symid import Log, load_axis, load_generated
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
@@ -86,3 +88,14 @@ def test_logs_of_different_axes_are_distinguished(rigid: Log) -> None:
     found = identify_output_error(axis, model, [rigid, heavier], held=True)
     assert found.status == "poor_fit"
     assert identify_output_error(axis, model, [rigid, rigid], held=True).status == "ok"
+
+
+def test_a_lag_beside_white_innovations_is_reported() -> None:
+    """A free delay takes most of the lag, and what is left biases the mass."""
+    random = np.random.default_rng([731070, 9, 1])
+    case = damaged(draw_case(random), random)
+    half = {name: x[: x.size // 2] for name, x in case.signals.items()}
+    log = Log.from_arrays(half, sampling_period=1 / case.rate)
+    found = identify_output_error(load_axis(case.axis), load_generated(case.axis, case.measured), log)
+    assert found.status == "timing"
+    assert found.message.startswith("F lags")
