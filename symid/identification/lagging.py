@@ -8,7 +8,7 @@ small, and the parameters are another machine's.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,9 +73,12 @@ def ac_coupling_of(
         )
         passed += [(one, name)] if one else []
     for one, name in sorted(passed, key=lambda pair: pair[0].remaining):
-        is_certain = one.factor > criteria.ac_coupling * one.deviation
         explains = one.remaining < criteria.ac_coupling_leaves
-        if is_certain and explains and is_beyond_intervals(found, one.parameters):
+        if (
+            explains
+            and is_beyond_intervals(found, one.parameters)
+            and one.factor > criteria.ac_coupling * one.deviation()
+        ):
             return (
                 f"{name} seems to have passed a high-pass with a corner of {one.factor / (2 * np.pi):.3g} Hz, which "
                 "biases all parameters: the sensor is AC coupled, or the model lacks a force; record it DC coupled, "
@@ -104,8 +107,9 @@ def smoothing_by_residual(
         return ""
     best, name = min(every, key=lambda pair: pair[0].remaining)
     least = criteria.smoothing_leaves if best.factor < 0.0 else criteria.lagging
-    is_certain = abs(best.factor) > criteria.ac_coupling * best.deviation
-    if best.remaining > least or not is_certain or not is_beyond_intervals(found, best.parameters):
+    if best.remaining > least or not is_beyond_intervals(found, best.parameters):
+        return ""
+    if not abs(best.factor) > criteria.ac_coupling * best.deviation():
         return ""
     return (
         f"the fast part of {name} does not agree with the other signals (its second derivative takes away "
@@ -137,7 +141,8 @@ def _by_other_sensors(
         for part, (W, y) in zip(parts, more, strict=True)
     ]
     fit = estimate([f for one in rows for f in triangular_factors(*one)])
-    return _Filter(*corner, 0.0, fit.solution) if fit.status == "ok" else None
+    factor, deviation = corner
+    return _Filter(factor, lambda: deviation, 0.0, fit.solution) if fit.status == "ok" else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +150,7 @@ class _Filter:
     """Filter that a signal has passed: factor of its derivative or integral, and the estimate without the filter."""
 
     factor: float
-    deviation: float  # standard deviation of the factor
+    deviation: Callable[[], float]  # standard deviation of the factor: costs more than the estimate
     remaining: float  # residual without the filter as part of that with it; 0 if others say what it was
     parameters: FloatArray  # shape (n_parameters,): without the filter
 
@@ -175,6 +180,9 @@ def _filtered_before(
         if abs(step) < _SETTLED * abs(factor):
             break
     left, whole = found.residual_norm**2, np.maximum(before.residual_norm**2, np.finfo(float).tiny)
-    blocks = blocks_of(rows)
-    deviation = float(corrected_covariance_of_blocks(lambda: blocks, found).standard_deviations[p])
+
+    def deviation() -> float:
+        correlated = corrected_covariance_of_blocks(lambda: blocks_of(rows), found)
+        return float(correlated.standard_deviations[p])
+
     return _Filter(factor, deviation, float(np.sqrt(np.mean(left / whole))), X)
