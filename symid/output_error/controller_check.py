@@ -64,9 +64,9 @@ class ControllerMismatch:
 
 def controller_mismatch(fit: LikelihoodFit) -> ControllerMismatch | None:
     """Difference between the controllers of the logs and those of the simulated loop; None if none is certain."""
-    first = fit.search.errors[0]
-    if not isinstance(first, ClosedLoopError):
+    if not (runs := _runs(fit.search)):
         return None
+    first = runs[0]
     loop = first.loop if first.loop.controller is not None else first.loop.tuned(fit.search.parameters)
     terms, force = _terms(loop, first.log), _force(loop, first.log)
     sizes = np.sqrt(np.mean(terms**2, axis=1))
@@ -80,8 +80,8 @@ def controller_mismatch(fit: LikelihoodFit) -> ControllerMismatch | None:
     W, V, y = _whitened(search, W / lengths, V, search.residual(search.x))
     # What of the terms the parameters cannot imitate
     imitated = np.linalg.lstsq(W, V, rcond=_VISIBLE)[0]
-    lost = [ORDER * error.n_signals for error in search.errors if isinstance(error, ClosedLoopError)]
-    fitted = sum(ORDER * error.n_signals**2 for error in search.errors if isinstance(error, ClosedLoopError))
+    lost = [ORDER * run.n_signals for run in runs]
+    fitted = sum(ORDER * run.n_signals**2 for run in runs)
     rows = [n - first_ones for n, first_ones in zip(search.rows, lost, strict=True)]
     changes = _certain_changes(V - W @ imitated, y, rows, fitted + len(lengths))
     if not changes.any():
@@ -125,12 +125,14 @@ def _covariance(U: FloatArray, y: FloatArray, found: LeastSquares, rows: Sequenc
     return np.asarray(covariance * np.outer(wider, wider))
 
 
+def _runs(search: Search) -> list[ClosedLoopError]:
+    """Errors of the simulated runs; empty for a search without a loop."""
+    return [error for error in search.errors if isinstance(error, ClosedLoopError)]
+
+
 def _unwhitened(search: Search) -> Search:
     """The search with errors that are scaled by noise only."""
-    errors = tuple(
-        replace(error, whitening=None) for error in search.errors if isinstance(error, ClosedLoopError)
-    )
-    return replace(search, errors=errors)
+    return replace(search, errors=tuple(replace(run, whitening=None) for run in _runs(search)))
 
 
 def _whitened(
@@ -141,7 +143,7 @@ def _whitened(
     Those that the parameters alone leave hold the effect of the terms, which a model of them would take for noise.
     """
     joint, rest = np.hstack([W, V]), y
-    n_signals = [error.n_signals for error in search.errors if isinstance(error, ClosedLoopError)]
+    n_signals = [run.n_signals for run in _runs(search)]
     ends = np.cumsum(search.rows)[:-1]
     for _ in range(_PASSES):
         parts = [part.reshape(-1, n) for part, n in zip(np.split(rest, ends), n_signals, strict=True)]
@@ -206,11 +208,7 @@ def _slopes(search: Search, loop: ClosedLoop, units: FloatArray) -> FloatArray:
     def residual(changes: FloatArray) -> FloatArray:
         parts = zip(controllers, changes.reshape(len(controllers), len(TERMS)), strict=True)
         altered = tuple(AlteredController(one, part, _order(loop, one)) for one, part in parts)
-        errors = tuple(
-            replace(error, loop=replace(error.loop, controller=altered))
-            for error in search.errors
-            if isinstance(error, ClosedLoopError)
-        )
+        errors = tuple(replace(run, loop=replace(run.loop, controller=altered)) for run in _runs(search))
         return replace(search, errors=errors).residual(search.x)
 
     columns = [(residual(-step) - residual(step)) / (2 * _STEP) for step in _STEP * np.diag(units)]
