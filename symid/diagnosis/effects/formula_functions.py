@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from symid.arrays import FloatArray
-from symid.axis import (
-    Term,
-)
+from symid.axis import Term
 from symid.simulation.law_code import has_jumps, law_code, level_code
 from symid.simulation.law_functions import array_function
 

@@ -1,0 +1,85 @@
+"""Statements on all faults that contradict an estimate: of channels, of parts of the logs, of the structure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.estimation import LeastSquares
+from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.excerpts import Excerpt
+from symid.identification.folding import folding_of
+from symid.identification.identification_result import Identification
+from symid.identification.lagging import ac_coupling_of, smoothing_by_residual
+from symid.identification.modes import lost_mode, mode_above
+from symid.identification.nonlinearity import ColumnTests
+from symid.identification.poor_fit import contradicting_part, unexplained, unexplained_outputs
+from symid.identification.recording import fault_of
+from symid.identification.redundancy import disagreement_of
+from symid.identification.reliability import Faults, is_beyond_intervals
+from symid.identification.smoothing import slow_update, smoothing_of
+from symid.identification.stability import Change, greatest_change
+from symid.identification.whitened import Segment, whitened
+
+
+def faults_of(
+    found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], sums: Sequence[Segment], drift: str
+) -> Faults:
+    """Statements on faults that contradict the estimate: a channel, a part of the logs, the force or its clock."""
+    model = found.model
+    inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
+    change = greatest_change(sums, fit)
+    more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
+    return Faults(
+        recording=fault_of(model, parts, fit)
+        or smoothing_of(model, parts)
+        or folding_of(model, parts)
+        or disagreement_of(model, parts)
+        or ac_coupling_of(found, parts, fit)
+        or ("" if drift else smoothing_by_residual(found, parts, fit))
+        or ("" if drift else more.sensor_gain()),  # a lag changes gains too
+        poor_fit=contradicting_part(model, parts, fit)
+        or more.force_nonlinearity()
+        or _change_statement(found, change)
+        or more.gain_drift()
+        or more.force_limit()
+        or _structure_fault(found)
+        or _mode_beyond_band(found, parts, fit)
+        or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
+        drift=drift,
+        hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
+    )
+
+
+def _change_statement(found: Identification, change: Change | None) -> str:
+    """Statement on a span of the logs with other parameters, that distort those of all or explain much."""
+    if change is None:
+        return ""
+    return change.statement(found.model, distorts=is_beyond_intervals(found, change.outside))
+
+
+def _structure_fault(found: Identification, criteria: Criteria = CRITERIA) -> str:
+    """Statement on an axis whose minimal parameters contradict each other, or that lost its mode; else empty."""
+    if not found.physical:
+        return ""
+    if found.physical[0].disagreement_probability < criteria.disagreement:
+        return (
+            "relations between the minimal parameters do not hold (probability "
+            f"{found.physical[0].disagreement_probability:.1g}): the model lacks an effect, or a signal was filtered "
+            "before it was recorded"
+        )
+    minimal = np.asarray(found.model.minimal_parameters(*found.physical[0].parameters))
+    return lost_mode(found.model, minimal, found.observations[0].preparation.cutoff_hz or 1.0)
+
+
+def _mode_beyond_band(
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
+) -> str:
+    """Statement on a mode above the cutoff of a model that does not describe even what lies below; else empty."""
+    cutoff = found.observations[0].preparation.cutoff_hz
+    if found.model.known or cutoff is None:
+        return ""
+    if np.max(unexplained(found.model, parts, fit, criteria)) <= criteria.cutoff_fit:
+        return ""
+    return mode_above(found.model, fit.solution, cutoff)
