@@ -7,6 +7,7 @@ killed its process twice is None.
 from __future__ import annotations
 
 import math
+import os
 import signal
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -20,7 +21,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from symid.errors import SettingError, SymidError
 from symid.fleet.worker_limits import (
     LONGEST,
-    end_with_parent,
+    end_with,
     ending_after,
     limit_memory,
     raising_after,
@@ -104,14 +105,14 @@ def _pool(jobs: int) -> joblib.Parallel:
         return_as="generator_unordered",
         inner_max_num_threads=1,
         initializer=_prepare_worker,
-        initargs=(share_of_memory(jobs),),
+        initargs=(os.getpid(), share_of_memory(jobs)),
     )
 
 
-def _prepare_worker(memory: float) -> None:
+def _prepare_worker(parent: int, memory: float) -> None:
     """Set up a worker: it ignores Ctrl-C, ends with the main process, and has a limit of memory."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent()
+    end_with(parent)
     limit_memory(memory)
 
 

@@ -48,9 +48,11 @@ def limit_memory(n_bytes: float) -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (int(n_bytes), resource.getrlimit(resource.RLIMIT_DATA)[1]))
 
 
-def end_with_parent() -> None:
-    """End this process with its parent: immediately on Linux, otherwise within about a second."""
-    parent = os.getppid()
+def end_with(parent: int) -> None:
+    """End this process with the process that started it: immediately on Linux, otherwise within about a second.
+
+    The parent's number comes from itself: this process may have been starting still when its parent was killed.
+    """
     with contextlib.suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).prctl(_PARENT_DEATH, signal.SIGKILL, 0, 0, 0)
     threading.Thread(target=_end_after, args=(parent,), daemon=True).start()

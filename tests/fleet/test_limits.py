@@ -47,7 +47,7 @@ def test_times_that_are_none_are_refused(seconds: float) -> None:
 def test_a_worker_ends_with_its_parent_even_while_it_holds_the_interpreter() -> None:
     """The parent starts a child that computes without a pause, and is killed."""
     child = (
-        "from symid.fleet.worker_limits import end_with_parent as e; e(); "
+        "import os; from symid.fleet.worker_limits import end_with; end_with(os.getppid()); "
         "print('on', flush=True); sum(range(10**13))"
     )
     parent = (
@@ -68,6 +68,15 @@ def test_a_worker_ends_with_its_parent_even_while_it_holds_the_interpreter() -> 
         time.sleep(0.01)
     else:
         assert not Path(f"/proc/{worker}").exists()
+
+
+def test_a_worker_that_was_starting_when_its_parent_was_killed_ends() -> None:
+    with subprocess.Popen([sys.executable, "-c", ""]) as gone:
+        pass
+    waiting = (
+        f"import time; from symid.fleet.worker_limits import end_with; end_with({gone.pid}); time.sleep(60)"
+    )
+    assert subprocess.run([sys.executable, "-c", waiting], timeout=60, check=False).returncode == 1
 
 
 def test_memory_of_a_process_is_limited() -> None:
