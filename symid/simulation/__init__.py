@@ -3,15 +3,14 @@
 `simulate` makes the controllers and sensors of an axis into a `Loop` around its `Plant`. Between two events all joints
 stay in one stick-slip mode, and a sample of the loop is a few products of small matrices: `loop_numbers` has these as
 records of arrays, and the compiled `sample_loop` makes sample after sample of them, for any law of a controller, any
-law of a joint and any sensor. It stops before the sample in which a joint sticks, slips or turns. The `Engine` makes
-that sample: it locates events exactly, sets the next mode, and hands back. A controller without matrices is asked for
-the force of each sample from within the compiled loop. `stepping` joins the two.
+law of a joint and any sensor. In a sample in which a joint sticks, slips or turns, `stick_slip` locates the events
+exactly and sets the next mode. A controller without matrices is asked for the force of each sample from within the
+compiled loop.
 """
 
 from symid.simulation.cascade_tuning import tuned_cascade, tuned_cascades
 from symid.simulation.closed_loop import Simulation, simulate
 from symid.simulation.controller import Cascade, Command, Controller, LinearLaw, OpenLoop, Replay
-from symid.simulation.engine import Engine
 from symid.simulation.excitation import chirp, from_log, steps
 from symid.simulation.forward_dynamics import ForwardDynamics, forward_dynamics, plant_of
 from symid.simulation.limits import Extremes, Limits
@@ -26,7 +25,6 @@ __all__ = [
     "ClosedLoop",
     "Command",
     "Controller",
-    "Engine",
     "Extremes",
     "ForwardDynamics",
     "Limits",

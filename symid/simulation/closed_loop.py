@@ -14,9 +14,8 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
-from symid.simulation.imperfect_plant import Moment, misread_code, stages, steps_for
+from symid.simulation.imperfect_plant import PlantStage, misread_code, stages, steps_for
 from symid.simulation.loop import Loop
-from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import MotionRecord, SensorChannel, in_steps
 from symid.simulation.stepping import SimulationRun
 from symid.simulation.trajectory import Trajectory
@@ -79,7 +78,7 @@ def simulate(
     seed : int
         Seed of the noise that the signals of the axis declare.
     steps : int
-        Steps of the engine in one controller sample; only nonlinear laws of speed or displacement need more than one.
+        Steps in one controller sample; only nonlinear laws of speed or displacement need more than one.
     start : array of shape (2 n,), optional
         Displacements and velocities of the free bodies at the first sample; at rest at zero by default.
     progress : callable, optional
@@ -112,9 +111,9 @@ def simulate(
     paths = (trajectory,) * len(axis.drives) if isinstance(trajectory, Trajectory) else tuple(trajectory)
     _require_one_for_each_drive(axis, controllers, paths)
     every = _ratio(paths[0].sampling_period, frequency_hz)
-    moment, random = Moment() if axis.imperfections else None, np.random.default_rng(seed)
-    plants = stages(axis, parameters, moment or Moment())
-    plant, n_samples, period = plants[0][1], paths[0].n_samples, paths[0].sampling_period
+    random = np.random.default_rng(seed)
+    (first, *later), memories = stages(axis, parameters)
+    plant, n_samples, period = first.plant, paths[0].n_samples, paths[0].sampling_period
     readers = [
         SensorChannel(sensor, plant, n_samples, period, random, misread_code(axis, sensor.signal))
         for sensor in axis.sensors
@@ -125,7 +124,7 @@ def simulate(
         for one, chain in zip(controllers, map(axis.imperfections_of, axis.drives), strict=True)
     )
     steps = max(steps, steps_for(axis, plant, parameters, period))
-    loop = Loop(plant, paths, controllers, readers, steps, moment)
+    loop = Loop(plant, paths, controllers, readers, steps, memories)
     record = MotionRecord.empty(n_samples, len(loop.plant.bodies), loop.n_drives, len(loop.between))
     if start is not None:
         state, n = np.asarray(start, dtype=np.float64), len(loop.plant.bodies)
@@ -134,7 +133,7 @@ def simulate(
                 f"the simulation starts at {state.tolist()}: give {n} displacements, then {n} velocities"
             )
         record.states[0] = state
-    _run(loop, record, plants[1:], progress)
+    _run(loop, record, later, progress)
     signals = {name: values[::every] for name, values in _recorded(axis, loop, record, random).items()}
     log = Log.from_arrays(signals, sampling_period=every * loop.period, source=f"simulated {axis.name}")
     forces = record.forces[:, 0] if loop.n_drives == 1 else record.forces
@@ -144,20 +143,18 @@ def simulate(
 def _run(
     loop: Loop,
     record: MotionRecord,
-    later: list[tuple[float, Plant]],
+    later: list[PlantStage],
     progress: Callable[[Sequence[int]], Iterable[int]],
 ) -> None:
-    """Simulate all samples; `later` has the plants after changes of mass, with their times."""
-    if loop.moment is not None:
-        loop.moment.begin(record.states[0, : len(loop.plant.bodies)])
+    """Simulate all samples; `later` has the plants after changes of mass."""
     run, n_samples = SimulationRun(loop, record), len(record.forces)
     for begin in progress(range(0, n_samples, _PART)):
         end = min(begin + _PART, n_samples)
         # A change of mass splits the run: the next plant continues from the state at that moment.
-        while later and later[0][0] < end * loop.period:
-            time, changed = later.pop(0)
-            run.advance(max(round(time / loop.period), 1))
-            run = SimulationRun(replace(loop, plant=changed), record, run)
+        while later and later[0].begin < end * loop.period:
+            changed = later.pop(0)
+            run.advance(max(round(changed.begin / loop.period), 1))
+            run = SimulationRun(replace(loop, plant=changed.plant), record, run)
         run.advance(end)
 
 

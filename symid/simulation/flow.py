@@ -34,7 +34,8 @@ class Flow:
     >>> from symid.axis import load_axis
     >>> from symid.simulation.forward_dynamics import plant_of
     >>> flow = Flow(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 0.0}), ())
-    >>> flow.advance(np.array([1.0, 3.0]), np.array([4.0]), 0.5).tolist()
+    >>> of_state, of_force = flow.transition(0.5)
+    >>> (of_state @ [1.0, 3.0] + of_force @ [4.0]).tolist()
     [2.75, 4.0]
     """
 
@@ -51,23 +52,6 @@ class Flow:
         frequency = math.sqrt(np.linalg.norm(free @ plant.stiffness, 2))
         self.reach = 1.0 / max(frequency + float(np.linalg.norm(free @ plant.damping, 2)), 1.0)
         self.transition = lru_cache(maxsize=64)(self._transition)
-
-    def advance(self, state: FloatArray, force: FloatArray, duration: float) -> FloatArray:
-        """State (displacements, velocities) after a duration under a constant force."""
-        transition, gain = self.transition(duration)
-        return np.asarray(transition @ state + gain @ force)
-
-    def acceleration(self, state: FloatArray, force: FloatArray) -> FloatArray:
-        """Accelerations of the bodies, of shape (n,)."""
-        return np.asarray(self.acceleration_rows @ np.concatenate([state, force]))
-
-    def holding_forces(self, state: FloatArray, force: FloatArray) -> FloatArray:
-        """Forces that keep the stuck joints at rest, in the order of `stuck`."""
-        return np.asarray(self.holding_rows @ np.concatenate([state, force]))
-
-    def series(self, state: FloatArray, force: FloatArray) -> FloatArray:
-        """Taylor series of the state in time over `reach`, of shape (terms, 2 n); exact to rounding up to 1."""
-        return np.asarray(self.terms @ np.concatenate([state, force]))
 
     def _transition(self, duration: float) -> tuple[FloatArray, FloatArray]:
         """Matrices of state and force over a duration, by scaling and squaring of the Taylor series.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,75 +27,42 @@ _FINE, _MOST_STEPS = 0.5, 50
 """Largest phase advance in a step, rad, of a joint vibrating on its presliding stiffness; and most steps."""
 
 
-@dataclass(eq=False)
-class Moment:
-    """State on which laws depend besides the motion: time, s, load, and memories of presliding friction.
+class DahlMemory(NamedTuple):
+    """Dahl friction in a joint, whose state the displacement builds up."""
 
-    The load is the force of the drive; with several drives, the sum of the magnitudes of their forces.
-    """
-
-    time: float = 0.0
-    load: float = 1.0
-    memories: list[Dahl] = field(default_factory=list)
-
-    def begin(self, displacements: FloatArray) -> None:
-        """Begin a run at given displacements, with empty memories."""
-        for memory in self.memories:
-            memory.place, memory.state = float(memory.direction @ displacements), 0.0
-
-    def recall(self, memories: FloatArray) -> None:
-        """Set place and state of each memory from the rows of an array."""
-        for memory, known in zip(self.memories, memories.tolist(), strict=True):
-            memory.place, memory.state = known
-
-    def settle(self, displacements: FloatArray) -> None:
-        """Remember the displacements at the end of a sample."""
-        for memory in self.memories:
-            memory.settle(float(memory.direction @ displacements))
+    direction: FloatArray  # of the joint, as in `JointLaw`
+    reach: float  # displacement over which it builds up, m or rad
 
 
-@dataclass(eq=False)
-class Dahl:
-    """Dahl friction in a joint, which builds up over `reach`; exact along a motion that does not reverse.
+class PlantStage(NamedTuple):
+    """A plant, and the time from which it is valid, s."""
 
-    `state` is z at the displacement `place` of the last update.
-
-    >>> friction = Dahl(np.ones(1), 1.0)
-    >>> for place in (1.0, 2.0, 1.0):
-    ...     friction.settle(place)
-    >>> round(friction.state, 3)
-    -0.314
-    """
-
-    direction: FloatArray
-    reach: float
-    place: float = 0.0
-    state: float = 0.0
-
-    def at(self, q: float) -> float:
-        """State z of the friction at a displacement."""
-        side = 1.0 if q >= self.place else -1.0
-        return side - (side - self.state) * math.exp(-abs(q - self.place) / self.reach)
-
-    def settle(self, q: float) -> None:
-        """Update the state at a displacement."""
-        self.state, self.place = self.at(q), q
+    begin: float
+    plant: Plant
 
 
-def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[tuple[float, Plant]]:
-    """Plants of an axis, each with the time from which it is valid, s; `moment` receives the state of their laws."""
+def stages(axis: Axis, parameters: Mapping[str, float]) -> tuple[list[PlantStage], tuple[DahlMemory, ...]]:
+    """Plants of an axis, one after each change of a mass, and the memories on which their laws depend."""
     values = axis.known_parameters | dict(parameters)
-    changes = [e for e in axis.elements if isinstance(e, PayloadChange)]
-    plant, added = plant_of(axis, values), []
+    plant = plant_of(axis, values)
+    added: list[tuple[FloatArray, ScaledLaw]] = []
+    memories: list[DahlMemory] = []
     for element in axis.elements:
         if isinstance(element, JointImperfection):
             direction = direction_of(element.at, plant.bodies)
-            added.append((direction, _law(axis, element, direction, values, moment)))
-    found = [(0.0, _with_laws(plant, added))]
+            if isinstance(element, PreslidingFriction):
+                memory = len(memories)
+                memories.append(DahlMemory(direction, element.reach))
+                limited = replace(element, level=presliding_level(axis, element, values))
+                added.append((direction, _law(limited, memory)))
+            else:
+                added.append((direction, _law(element)))
+    found = [PlantStage(0.0, _with_laws(plant, added))]
+    changes = (element for element in axis.elements if isinstance(element, PayloadChange))
     for change in sorted(changes, key=lambda change: change.time):
         values[change.body.inertial] += change.change
-        found.append((change.time, _with_laws(plant_of(axis, values), added)))
-    return found
+        found.append(PlantStage(change.time, _with_laws(plant_of(axis, values), added)))
+    return found, tuple(memories)
 
 
 def misread_code(axis: Axis, signal: str) -> str | None:
@@ -116,24 +84,10 @@ def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | 
     return lambda values: function(values, values, values)
 
 
-def _law(
-    axis: Axis,
-    element: JointImperfection,
-    direction: FloatArray,
-    values: Mapping[str, float],
-    moment: Moment,
-) -> ScaledLaw:
-    memory = None
-    if isinstance(element, PreslidingFriction):
-        memory = Dahl(direction, element.reach)
-        moment.memories.append(memory)
-        element = replace(element, level=presliding_level(axis, element, values))
+def _law(element: JointImperfection, memory: int = -1) -> ScaledLaw:
+    """The law of an imperfection; as a function of the motion alone that under a unit load, without memory."""
     law = scalar_law(element)
-
-    def force(q: float, v: float) -> float:
-        return law(q, v, moment.load, moment.time, memory.at(q) if memory else 0.0)
-
-    return ScaledLaw(1.0, force, imperfection_code(element), len(moment.memories) - 1 if memory else -1)
+    return ScaledLaw(1.0, lambda q, v: law(q, v, 1.0, 0.0, 0.0), imperfection_code(element), memory)
 
 
 @cache

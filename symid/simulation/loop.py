@@ -13,7 +13,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
-from symid.simulation.imperfect_plant import Moment
+from symid.simulation.imperfect_plant import DahlMemory
 from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import SensorChannel
 from symid.simulation.trajectory import Trajectory
@@ -65,7 +65,7 @@ class LoopLaw(NamedTuple):
 class Loop:
     """A plant with a controller and a trajectory for each drive; the sampling period is that of the trajectories.
 
-    The engine makes `steps` in one sample. Laws of the plant may also depend on a `moment`.
+    One sample is advanced in `steps`. Laws of the plant may also depend on `memories`.
     """
 
     plant: Plant
@@ -73,7 +73,7 @@ class Loop:
     controllers: tuple[Controller, ...]
     readers: Sequence[SensorChannel]
     steps: int
-    moment: Moment | None = None
+    memories: tuple[DahlMemory, ...] = ()
 
     @property
     def period(self) -> float:
@@ -143,7 +143,7 @@ class Loop:
 
     @cached_property
     def moments(self) -> tuple[float, ...]:
-        """Times within a sample at which its pieces end, s: steps of the engine and moments of sensors."""
+        """Times within a sample at which its pieces end, s: steps, and moments of sensors."""
         steps = (self.period * i / self.steps for i in range(1, self.steps + 1))
         return tuple(sorted({*steps, *(reader.moment for reader in self.between)}))
 

@@ -52,7 +52,6 @@ class LawNumbers(NamedTuple):
         programs += [_program(r.misread, ("y",)) for r in loop.controlled if r.misread is not None]
         nonlinearities = len(programs) + np.cumsum([0, *map(len, loop.nonlinearities)])
         programs += [_program(code, _ARGUMENTS) for code in chain.from_iterable(loop.nonlinearities)]
-        memories = loop.moment.memories if loop.moment else []
         return cls(
             directions=np.array([law.direction for law in plant.laws]).reshape(-1, n),
             timed=np.array([law.timed for law in plant.laws], dtype=bool),
@@ -66,9 +65,9 @@ class LawNumbers(NamedTuple):
             ends=np.cumsum([0, *(p.operations.size for p in programs)]),
             arguments=np.zeros(len(_ARGUMENTS)),
             stack=np.zeros(max((p.depth for p in programs), default=1)),
-            slides=np.array([memory.direction for memory in memories]).reshape(-1, n),
-            reaches=np.array([memory.reach for memory in memories], dtype=float),
-            memories=np.array([(m.place, m.state) for m in memories], dtype=float).reshape(-1, 2),
+            slides=np.array([memory.direction for memory in loop.memories]).reshape(-1, n),
+            reaches=np.array([memory.reach for memory in loop.memories], dtype=float),
+            memories=np.zeros((len(loop.memories), 2)),
         )
 
 

@@ -69,35 +69,6 @@ class StickSlipMode:
         self.sliding = tuple(sliding)
         rows = np.array([signs[j] * plant.laws[j].direction for j in sliding]).reshape(-1, n)
         self.speeds = np.hstack([np.zeros_like(rows), rows])
-        places = [side * q for side in (-1.0, 1.0) for q in _SPEEDS]
-        is_fixed = all(
-            not plant.laws[j].timed and len({plant.laws[j].limits(q) for q in places}) == 1
-            for j in flow.stuck
-        )
-        self._fixed = self._limits(np.zeros(2 * n)) if is_fixed else None
-
-    def force(self, state: FloatArray) -> FloatArray:
-        """All forces except those of the drives, of shape (n,)."""
-        force, n = self.constant, len(self.plant.bodies)
-        for law, sign in self.varying:
-            force = force - law.direction * law_force(
-                law, sign, float(law.direction @ state[:n]), float(law.direction @ state[n:])
-            )
-        return force
-
-    def limits(self, state: FloatArray) -> FloatArray:
-        """Lowest and highest force that each stuck joint can hold, of shape (n_stuck, 2)."""
-        return self._limits(state) if self._fixed is None else self._fixed
-
-    def _limits(self, state: FloatArray) -> FloatArray:
-        laws = [self.plant.laws[j] for j in self.flow.stuck]
-        displacements = state[: len(self.plant.bodies)]
-        return np.array([law.limits(float(law.direction @ displacements)) for law in laws]).reshape(-1, 2)
-
-
-def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:
-    """Force of a joint that slides in direction `sign`, also at speed 0; `sign` 0 is for laws that never hold."""
-    return law.force(q, sign * max(sign * v, JUST_MOVING) if sign else v)
 
 
 class StickSlipModes:
@@ -106,8 +77,8 @@ class StickSlipModes:
     >>> from symid.axis import load_axis
     >>> from symid.simulation.forward_dynamics import plant_of
     >>> modes = StickSlipModes(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 4.0}))
-    >>> modes.of((1.0,)).constant.tolist(), modes.of((0.0,)).limits(np.zeros(2)).tolist()
-    ([-4.0], [[-4.0, 4.0]])
+    >>> [modes.of((sign,)).constant.tolist() for sign in (1.0, -1.0, 0.0)]
+    [[-4.0], [4.0], [0.0]]
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -126,12 +97,6 @@ class StickSlipModes:
             float(np.sign(law.direction @ velocities)) if held else 0.0
             for law, held in zip(self.plant.laws, self.can_hold, strict=True)
         )
-
-    def at_rest(self, state: FloatArray, joint: int) -> FloatArray:
-        """Set a joint's velocity to exactly zero by an impulse in the joint; rounding has left a residue."""
-        direction, n = self.plant.laws[joint].direction, len(self.plant.bodies)
-        velocities = state[n:] - self.impulses[joint] * (direction @ state[n:])
-        return np.concatenate([state[:n], velocities])
 
     def _of(self, signs: tuple[float, ...]) -> StickSlipMode:
         stuck = tuple(j for j, held in enumerate(self.can_hold) if held and signs[j] == 0)

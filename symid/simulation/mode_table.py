@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.simulation.engine import Engine
 from symid.simulation.loop import Loop
 from symid.simulation.loop_numbers import IntArray, ModeNumbers
-from symid.simulation.mode import StickSlipMode
+from symid.simulation.mode import StickSlipMode, StickSlipModes
 
 SLIDING, STUCK, VARYING = 1, 2, 4
 """Kinds of laws in a mode: of a joint that slides but could stick, of one that sticks, and a law that is not affine."""
@@ -51,30 +51,22 @@ class ModeTable(NamedTuple):
 
 
 class KnownModes:
-    """The modes of a loop, in the order in which they were met, and their table."""
+    """The modes of a loop, in the order in which they were met, and their table; the first is that of a state."""
 
-    def __init__(self, loop: Loop, engine: Engine) -> None:
-        self._loop, self._engine = loop, engine
-        self.modes: list[StickSlipMode] = []
+    def __init__(self, loop: Loop, state: FloatArray) -> None:
+        self._loop, self._modes = loop, StickSlipModes(loop.plant)
+        self._known: list[StickSlipMode] = []
         self._numbers: list[ModeNumbers] = []
-        self.place(engine.mode)
+        self.add(self._modes.start(state))
 
-    def place(self, mode: StickSlipMode) -> int:
-        """Place of a mode in the table, which grows by it if it is new."""
-        for m, known in enumerate(self.modes):
-            if known.signs == mode.signs:
-                return m
-        self.modes.append(mode)
-        self._numbers.append(ModeNumbers.of(mode, self._loop))
+    def add(self, signs: Sequence[float]) -> None:
+        """Add the mode with these signs to the table."""
+        self._known.append(self._modes.of(tuple(signs)))
+        self._numbers.append(ModeNumbers.of(self._known[-1], self._loop))
         self.table = self._made()
-        return len(self.modes) - 1
-
-    def place_of(self, signs: FloatArray) -> int:
-        """Place of the mode with these signs."""
-        return self.place(self._engine.mode_of(tuple(signs.tolist())))
 
     def _made(self) -> ModeTable:
-        loop, plant, modes = self._loop, self._loop.plant, self.modes
+        loop, plant, modes = self._loop, self._loop.plant, self._known
         n, n_laws = len(plant.bodies), len(plant.laws)
         # Compiled code takes arrays of one type: the numbers of all modes in one vector, with the place of each mode.
         flat = [
@@ -94,7 +86,7 @@ class KnownModes:
             holding=holding,
             rates=np.array([mode.flow.acceleration_rows for mode in modes]),
             directions=np.array([law.direction for law in plant.laws]).reshape(n_laws, n),
-            impulses=np.array(self._engine.impulses).reshape(n_laws, n),
+            impulses=np.array(self._modes.impulses).reshape(n_laws, n),
             wanted=np.zeros(n_laws),
         )
         return ModeTable(

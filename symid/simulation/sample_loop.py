@@ -13,39 +13,48 @@ from symid.simulation.mode_views import numbers_of_mode
 from symid.simulation.plant import JUST_MOVING
 from symid.simulation.stick_slip import UNKNOWN, acceleration, pass_events
 
-_RUNAWAY = 1e150
+MADE, UNKNOWN_MODE, RUNAWAY, REFUSED = range(4)
+"""Why `advance` returns: all samples are made, a mode is not in the table, the axis runs away, or `ask` failed."""
+_LARGEST = 1e150
 """Displacement or speed at which the axis runs away."""
 
 
 @compiled
 def advance(begin, end, ask, law, given, channels, laws, modes, current, record, memory, after):  # type: ignore[no-untyped-def]
-    """Advance from sample `begin` to `end`, or to a sample that is left to the engine; return how many were made.
+    """Advance from sample `begin` to `end`; return how many samples were made, and why no more.
 
-    `current[0]` is the stick-slip mode, as its place in the table `modes`. Where a force exceeds the limit of its
-    linear law, `ask(k)` has the controllers write the forces to the record and their state to `after`; it returns 0,
-    or 1 to stop. `memory`, the state of the controllers, and `laws.memories` are left as after the last sample made.
+    `current[0]` is the stick-slip mode, as its place in the table `modes`; of one that is not there the signs are in
+    `modes.events.wanted`. Where a force exceeds the limit of its linear law, `ask(k)` has the controllers write the
+    forces to the record and their state to `after`; it returns 0, or 1 to stop. `memory`, the state of the controllers,
+    and `laws.memories` are left as after the last sample made.
     """
+    if begin == 0 and modes.is_accelerated:
+        rest, rates = np.zeros(len(modes.drives)), record.accelerations[0]
+        known = acceleration(current[0], record.states[0], rest, laws, modes.events, rates)
+        if known == UNKNOWN:
+            return 0, UNKNOWN_MODE
+        current[0] = known
     k = begin
     while True:
         mode = numbers_of_mode(modes, current[0])
-        _limit(record.states[k], laws, mode)
+        _limit(record.states[k], laws, mode, False)
         made, goes_on = _in_mode(k, end, ask, law, given, channels, laws, mode, record, memory, after)
         k += made
         if k == end or not goes_on:
-            return k - begin
-        known = _events(k, current[0], channels, laws, modes, mode.is_accelerated, record)
-        if known == UNKNOWN:
-            return k - begin
+            return k - begin, MADE if k == end else REFUSED
+        known, why = _events(k, current[0], channels, laws, modes, mode.is_accelerated, record)
+        if why != MADE:
+            return k - begin, why
         current[0] = known
         memory[:] = after
         k += 1
         if k == end:
-            return k - begin
+            return k - begin, MADE
 
 
 @inner
 def _events(k, current, channels, laws, modes, is_accelerated, record):  # type: ignore[no-untyped-def]
-    """Make sample k, in which events happen, under its recorded forces; return the mode after it, or `UNKNOWN`."""
+    """Make sample k with its events under the recorded forces; return the mode after it, and why it is not made."""
     states, accelerations, forces, between = record
     n, state = len(modes.drives), states[k].copy()
     drive, rates = np.zeros(n), np.zeros(n)
@@ -57,17 +66,17 @@ def _events(k, current, channels, laws, modes, is_accelerated, record):  # type:
         if current != UNKNOWN and is_accelerated:
             current = acceleration(current, state, drive, laws, modes.events, rates)
         if current == UNKNOWN:
-            return UNKNOWN
+            return current, UNKNOWN_MODE
         for i in range(2 * n):
-            if not abs(state[i]) < _RUNAWAY:
-                return UNKNOWN  # the engine says what happens
+            if not abs(state[i]) < _LARGEST:
+                return current, RUNAWAY
         for i in range(n):
             states[k + 1, i], states[k + 1, n + i], accelerations[k + 1, i] = state[i], state[n + i], rates[i]
         for i in range(len(between)):
             if channels.pieces[i] == piece:
                 between[i, k] = _exact(channels.between, i, k + 1, states, accelerations)
     _remember(state, laws)
-    return current
+    return current, MADE
 
 
 @inner
@@ -121,7 +130,7 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
         z[n_state : n_state + n_drives] = forces[k]
         if is_timed:
             _set_moment(k, forces, channels, laws)
-            _hold(z, laws, mode)
+            _limit(z, laws, mode, True)
         for piece in range(len(ends)):
             if n_varying:
                 is_smooth = _moves_under_varying_laws(piece, z, out, laws, mode)
@@ -250,7 +259,7 @@ def _holds(out, first, limits):  # type: ignore[no-untyped-def]
 def _goes_on(out, n_state, limits):  # type: ignore[no-untyped-def]
     """Whether stuck joints hold, sliding ones keep their direction, and the axis does not run away."""
     for i in range(n_state):
-        if not abs(out[i]) < _RUNAWAY:
+        if not abs(out[i]) < _LARGEST:
             return False
     for i in range(n_state + len(limits), out.size):
         if out[i] < 0:
@@ -259,22 +268,12 @@ def _goes_on(out, n_state, limits):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _limit(state, laws, mode):  # type: ignore[no-untyped-def]
-    """Forces that stuck joints can hold at a state."""
+def _limit(state, laws, mode, only_timed):  # type: ignore[no-untyped-def]
+    """Set the forces that stuck joints can hold at a state; or only those that depend on more than the motion."""
     for i in range(mode.stuck.size):
         j = mode.stuck[i]
-        q = slide(laws.directions, j, state)
-        mode.limits[i, 0] = law_value(j, q, -JUST_MOVING, laws)
-        mode.limits[i, 1] = law_value(j, q, JUST_MOVING, laws)
-
-
-@inner
-def _hold(z, laws, mode):  # type: ignore[no-untyped-def]
-    """Forces that stuck joints can hold in this sample, where they depend on more than the motion."""
-    for i in range(mode.stuck.size):
-        j = mode.stuck[i]
-        if laws.timed[j]:
-            q = slide(laws.directions, j, z)
+        if laws.timed[j] or not only_timed:
+            q = slide(laws.directions, j, state)
             mode.limits[i, 0] = law_value(j, q, -JUST_MOVING, laws)
             mode.limits[i, 1] = law_value(j, q, JUST_MOVING, laws)
 

@@ -1,38 +1,46 @@
-"""Samples in which joints stick, slip or reverse, compiled: what `Engine` does, by the numbers of all modes met so far.
+"""Motion in which joints stick, slip or reverse, compiled.
 
-`Engine` is the reference; both locate events as roots of the same Taylor series. A mode that has not been met yet is
-left to the engine.
+Between two events the motion is linear, and is advanced exactly by the matrix exponential of a stick-slip mode. An
+event is the moment at which a sliding joint comes to rest, or the force on a resting joint leaves the range that its
+law can hold: Coulomb friction is set-valued at rest, without any smoothing. Events are located within a step to
+rounding, as roots of the Taylor series of the motion.
+
+Laws that depend on displacement or speed otherwise (a sine, a cube, a friction that falls with speed) act as a force
+that is constant over a step, taken at its midpoint (exponential midpoint rule, second order).
 """
 
 import numpy as np
 
 from symid.jit import inner
-from symid.simulation.engine import MOST_EVENTS, MOST_TRIALS, SHARP
 from symid.simulation.law_values import law_value
 from symid.simulation.mode_table import SLIDING, STUCK, VARYING
 from symid.simulation.plant import JUST_MOVING
 
 UNKNOWN = -1
-"""In place of a mode: the next one is not in the table, its signs are in `wanted`; or there are too many events."""
+"""In place of a mode that is not in the table: its signs are in `wanted`."""
+_MOST_EVENTS = 100
+"""Most events in one step; the rest of the step ignores further ones (Zeno behaviour)."""
+_MOST_TRIALS, _SHARP = 100, 2.3e-16
+"""Most Newton iterations for an event, and the change, relative to the step, at which they end."""
 
 
 @inner
 def pass_events(current, state, drive, duration, laws, modes):  # type: ignore[no-untyped-def]
     """Advance a state over a duration under a generalised drive force; return the mode at its end, or `UNKNOWN`."""
-    current, left = _release(current, state, drive, laws, modes), duration
-    for _ in range(MOST_EVENTS):
-        if current < 0 or left <= 0:
-            return current
-        current, made = _until_event(current, state, drive, left, laws, modes)
-        left -= made
-    return current if left <= 0 else UNKNOWN
+    # Joints that stuck at the last event may break loose under the new force before any time passes.
+    current, left, events = _release(current, state, drive, laws, modes), duration, 0
+    while current != UNKNOWN and left > 0:
+        seeks = events < _MOST_EVENTS
+        current, made, is_event = _until_event(current, state, drive, left, seeks, laws, modes)
+        left, events = left - made, events + is_event
+    return current
 
 
 @inner
 def acceleration(current, state, drive, laws, modes, out):  # type: ignore[no-untyped-def]
     """Write the accelerations under a generalised drive force to `out`; return the mode then, or `UNKNOWN`."""
     current = _release(current, state, drive, laws, modes)
-    if current >= 0:
+    if current != UNKNOWN:
         n = drive.size
         z = _with_force(current, state, drive, laws, modes)
         for i in range(n):
@@ -43,10 +51,11 @@ def acceleration(current, state, drive, laws, modes, out):  # type: ignore[no-un
 
 
 @inner
-def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[no-untyped-def]
-    """Advance to the next event, at most by a duration; return the mode after it and the time advanced."""
-    # The steps are those of `Engine._until_event`: a Taylor series of the motion, for each joint the polynomial whose
-    # first zero is its event, and the earliest of these. A law that is not affine acts with its force at the middle.
+def _until_event(current, state, drive, duration, seeks, laws, modes):  # type: ignore[no-untyped-def]
+    """Advance by a duration, or to the event before its end that it `seeks`; return mode, time, and whether it came."""
+    # Within a mode the motion is a Taylor series in time. A sliding joint's speed and a stuck joint's margin are linear
+    # in the state, so each event is the first zero of a polynomial. It is sought only if the sign at the end of the
+    # step shows that it was passed; the state at the earliest zero then begins the next mode.
     n, n_laws, reach = drive.size, len(modes.directions), modes.reach[current]
     made = min(duration, reach)
     whole = made / reach
@@ -60,7 +69,7 @@ def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[
     end = _at(terms, whole)
     first, joint, sign = whole, -1, 0.0
     polynomial = np.zeros(len(terms))
-    for j in range(n_laws):
+    for j in range(n_laws if seeks else 0):
         if modes.kinds[current, j] & SLIDING:
             # sliding: the speed in its direction falls to zero, and the joint sticks (sign 0)
             towards = modes.signs[current, j]
@@ -90,21 +99,22 @@ def _until_event(current, state, drive, duration, laws, modes):  # type: ignore[
     for i in range(2 * n):
         state[i] = end[i]
     if joint < 0:
-        return current, made
+        return current, made, False
     # Rounding leaves a speed at the zero; an impulse in the joint removes it exactly.
     if sign == 0:
         residue = _along(modes.directions, joint, state, n)
         for i in range(n):
             state[n + i] -= modes.impulses[joint, i] * residue
     current = _changed(current, joint, sign, modes)
-    if current >= 0:
+    if current != UNKNOWN:
         current = _release(current, state, drive, laws, modes)
-    return current, first * reach
+    return current, first * reach, True
 
 
 @inner
 def _release(current, state, drive, laws, modes):  # type: ignore[no-untyped-def]
     """The mode after all joints were released that their laws cannot hold, the largest excess first."""
+    # Each release changes the forces on the joints that still stick: these are computed again before the next one.
     n_laws = len(modes.directions)
     for _ in range(n_laws + 1):
         z, worst, largest = _with_force(current, state, drive, laws, modes), -1, 0.0
@@ -212,8 +222,9 @@ def _first_zero(polynomial, end):  # type: ignore[no-untyped-def]
     """Zero of a polynomial that is negative at `end`, by Newton's method within a bracket; 0 if it starts negative."""
     if polynomial[0] <= 0:
         return 0.0
+    # Newton's method from the end; a step that leaves the bracket [low, high] of the zero is replaced by bisection.
     low, high, time = 0.0, end, end
-    for _ in range(MOST_TRIALS):
+    for _ in range(_MOST_TRIALS):
         value = slope = 0.0
         for k in range(polynomial.size - 1, -1, -1):
             slope = slope * time + value
@@ -223,7 +234,7 @@ def _first_zero(polynomial, end):  # type: ignore[no-untyped-def]
         else:
             high = time
         change = -value / slope if slope < 0 else low + high
-        if abs(change) <= SHARP * end:
+        if abs(change) <= _SHARP * end:
             break
         time = time + change if low < time + change < high else (low + high) / 2
     return time

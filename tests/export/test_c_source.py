@@ -13,12 +13,13 @@ from axes.case import PINION
 from axes.catalogue import cases, derived, generated
 from axes.effects import EFFECTS, values_of, with_effect
 from axes.plant import random_motion
+from driven import acceleration, driven
 from export.compiler import Compiled
 
 from symid import Axis, Backlash, Position
 from symid.codegen.generate import compiled
 from symid.export import c_source
-from symid.simulation import Engine, plant_of
+from symid.simulation import plant_of
 from symid.symbolic import derive
 
 SAMPLES = 40
@@ -80,18 +81,18 @@ def test_forward_dynamics_are_those_written_by_hand_and_those_simulated(name: st
     x = np.vstack([change @ motion.x[0], change @ motion.x[1]])
     found = accelerations(code, case.values, x, motion.force[0])
     np.testing.assert_array_equal(found[:n], x[n:])
-    by_hand, by_engine = change @ motion.x[2], simulated(plant, x, motion.force[0])
+    by_hand, by_plant = change @ motion.x[2], simulated(plant, x, motion.force[0])
     sizes = np.abs(np.linalg.inv(machine.M)) @ (
         np.abs(machine.K) @ np.abs(motion.x[0]) + np.abs(machine.C) @ np.abs(motion.x[1])
     ) + np.abs(motion.x[2])
     close(found[n:], by_hand, sizes)
-    close(found[n:], by_engine, sizes)
+    close(found[n:], by_plant, sizes)
 
 
 def simulated(plant, x: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Accelerations by the engine of the simulation, of shape (n, samples)."""
+    """Accelerations by the terms of the simulation, of shape (n, samples)."""
     states = zip(x.T, force, strict=True)
-    return np.array([Engine(plant, state.copy()).acceleration(float(f)) for state, f in states]).T
+    return np.array([acceleration(plant, state, float(f)) for state, f in states]).T
 
 
 @pytest.mark.parametrize("name", list(EFFECTS))
@@ -203,11 +204,7 @@ def test_steps_stick_and_slide_as_the_simulation_does(name: str, tmp_path: Path)
     level = 0.5 * float(np.sum(np.diag(plant.mass))) + 2 * sum(law.limits(0.0)[1] for law in plant.laws)
     weight = -float(np.sum(plant.constant))
     forces = np.where(t < 0.2, level * np.sin(2 * np.pi * 7 * t), 0.0) + weight
-    engine, wanted = Engine(plant), []
-    for force in forces:
-        engine.advance(float(force), 1e-3)
-        wanted.append(engine.state.copy())
-    wanted = np.array(wanted)
+    wanted = driven(case.declared, case.values, forces, 1e-3)[1:]
     n = len(plant.bodies)
     coarse, fine = (stepped(code, case.values, forces, 1e-3, h) for h in (2e-5, 1.25e-6))
     errors = [

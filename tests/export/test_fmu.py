@@ -11,6 +11,7 @@ import pytest
 from axes.catalogue import cases, derived
 from axes.shipped import VALUES, write_parameters
 from command_line import run
+from driven import driven
 from export.exported_unit import run_unit
 from fmpy.validation import validate_fmu
 
@@ -18,7 +19,7 @@ from symid import load_axis
 from symid.errors import SettingError
 from symid.export import write_fmu
 from symid.export.fmu import FmiVersion
-from symid.simulation import Engine, plant_of
+from symid.simulation import plant_of
 from symid.symbolic import derive
 
 PERIOD = 1e-3
@@ -39,10 +40,8 @@ def test_a_unit_moves_as_the_simulation_does(name: str, fmi: FmiVersion, tmp_pat
     drive = axis.drive.command or axis.drive.signal
     signal = axis.sensors[0].signal
     found = run_unit(file, {drive: force / (axis.drive.gain or 1.0)}, signal, PERIOD)
-    engine, wanted = Engine(plant), []
-    for f in force:
-        engine.advance(float(f), PERIOD)
-        wanted.append(plant.sensors[signal][0] @ engine.state[: len(plant.bodies)])
+    states = driven(axis, values, force, PERIOD)[1:]
+    wanted = states[:, : len(plant.bodies)] @ plant.sensors[signal].row
     assert np.max(np.abs(found - wanted)) < 1e-3 * np.ptp(wanted)
 
 

@@ -12,11 +12,12 @@ from axes.catalogue import cases
 from axes.effects import EFFECTS, values_of, with_effect
 from axes.plant import random_motion
 from axes.shipped import VALUES
+from driven import acceleration, driven
 
 from symid import Axis, load_axis
 from symid.axis import Body
 from symid.export import c_source, mjcf
-from symid.simulation import Engine, plant_of
+from symid.simulation import plant_of
 from symid.symbolic import derive
 
 EXPRESSED = ("drag", "stiffness", "hardening", "backlash")
@@ -60,7 +61,7 @@ def test_accelerations_are_those_of_the_simulation(name: str) -> None:
     x, v = change @ motion.x[0], change @ motion.x[1]
     for k in range(5):
         force = float(motion.force[0][k])
-        wanted = Engine(plant, np.concatenate([x[:, k], v[:, k]])).acceleration(force)
+        wanted = acceleration(plant, np.concatenate([x[:, k], v[:, k]]), force)
         wanted = relative(case.declared, plant.bodies, wanted)
         found = accelerations(case.declared, case.values, x[:, k], v[:, k], force)
         scale = float(np.max(np.abs(motion.x[2])))
@@ -74,7 +75,7 @@ def test_effects_that_mujoco_knows_are_in_both(name: str) -> None:
     for _ in range(20):
         x = 0.05 * draw.normal() + 5e-5 * draw.normal(size=len(plant.bodies))
         v = 0.3 + 0.1 * draw.normal(size=x.size)
-        wanted = relative(axis, plant.bodies, Engine(plant, np.concatenate([x, v])).acceleration(100.0))
+        wanted = relative(axis, plant.bodies, acceleration(plant, np.concatenate([x, v]), 100.0))
         np.testing.assert_allclose(accelerations(axis, values, x, v, 100.0), wanted, rtol=1e-6, atol=1e-6)
     assert not any(name in loss for loss in mjcf(axis, values).losses if "Coulomb" not in loss)
 
@@ -93,19 +94,17 @@ def followed(
 ) -> tuple[np.ndarray, np.ndarray]:
     """First reading under given forces, each held for a period: by the simulation and by MuJoCo."""
     plant, signal = plant_of(axis, values), axis.sensors[0].signal
-    engine, row = Engine(plant), plant.sensors[axis.sensors[0].signal][0]
+    states = driven(axis, values, forces, period)[1:]
     model = mujoco.MjModel.from_xml_string(mjcf(axis, values).text)
     substeps = int(np.ceil(period / model.opt.timestep))
     model.opt.timestep = period / substeps
-    data, ours, theirs = mujoco.MjData(model), [], []
+    data, theirs = mujoco.MjData(model), []
     for force in forces:
-        engine.advance(float(force), period)
         data.ctrl[0] = force / (axis.drive.gain or 1.0)
         mujoco.mj_step(model, data, substeps)
         mujoco.mj_forward(model, data)
-        ours.append(row @ engine.state[: row.size])
         theirs.append(float(data.sensor(signal).data[0]))
-    return np.array(ours), np.array(theirs)
+    return states[:, : len(plant.bodies)] @ plant.sensors[signal].row, np.array(theirs)
 
 
 @pytest.mark.parametrize("name", list(VALUES))

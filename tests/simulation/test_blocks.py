@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
+from driven import driven
 from scipy.linalg import expm
 
 from symid import (
@@ -24,7 +25,6 @@ from symid.simulation import (
     Cascade,
     Command,
     Controller,
-    Engine,
     LinearLaw,
     OpenLoop,
     Trajectory,
@@ -94,19 +94,19 @@ def test_blocks_equal_single_samples(name: str, imperfections: dict[str, float],
 
 
 @pytest.mark.parametrize("name", ["rigid_1m", "direct_2m1s"])
-def test_a_run_is_that_of_the_engine_and_the_controller_by_turns(name: str) -> None:
+def test_a_run_is_that_of_its_forces_and_the_controller_by_turns(name: str) -> None:
     values, signal, bandwidth = AXES[name]
     axis, path = load_axis(name), moves()
     plant = plant_of(axis, values)
     cascade = tuned_cascade(plant, signal, bandwidth)
     run = simulate(axis, values, path, cascade)
-    engine, memory, row = Engine(plant), cascade.start, plant.sensors[signal][0]
+    assert np.abs(run.states - driven(axis, values, run.forces, PERIOD)[:-1]).max() < 1e-12
+    memory, row = cascade.start, plant.sensors[signal].row
     for k in range(path.n_samples):
-        assert np.abs(run.states[k] - engine.state).max() < 1e-12
         command = Command(k, path.position[k], path.velocity[k], path.acceleration[k])
-        measured = {signal: float(row @ engine.state[: row.size])}
+        measured = {signal: float(row @ run.states[k, : row.size])}
         force, memory = cascade.force(command, measured, memory, PERIOD)
-        engine.advance(force, PERIOD)
+        assert run.forces[k] == pytest.approx(force, rel=1e-12, abs=1e-6)
 
 
 def test_a_quantised_reading_is_what_the_controller_acts_on() -> None:
@@ -114,14 +114,13 @@ def test_a_quantised_reading_is_what_the_controller_acts_on() -> None:
     axis = load_axis("rigid_1m").with_signal("q", noise=1e-7, resolution=1e-6)
     cascade, path = tuned_cascade(plant_of(axis, RIGID), "q"), moves()
     run = simulate(axis, RIGID, path, cascade, seed=4)
-    memory, engine = cascade.start, Engine(plant_of(axis, RIGID))
+    memory = cascade.start
     for k, reading in enumerate(run.log["q"]):
         assert reading == pytest.approx(1e-6 * round(reading / 1e-6), abs=1e-18)
         command = Command(k, path.position[k], path.velocity[k], path.acceleration[k])
         force, memory = cascade.force(command, {"q": float(reading)}, memory, PERIOD)
         assert run.forces[k] == pytest.approx(force, abs=1e-6)
-        assert run.states[k] == pytest.approx(engine.state, abs=1e-11)
-        engine.advance(float(run.forces[k]), PERIOD)
+    assert run.states == pytest.approx(driven(axis, RIGID, run.forces, PERIOD)[:-1], abs=1e-11)
     assert np.abs(run.log["q"] - run.states[:, 0]).max() < 0.5e-6 + 6e-7
 
 
@@ -195,10 +194,9 @@ def test_a_controller_of_ones_own_is_asked_once_for_each_sample() -> None:
     run = simulate(load_axis("rigid_1m"), RIGID, path, relay)
     assert relay.asked == list(range(path.n_samples))
     assert set(run.forces) == {-60.0, 0.0, 60.0}
-    engine = Engine(plant_of(load_axis("rigid_1m"), RIGID))
-    for k, force in enumerate(run.forces):
-        assert run.states[k] == pytest.approx(engine.state, abs=1e-13)
-        engine.advance(float(force), PERIOD)
+    assert run.states == pytest.approx(
+        driven(load_axis("rigid_1m"), RIGID, run.forces, PERIOD)[:-1], abs=1e-13
+    )
 
 
 class TwoEncoders(Controller):

@@ -7,6 +7,7 @@ from math import pi
 import mujoco
 import numpy as np
 import pytest
+from driven import acceleration
 
 from symid import (
     Acceleration,
@@ -24,7 +25,7 @@ from symid import (
 )
 from symid.codegen.generate import compiled
 from symid.export import mjcf
-from symid.simulation import Cascade, Engine, plant_of, simulate, trapezoids
+from symid.simulation import Cascade, plant_of, simulate, trapezoids
 
 LEAD, G = 0.01 / (2 * pi), 9.80665
 SCREW = Body("screw", inertia="J")
@@ -60,7 +61,7 @@ def test_the_simulation_and_mujoco_follow_it() -> None:
     data = mujoco.MjData(model)
     for v, tau in ((3.0, 2.0), (-40.0, 0.1), (25.0, -1.5)):
         a = (tau - torque(np.zeros(1), np.array([v]))[0]) / (TRUE["J"] + TRUE["M"] * LEAD**2)
-        assert Engine(plant, np.array([0.0, v])).acceleration(tau) == pytest.approx([a], rel=1e-12)
+        assert acceleration(plant, np.array([0.0, v]), tau) == pytest.approx([a], rel=1e-12)
         data.qvel[:], data.ctrl[0] = v, tau
         mujoco.mj_forward(model, data)
         assert data.qacc[0] == pytest.approx(a, rel=1e-6)

@@ -1,7 +1,8 @@
-"""The engine against closed forms, an event-located solve_ivp and the energy balance; friction that holds."""
+"""Friction that holds, and motion that it stops: closed forms, an event-located solve_ivp, the energy balance."""
 
 import numpy as np
 import pytest
+from driven import driven
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -19,29 +20,21 @@ from symid import (
     Weight,
     load_axis,
 )
-from symid.simulation.engine import Engine
 from symid.simulation.forward_dynamics import forward_dynamics, plant_of
 
 STEP = 1 / 4000
 DIRECT = {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 80.0}
 
 
-def history(engine: Engine, forces: np.ndarray, step: float = STEP) -> np.ndarray:
-    states = [engine.state]
-    for force in forces:
-        engine.advance(float(force), step)
-        states.append(engine.state)
-    return np.array(states)
-
-
 def test_a_linear_axis_follows_the_matrix_exponential() -> None:
-    plant = plant_of(load_axis("direct_2m1s"), {**DIRECT, "Fsm": 0.0})
+    axis, values = load_axis("direct_2m1s"), {**DIRECT, "Fsm": 0.0}
+    plant = plant_of(axis, values)
     start = np.array([1e-4, -2e-4, 0.0, 0.1])
     inverse = np.linalg.inv(plant.mass)
     generator = np.block(
         [[np.zeros((2, 2)), np.eye(2)], [-inverse @ plant.stiffness, -inverse @ plant.damping]]
     )
-    states = history(Engine(plant, start), np.zeros(4000))
+    states = driven(axis, values, np.zeros(4000), STEP, start)
     exact = expm(generator * 4000 * STEP) @ start
     assert states[-1] == pytest.approx(exact, rel=1e-9, abs=1e-13)
 
@@ -49,10 +42,10 @@ def test_a_linear_axis_follows_the_matrix_exponential() -> None:
 def test_coulomb_friction_stops_a_sliding_mass_where_it_must() -> None:
     """M v(1) = -Fs - Fv v from v0: stops at t = M/Fv ln(1 + Fv v0/Fs) and stays there."""
     M, Fv, Fs, v0 = 5.0, 3.0, 2.0, 0.7
-    engine = Engine(plant_of(load_axis("rigid_1m"), {"M": M, "Fv": Fv, "Fs": Fs}), np.array([0.0, v0]))
     stop = M / Fv * np.log(1 + Fv * v0 / Fs)
     way = M * v0 / Fv - Fs / Fv * stop
-    states = history(engine, np.zeros(int(2 * stop / STEP)))
+    rest = np.zeros(int(2 * stop / STEP))
+    states = driven(load_axis("rigid_1m"), {"M": M, "Fv": Fv, "Fs": Fs}, rest, STEP, np.array([0.0, v0]))
     assert states[-1] == pytest.approx([way, 0.0], abs=1e-13)
     late = states[int(stop / STEP) + 2 :]
     assert np.all(late == late[0])
@@ -63,10 +56,10 @@ def test_friction_that_differs_by_direction_stops_a_mass_where_it_must(start: fl
     """As above, with the coefficients of the direction: the law is a straight line in each."""
     values = {"M": 95.0, "Fvp": 166.0, "Fcp": 20.0, "Fvn": 240.0, "Fcn": 21.0}
     Fv, Fc = (166.0, 20.0) if start > 0 else (240.0, 21.0)
-    engine = Engine(plant_of(load_axis("emps_asymmetric"), values), np.array([0.0, start]))
     stop = 95.0 / Fv * np.log(1 + Fv * abs(start) / Fc)
     way = np.sign(start) * (95.0 * abs(start) / Fv - Fc / Fv * stop)
-    states = history(engine, np.zeros(int(stop / STEP) + 10))
+    rest = np.zeros(int(stop / STEP) + 10)
+    states = driven(load_axis("emps_asymmetric"), values, rest, STEP, np.array([0.0, start]))
     assert states[-1] == pytest.approx([way, 0.0], abs=1e-13)
     assert states[int(stop / STEP), 1] != 0
     assert states[int(stop / STEP) + 1, 1] == 0
@@ -81,10 +74,10 @@ def test_a_level_that_varies_along_the_stroke_holds_with_its_value_there() -> No
 
     body = Body("slide", mass="M")
     axis = Axis("wavy", (body, Wavy(body)), Drive("F", body), (Position("q", body),))
-    plant = plant_of(axis, {"M": 2.0, "Fs": 4.0, "dF": 3.0})
+    values = {"M": 2.0, "Fs": 4.0, "dF": 3.0}
     ramp = np.linspace(0, 8, 801)
     for place, level in ((0.025, 4.0), (0.05, 1.0), (0.1, 7.0)):
-        states = history(Engine(plant, np.array([place, 0.0])), ramp)
+        states = driven(axis, values, ramp, STEP, np.array([place, 0.0]))
         assert ramp[np.argmax(states[1:, 1] > 0)] == pytest.approx(level, abs=0.011)
 
 
@@ -101,13 +94,13 @@ def test_a_law_that_holds_away_from_zero_only_holds_there() -> None:
 
     body = Body("slide", mass="M")
     drive, sensor = Drive("F", body), Position("q", body)
-    plant = plant_of(Axis("wedge", (body, Wedge(body)), drive, (sensor,)), {"M": 2.0, "k": 40.0})
+    axis, values = Axis("wedge", (body, Wedge(body)), drive, (sensor,)), {"M": 2.0, "k": 40.0}
     damped = plant_of(Axis("rising", (body, Rising(body)), drive, (sensor,)), {"M": 2.0, "d": 40.0})
     ramp = np.linspace(0, 4, 401)
-    states = history(Engine(plant, np.array([0.05, 0.0])), ramp)
+    states = driven(axis, values, ramp, STEP, np.array([0.05, 0.0]))
     assert ramp[np.argmax(states[1:, 1] > 0)] == pytest.approx(2.0, abs=0.011)
     # pushed by 1 N from 0: q = F/k (1 - cos(sqrt(k/M) t)), until it stops at 2 F/k
-    pushed = history(Engine(plant), np.ones(3000))
+    pushed = driven(axis, values, np.ones(3000), STEP)
     assert pushed[-1].tolist() == pytest.approx([0.05, 0.0], abs=1e-9)
     assert not damped.laws[0].can_hold
 
@@ -127,8 +120,8 @@ def test_forward_dynamics_belong_to_a_declaration_not_to_its_name() -> None:
 def test_a_stiff_axis_stops_as_a_rigid_one() -> None:
     """2 kg with friction and 3 kg behind 1e13 N/m: 300 times stiffer than a step can follow by one series."""
     values = {"Mm": 2.0, "Fvm": 0.0, "Fsm": 4.0, "Kt": 1e13, "Ft": 4e6, "Ml": 3.0, "Fvl": 0.0}
-    engine = Engine(plant_of(load_axis("ballscrew_2m1s"), values), np.array([0.0, 0.0, 0.01, 0.01]))
-    states = history(engine, np.zeros(80))
+    start = np.array([0.0, 0.0, 0.01, 0.01])
+    states = driven(load_axis("ballscrew_2m1s"), values, np.zeros(80), STEP, start)
     stop, way = 5.0 * 0.01 / 4.0, 5.0 * 0.01**2 / (2 * 4.0)
     assert states[-1] == pytest.approx([way, way, 0.0, 0.0], abs=1e-9)
     sliding = np.arange(81) * STEP < stop
@@ -142,18 +135,17 @@ def test_a_body_held_on_an_incline_does_not_creep() -> None:
     axis = Axis(
         "incline", (body, incline, CoulombFriction(body, "Fs")), Drive("F", body), (Position("q", body),)
     )
-    plant = plant_of(axis, {"M": 10.0, "Fs": 1.01 * 10 * 9.80665 * np.sin(np.radians(20))})
-    held = history(Engine(plant), np.zeros(40_000))
+    values = {"M": 10.0, "Fs": 1.01 * 10 * 9.80665 * np.sin(np.radians(20))}
+    held = driven(axis, values, np.zeros(40_000), STEP)
     assert np.abs(held).max() < 1e-15
-    pushed = history(Engine(plant), np.where(np.arange(8000) < 400, 100.0, 0.0))
+    pushed = driven(axis, values, np.where(np.arange(8000) < 400, 100.0, 0.0), STEP)
     assert pushed[400, 0] > 1e-3
     assert np.ptp(pushed[-4000:, 0]) < 1e-15
 
 
 def test_stiction_breaks_at_its_level_and_not_before() -> None:
-    engine = Engine(plant_of(load_axis("rigid_1m"), {"M": 5.0, "Fv": 0.0, "Fs": 2.0}))
     ramp = np.linspace(0, 4, 4001)[:-1]
-    states = history(engine, ramp)
+    states = driven(load_axis("rigid_1m"), {"M": 5.0, "Fv": 0.0, "Fs": 2.0}, ramp, STEP)
     assert np.all(states[: np.searchsorted(ramp, 2.0) + 1] == 0)
     time = np.arange(4000) * STEP
     breaks = np.searchsorted(ramp, 2.0, side="right")
@@ -168,10 +160,9 @@ def test_stick_and_slip_agree_with_an_event_located_integration() -> None:
     elements = (body, Spring("spring", body, "K"), ViscousFriction(body, "Fv"), CoulombFriction(body, "Fs"))
     axis = Axis("stick", elements, Drive("F", body), (Position("q", body),))
     M, K, Fv, Fs = 2.0, 500.0, 4.0, 6.0
-    plant = plant_of(axis, {"M": M, "K": K, "Fv": Fv, "Fs": Fs})
     time = np.arange(8000) * STEP
     force = 15 * np.sin(2 * np.pi * 0.9 * time)
-    states = history(Engine(plant), force)
+    states = driven(axis, {"M": M, "K": K, "Fv": Fv, "Fs": Fs}, force, STEP)
     reference = reference_run(M, K, Fv, Fs, force)
     assert np.abs(states[:, 0] - reference[:, 0]).max() < 1e-10
     assert np.abs(states[:, 1] - reference[:, 1]).max() < 1e-8
@@ -216,9 +207,7 @@ def test_energy_lost_is_the_work_of_friction() -> None:
         (Position("q", body),),
     )
     M, K, Fs = 2.0, 800.0, 1.5
-    states = history(
-        Engine(plant_of(axis, {"M": M, "K": K, "Fs": Fs}), np.array([0.05, 0.0])), np.zeros(12_000)
-    )
+    states = driven(axis, {"M": M, "K": K, "Fs": Fs}, np.zeros(12_000), STEP, np.array([0.05, 0.0]))
     energy = 0.5 * M * states[:, 1] ** 2 + 0.5 * K * states[:, 0] ** 2
     turns = np.flatnonzero(np.diff(np.sign(states[:, 1])) != 0)
     extremes = states[turns, 0]
@@ -236,7 +225,7 @@ def test_a_pendulum_converges_with_the_second_order() -> None:
         Drive("T", arm),
         (Position("q", arm),),
     )
-    plant = plant_of(axis, {"J": 0.15, "ml": 0.3, "Fv": 0.02})
+    values = {"J": 0.15, "ml": 0.3, "Fv": 0.02}
     start = np.array([1.2, 0.0])
     exact = solve_ivp(
         lambda _, z: [z[1], (-0.3 * 9.80665 * np.sin(z[0]) - 0.02 * z[1]) / 0.15],
@@ -247,7 +236,7 @@ def test_a_pendulum_converges_with_the_second_order() -> None:
         atol=1e-14,
     ).y[:, -1]
     errors = [
-        np.abs(history(Engine(plant, start), np.zeros(n), 2 / n)[-1] - exact).max() for n in (500, 1000, 2000)
+        np.abs(driven(axis, values, np.zeros(n), 2 / n, start)[-1] - exact).max() for n in (500, 1000, 2000)
     ]
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.15)
     assert errors[1] / errors[2] == pytest.approx(4, rel=0.15)
@@ -258,9 +247,9 @@ def test_two_joints_with_friction_stick_independently() -> None:
     slide = Body("slide", mass="Ms", on=carriage)
     elements = (carriage, CoulombFriction(carriage, "Fc"), slide, CoulombFriction(slide, "Fs"))
     axis = Axis("two", elements, Drive("F", slide), (Position("q", slide),))
-    plant = plant_of(axis, {"Mc": 3.0, "Ms": 2.0, "Fc": 10.0, "Fs": 4.0})
-    states = history(Engine(plant), np.full(400, 8.0))
+    values = {"Mc": 3.0, "Ms": 2.0, "Fc": 10.0, "Fs": 4.0}
+    states = driven(axis, values, np.full(400, 8.0), STEP)
     assert np.all(states[:, 0] == 0)
     assert states[-1, 3] == pytest.approx((8 - 4) / 2 * 0.1, rel=1e-12)
-    both = history(Engine(plant), np.full(400, 20.0))
+    both = driven(axis, values, np.full(400, 20.0), STEP)
     assert both[-1, 2] == pytest.approx(-(20 - 4 - 10) / 3 * 0.1 if 20 - 4 > 10 else 0, rel=1e-9)

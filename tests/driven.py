@@ -1,0 +1,32 @@
+"""An axis under a given force: its simulated motion, and its accelerations by the equation of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from symid import Axis
+from symid.simulation import OpenLoop, Plant, Trajectory, simulate
+
+
+def driven(
+    axis: Axis,
+    values: Mapping[str, float],
+    forces: np.ndarray,
+    period: float,
+    start: np.ndarray | None = None,
+) -> np.ndarray:
+    """States at the begin and after each force, held for a period, of shape (n_forces + 1, 2 n)."""
+    still = np.zeros(len(forces) + 1)
+    rest, given = Trajectory(still, still, still, period, "rest"), OpenLoop(np.append(forces, 0.0))
+    return simulate(axis, values, rest, given, start=start).states
+
+
+def acceleration(plant: Plant, state: np.ndarray, force: float) -> np.ndarray:
+    """M^-1 (B F + c - C v - K x - laws) of a state in which all joints slide."""
+    x, v = np.split(state, 2)
+    acting = plant.drive * force + plant.constant - plant.damping @ v - plant.stiffness @ x
+    for law in plant.laws:
+        acting = acting - law.direction * law.force(float(law.direction @ x), float(law.direction @ v))
+    return np.linalg.solve(plant.mass, acting)
