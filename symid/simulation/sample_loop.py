@@ -8,9 +8,8 @@ import numpy as np
 
 from symid.jit import compiled, inner
 from symid.simulation.evaluation import built_up
-from symid.simulation.law_values import law_value, program_value, slide
-from symid.simulation.mode_views import numbers_of_mode
 from symid.simulation.plant import JUST_MOVING
+from symid.simulation.record_values import law_value, numbers_of_mode, program_value, slide
 from symid.simulation.stick_slip import UNKNOWN, acceleration, pass_events
 
 MADE, UNKNOWN_MODE, RUNAWAY, REFUSED = range(4)

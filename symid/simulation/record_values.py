@@ -1,0 +1,59 @@
+"""What compiled code reads from the records of a loop: values of laws and formulas, and the numbers of one mode."""
+
+from symid.jit import inner
+from symid.simulation.evaluation import built_up, evaluate
+from symid.simulation.loop_numbers import ModeNumbers
+
+
+@inner
+def slide(directions, j, state):  # type: ignore[no-untyped-def]  # compiled for arrays
+    """Displacement in a joint."""
+    q = 0.0
+    for b in range(directions.shape[1]):
+        q += directions[j, b] * state[b]
+    return q
+
+
+@inner
+def law_value(j, q, v, laws):  # type: ignore[no-untyped-def]
+    """Force of all laws of a joint."""
+    total = 0.0
+    for term in range(laws.terms[j], laws.terms[j + 1]):
+        laws.arguments[0], laws.arguments[1] = q, v
+        if laws.remembers[term] >= 0:
+            m = laws.remembers[term]
+            laws.arguments[4] = built_up(laws.memories[m, 1], q - laws.memories[m, 0], laws.reaches[m])
+        total += laws.parameters[term] * program_value(term, laws)
+    return total
+
+
+@inner
+def program_value(program, laws):  # type: ignore[no-untyped-def]  # compiled for arrays
+    """Value of a formula for the arguments that are set."""
+    begin, end = laws.ends[program], laws.ends[program + 1]
+    return evaluate(laws.operations[begin:end], laws.operands[begin:end], laws.arguments, laws.stack)
+
+
+@inner
+def numbers_of_mode(modes, m):  # type: ignore[no-untyped-def]  # compiled for arrays
+    """Numbers of mode m of a table, as `ModeNumbers`; they share its memory."""
+    n_stuck, n_sliding, n_varying = modes.counts[m]
+    n, n_drives = modes.drives.shape
+    pieces, width = modes.durations.size, 2 * n + n_drives + n_varying + 1
+    a = modes.places[m]
+    b = a + pieces * (2 * n + n_stuck) * width
+    c = b + pieces * (2 * n + n_stuck + n_sliding) * width
+    d = c + n * width
+    e = d + n_varying
+    f = modes.law_places[m]
+    numbers = modes.numbers
+    return ModeNumbers(
+        numbers[a:b].reshape(pieces, 2 * n + n_stuck, width),
+        numbers[b:c].reshape(pieces, 2 * n + n_stuck + n_sliding, width),
+        numbers[c:d].reshape(n, width),
+        modes.law_numbers[f : f + n_stuck],
+        modes.law_numbers[f + n_stuck : f + n_stuck + n_varying],
+        numbers[d:e],
+        numbers[e : e + 2 * n_stuck].reshape(n_stuck, 2),
+        modes.is_accelerated,
+    )
