@@ -16,7 +16,7 @@ from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.faults import damage
-from symid.diagnosis.findings.feedback import feedback_law
+from symid.diagnosis.findings.feedback import driven_backwards, feedback_law
 from symid.diagnosis.findings.wording import rejection, sentence
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
@@ -216,7 +216,7 @@ def _diagnosed(
     fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
-    damaged = damage(parts, begun, base).led_by(feedback_law(fits[-1]))
+    damaged = damage(parts, begun, base).led_by(feedback_law(fits[-1]) or driven_backwards(fits[-1]))
 
     def concluded_from(models: Comparison) -> Diagnosis:
         found = concluded(models, steps, fits, nominal, logs, damaged)

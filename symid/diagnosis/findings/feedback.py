@@ -1,18 +1,27 @@
-"""Detection of logs that show the controller instead of the machine.
+"""Detection of logs whose force takes energy out of the motion, which no friction does.
 
 While the reference stands still, the force of a controller depends on position and speed only: u = c - Kp q - Kd v. A
 model with friction and a spring of opposite sign has the same form and explains the log without error, whatever the
-machine is. Such a model feeds energy into the motion, which no machine does.
+machine is. Where no such law explains the force and the friction of an axis comes out negative as a whole, the sign of
+the force or of a position is wrong; slow motion shows that by friction only, not by an inertia.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.prediction.prediction import Prediction
 
 _AS_GOOD = 1.2
 """Largest error of the feedback law, relative to that of the model, at which the model may be this law."""
+_OF_FORCE = 0.3
+"""Largest error of the feedback law, relative to the force: a controller alone would leave none."""
+_SURELY = 3.0
+"""Standard deviations of a negative power of friction from which on it is not doubted."""
+_OF_POWER = 0.2
+"""Least negative power of friction, relative to the mean absolute power of the drive."""
 
 
 def feedback_law(fit: Fit) -> str:
@@ -29,9 +38,10 @@ def feedback_law(fit: Fit) -> str:
     *law, force, error = known[:, 0]
     gains = np.linalg.lstsq(np.transpose(law), force)[0]
     left = float(np.linalg.norm(force - gains @ law))
-    if not (gains[1] < 0 and gains[2] < 0 and left < _AS_GOOD * float(np.linalg.norm(error))):
-        return ""
     share = left / float(np.linalg.norm(force))
+    as_good = left < _AS_GOOD * float(np.linalg.norm(error)) and share < _OF_FORCE
+    if not (gains[1] < 0 and gains[2] < 0 and as_good):
+        return ""
     name, position = record.forces[0], record.driven[0]
     return (
         f"{name} follows from {position} and its speed alone, {gains[0]:.3g} - {-gains[1]:.3g} {position} - "
@@ -44,3 +54,41 @@ def _has_negative_damping(fit: Fit) -> bool:
     """Whether a damping of the model is negative."""
     dampings = fit.state.prediction.record.dynamics.parameters_of("damping")
     return any(fit.parameters[name] < 0 for name in dampings)
+
+
+def driven_backwards(fit: Fit) -> str:
+    """Sentence if friction as a whole comes out negative, as with a force of the wrong sign; otherwise empty."""
+    prediction = fit.state.prediction
+    record = prediction.record
+    if record.n_drives > 1:
+        return ""
+    # Mean power that friction takes for a unit of each parameter, and with the values found
+    powers = _powers_of_friction(prediction)
+    units = np.array([powers.get(name, 0.0) for name in fit.parameters])
+    power = float(units @ list(fit.parameters.values()))
+    covariance = fit.blocks.covariance[: units.size, : units.size]
+    deviation = float(np.sqrt(units @ covariance @ units))
+    inside, driven = record.in_log, prediction.joints_of_drives[0]
+    of_drive = float(np.mean(np.abs(record.fine(record.measured[0]) * driven.v)[inside]))
+    if not power < -max(_SURELY * deviation, _OF_POWER * of_drive):
+        return ""
+    negative = ", ".join(f"{name} {fit.parameters[name]:.3g}" for name in powers if fit.parameters[name] < 0)
+    return (
+        f"{record.forces[0]} takes energy out of the motion, as if friction were negative ({negative}): the sign of "
+        f"{record.forces[0]} or of a position is wrong, or something else drives the axis"
+    )
+
+
+def _powers_of_friction(prediction: Prediction) -> dict[str, float]:
+    """Mean power that a unit of each unknown coefficient of friction takes out of the motion."""
+    inside = prediction.record.in_log
+    powers: dict[str, float] = {}
+    for law in prediction.axis.laws:
+        joint = prediction.joints.get(getattr(law.at, "name", ""))
+        if joint is None or not isinstance(law, CoulombFriction | ViscousFriction):
+            continue
+        speed = np.abs(joint.v[inside])
+        own = float(np.mean(speed if isinstance(law, CoulombFriction) else speed**2))
+        for term in law.terms():
+            powers[term.parameter] = powers.get(term.parameter, 0.0) + own
+    return {name: power for name, power in powers.items() if name in prediction.parameters}

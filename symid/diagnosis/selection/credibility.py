@@ -97,13 +97,23 @@ def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
 
 
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
-    """Whether the drive moves about the inertia of the model without the effect, or the initial one."""
+    """Whether the drive moves about the inertia of the model without the effect, or the initial one.
+
+    What hides in an error many times its size is no measure of the inertia: where an effect lets the log determine it,
+    it may be larger, within the deviation of the model without the effect.
+    """
     plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
-    spread = np.sqrt(np.diag(blocks.covariance))[: len(found.parameters)]
-    masses = found.state.prediction.record.dynamics.parameters_of("mass")
-    least = min((s for name, s in zip(found.parameters, spread, strict=True) if name in masses), default=0.0)
-    return keeps_inertia(
-        found.state, *plain, doubt=min(THRESHOLDS.deviations * float(least) / max(plain), 1.0)
+    doubt = THRESHOLDS.deviations * _deviation_of_mass(found, blocks) / max(plain)
+    most = fit.state.inertia + THRESHOLDS.deviations * _deviation_of_mass(fit, fit.blocks)
+    return keeps_inertia(found.state, *plain, most, doubt=min(doubt, 1.0))
+
+
+def _deviation_of_mass(fit: Fit, blocks: Blocks) -> float:
+    """Least standard deviation of a free mass or inertia; 0 if there is none."""
+    masses = fit.state.prediction.record.dynamics.parameters_of("mass")
+    spread = np.sqrt(np.diag(blocks.covariance))[: len(fit.parameters)]
+    return min(
+        (float(s) for name, s in zip(fit.parameters, spread, strict=True) if name in masses), default=0.0
     )
 
 

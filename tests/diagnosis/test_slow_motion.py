@@ -1,0 +1,37 @@
+"""Slow axes, whose logs show friction and weight but hardly the inertia."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from symid import Log, diagnose, load_axis
+
+TIME = np.arange(0, 40, 0.01)
+RATES = 2 * np.pi * np.array([0.11, 0.19, 0.31])  # rad/s, of a motion of at most 0.3 m/s^2
+
+
+def slow_log(*, level: float, weight: float, seed: int = 5) -> Log:
+    """Log of a mass of 2 kg, given by its equation of motion; the noise hides most of its inertia."""
+    rng = np.random.default_rng(seed)
+    angles = np.outer(RATES, TIME) + np.array([[0.3], [1.1], [2.0]])
+    amplitudes = np.array([0.08, 0.05, 0.02])
+    q = amplitudes @ np.sin(angles)
+    v = (amplitudes * RATES) @ np.cos(angles)
+    a = -(amplitudes * RATES**2) @ np.sin(angles)
+    force = 2.0 * a + 3.0 * v + level * np.sign(v) + weight
+    noise = np.array([[1e-6], [0.05]]) * rng.standard_normal((2, TIME.size))
+    return Log("by hand", 0.0, 0.01, {"q": q + noise[0], "F": force + noise[1]})
+
+
+def test_a_missing_weight_is_found_though_it_hid_the_inertia() -> None:
+    found = diagnose(load_axis("rigid_1m"), slow_log(level=0.65, weight=4.0))
+    assert (found.verdict, found.effects[0].effect) == ("effect", "offset_force")
+    assert found.effects[0].parameters["F0"].value == pytest.approx(4.0, abs=0.02)
+
+
+def test_a_force_that_friction_alone_shows_to_be_reversed_is_said() -> None:
+    log = slow_log(level=0.65, weight=0.0)
+    found = diagnose(load_axis("rigid_1m"), replace(log, signals={"q": log["q"], "F": -log["F"]}))
+    assert found.verdict == "recording"
+    assert "the sign of F or of a position is wrong" in found.sentence
