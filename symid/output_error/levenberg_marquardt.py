@@ -61,10 +61,8 @@ def levenberg_marquardt(
         while damping < _LARGEST_DAMPING:
             # Columns of norm 1 make the damping independent of the units of x (Marquardt's scaling).
             scaled = normal / np.outer(size, size) + damping * np.eye(x.size)
-            move = -np.linalg.solve(scaled, gradient / size) / size
-            if longest is not None:  # shorten the whole step, so that it keeps its direction
-                move = move / max(float(np.max(np.abs(move) / longest)), 1.0)
-            candidate = x + move
+            reach = size * longest if longest is not None else np.full(x.size, np.inf)
+            candidate = x + limited_step(scaled, gradient / size, reach) / size
             trial = _tried(residual, candidate)
             if trial is not None and trial @ trial <= cost:
                 decrease = float(cost - trial @ trial)
@@ -74,6 +72,27 @@ def levenberg_marquardt(
         if damping >= _LARGEST_DAMPING or decrease <= tolerance * cost:
             return Minimum(x, current, True)
     return Minimum(x, current, False)
+
+
+def limited_step(normal: FloatArray, gradient: FloatArray, longest: FloatArray) -> FloatArray:
+    """Minimum of step' normal step / 2 + gradient' step with each |step| up to `longest`.
+
+    An argument whose step would be longer is held at its limit, and the step of the others is solved again: an argument
+    that hardly matters does not shorten their steps.
+
+    >>> limited_step(np.diag([1.0, 1e-6]), np.array([-0.5, -1.0]), np.full(2, 2.0)).tolist()
+    [0.5, 2.0]
+    """
+    step, free = np.zeros(gradient.size), np.ones(gradient.size, dtype=bool)
+    while free.any():
+        remaining = gradient[free] + normal[np.ix_(free, ~free)] @ step[~free]
+        step[free] = -np.linalg.solve(normal[np.ix_(free, free)], remaining)
+        beyond = free & (np.abs(step) > longest)
+        if not beyond.any():
+            break
+        step[beyond] = np.sign(step[beyond]) * longest[beyond]
+        free &= ~beyond
+    return step
 
 
 def _forward_slope(
@@ -111,6 +130,7 @@ def _tried(residual: Callable[[FloatArray], FloatArray], x: FloatArray) -> Float
     try:
         with np.errstate(all="ignore"):
             found = residual(x)
+            is_finite = np.isfinite(found @ found)
     except (SymidError, ValueError, np.linalg.LinAlgError):
         return None
-    return found if np.all(np.isfinite(found)) else None
+    return found if is_finite else None

@@ -95,3 +95,14 @@ def test_the_slope_is_the_derivative() -> None:
     expected = np.stack([-(1 - np.exp(-b[1] * x)), -b[0] * x * np.exp(-b[1] * x)], axis=1)
     slope = central_slope(misra1a, b, np.array([1e-3, 1e-9]))
     np.testing.assert_allclose(slope, expected, rtol=1e-6)
+
+
+def test_an_argument_that_hardly_matters_does_not_slow_the_others() -> None:
+    def residual(x):
+        return np.array([x[0] - 1.0, 1e-3 * (x[1] - 1e6)])
+
+    found = levenberg_marquardt(
+        residual, np.zeros(2), np.full(2, 1e-6), longest=np.full(2, 2.0), iterations=3
+    )
+    assert found.x[0] == pytest.approx(1.0, abs=1e-3)
+    assert found.x[1] == pytest.approx(6.0)
