@@ -17,6 +17,7 @@ from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.faults import damage
 from symid.diagnosis.findings.feedback import driven_backwards, feedback_law
+from symid.diagnosis.findings.location import momentary
 from symid.diagnosis.findings.wording import rejection, sentence
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
@@ -220,6 +221,9 @@ def _diagnosed(
 
     def concluded_from(models: Comparison) -> Diagnosis:
         found = concluded(models, steps, fits, nominal, logs, damaged)
+        if found.verdict in ("unexplained", "partly") and len(parts) == 1:
+            moment = momentary(models.with_effects(len(found.effects)), fits[len(found.effects)])
+            found = replace(found, next_experiment=moment or found.next_experiment)
         return with_motion(found, models, runs, data.held_out, controller=recorded.controller)
 
     found = concluded_from(comparison)

@@ -1,5 +1,6 @@
 """Slow axes, whose logs show friction and weight but hardly the inertia."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -35,3 +36,12 @@ def test_a_force_that_friction_alone_shows_to_be_reversed_is_said() -> None:
     found = diagnose(load_axis("rigid_1m"), replace(log, signals={"q": log["q"], "F": -log["F"]}))
     assert found.verdict == "recording"
     assert "the sign of F or of a position is wrong" in found.sentence
+
+
+def test_an_error_of_a_moment_says_when_it_was() -> None:
+    log = slow_log(level=0.65, weight=0.0)
+    struck = log["F"] - 5.0 * ((log.time > 17.0) & (log.time < 18.0))
+    found = diagnose(load_axis("rigid_1m"), replace(log, signals={"q": log["q"], "F": struck}))
+    assert found.verdict == "unexplained"
+    begin, end = re.findall(r"between ([\d.]+) and ([\d.]+) s", found.next_experiment)[0]
+    assert 16.8 < float(begin) < float(end) < 18.2

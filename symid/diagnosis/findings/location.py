@@ -12,6 +12,7 @@ from symid.arrays import BoolArray, FloatArray
 from symid.axis import length_unit
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.gap import Location, MapCell
+from symid.diagnosis.fitting.fit import Fit
 from symid.units import Unit
 
 _BANDS = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
@@ -20,6 +21,10 @@ _SEGMENT = 2048
 _AROUND_REVERSAL = 0.05
 _SLOW, _FAST, _ACCELERATING = 0.1, 0.5, 0.3
 _MOST_OF_IT = 0.8
+_MOMENT = 0.1
+"""Longest span of time, relative to the log, that is a moment of it."""
+_CLEAR = 2.0
+"""Least error, relative to the noise floor, whose moment is looked for."""
 
 
 def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
@@ -155,3 +160,33 @@ def _narrowest(bands: tuple[MapCell, ...]) -> tuple[float, float]:
         if sum(cell.share for cell in bands[i : j + 1]) >= _MOST_OF_IT
     ]
     return min(runs)[1:] if runs else (0.0, bands[-1].high if bands else 0.0)
+
+
+def momentary(comparison: Comparison, last: Fit) -> str:
+    """Sentence if most of the error that the last model leaves belongs to a moment of the log; otherwise empty.
+
+    A collision, an end stop or a drive that was switched off is no effect of the whole log, and spoils the error of
+    all models, be it in the part on which they are compared or in that on which the last one was fitted.
+    """
+    training = Comparison(last.weighting, (last.state,), (last.left,), comparison.drive)
+    return _moment_of(comparison) or _moment_of(training)
+
+
+def _moment_of(comparison: Comparison) -> str:
+    record, kept = comparison.record, comparison.weighting.kept
+    time, squares = record.row_time[kept], comparison.squares(len(comparison.errors) - 1)
+    if not np.mean(squares) > (_CLEAR * comparison.floor) ** 2:
+        return ""
+    # The shortest span with most of the excess: for each beginning, the first end that reaches it
+    reached = np.concatenate([[0.0], np.cumsum(np.maximum(squares - comparison.floor**2, 0.0))])
+    ends = np.searchsorted(reached, reached[:-1] + _MOST_OF_IT * reached[-1])
+    begins = np.flatnonzero(ends < reached.size)
+    spans = time[ends[begins] - 1] - time[begins]
+    begin = int(begins[np.argmin(spans)])
+    if not spans.min() < _MOMENT * np.ptp(time):
+        return ""
+    first, last = (float(at) + record.log.start for at in (time[begin], time[ends[begin] - 1]))
+    return (
+        f"Look at what happened between {first:.4g} and {last:.4g} s, where {100 * _MOST_OF_IT:.0f} % of the error "
+        "that stays lies, or leave that part out with `trim`."
+    )
