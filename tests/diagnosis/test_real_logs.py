@@ -24,6 +24,7 @@ RECORDINGS = {
     "servo": (recordings.servo("10h28m32"), 1126, 5.314e-3),
     "motor": (recordings.motor("nocomp_0"), 4432, 2.256e-3),
     "shoulder": (recordings.double_pendulum("143906"), 5000, 2e-3),
+    "lift": (recordings.tiago("torso_lift_joint"), 8028, 9.997e-3),
 }
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.diagnosis.real import recordings
 from symid import Log, diagnose, load_axis
 
 TIME = np.arange(0, 40, 0.01)
@@ -36,6 +37,16 @@ def test_a_force_that_friction_alone_shows_to_be_reversed_is_said() -> None:
     found = diagnose(load_axis("rigid_1m"), replace(log, signals={"q": log["q"], "F": -log["F"]}))
     assert found.verdict == "recording"
     assert "the sign of F or of a position is wrong" in found.sentence
+
+
+def test_a_joint_of_a_robot_with_a_negative_torque_constant_is_called_reversed() -> None:
+    run = recordings.tiago("arm_3_joint").between(10.0, 68.0)  # the published constant is -0.087
+    log = Log(run.source, run.start, run.period, {"q": run["q"], "F": run["F"]})
+    found = diagnose(load_axis("rigid_1m"), log)
+    assert found.verdict == "recording"
+    assert "the sign of F or of a position is wrong" in found.sentence
+    turned = diagnose(load_axis("rigid_1m"), replace(log, signals={"q": log["q"], "F": -log["F"]}))
+    assert "sign" not in turned.sentence
 
 
 def test_an_error_of_a_moment_says_when_it_was() -> None:

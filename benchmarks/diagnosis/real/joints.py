@@ -1,4 +1,4 @@
-"""The cases of single joints of other machines: a robot, a servo, a motor that turns slowly, a shoulder."""
+"""The cases of single joints of other machines: a robot, a servo, a motor that turns slowly, a shoulder, a lift."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from symid import (
     Body,
     CoulombFriction,
     Drive,
+    OffsetForce,
     PendulumWeight,
     Position,
     Spring,
@@ -146,3 +147,34 @@ def shoulder() -> Iterator[Case]:
         script=Script("tau", "q", ("inertia", "weight", "viscous"), ("coulomb",)),
         band_hz=10.0,
     )
+
+
+def lift() -> Iterator[Case]:
+    """The vertical lift of a service robot's torso, without its weight and without its Coulomb friction."""
+    run = recordings.tiago("torso_lift_joint")
+    first, second = run.between(10.0, 48.0), run.between(48.0, 67.0)
+    body = Body("body", mass="M")
+    viscous, coulomb, weight = (
+        ViscousFriction(body, "Fv"),
+        CoulombFriction(body, "Fc"),
+        OffsetForce(body, "W"),
+    )
+    drive, sensors = Drive("F", body), (Position("q", body),)
+    values = identified(Axis("lift", (body, viscous, coulomb, weight), drive, sensors), first)
+    for name, model, law, right, terms, added in (
+        ("lift-weightless", "Coulomb friction", coulomb, "offset_force", "coulomb", "offset"),
+        ("lift-frictionless", "weight", weight, "coulomb_friction", "offset", "coulomb"),
+    ):
+        axis = Axis("lift", (body, viscous, law), drive, sensors)
+        yield Case(
+            name=name,
+            model=f"mass, viscous friction and {model} in units of the motor's effort",
+            published="the force is the effort times its constant plus the weight. Not published: Coulomb friction",
+            right=((right, "body"),),
+            axis=axis,
+            training=(first,),
+            held_out=second,
+            nominal={key: values[key] for key in axis.physical_parameters},
+            script=Script("F", "q", ("inertia", "viscous", terms), (added,)),
+            band_hz=3.0,
+        )

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 
 from .case import Case
-from .joints import motor, robot, servo, shoulder
+from .joints import lift, motor, robot, servo, shoulder
 from .rigs import bench, emps, pendulum
 
 MACHINES: dict[str, Callable[[], Iterator[Case]]] = {
@@ -14,6 +14,7 @@ MACHINES: dict[str, Callable[[], Iterator[Case]]] = {
     "servo": servo,
     "motor": motor,
     "shoulder": shoulder,
+    "lift": lift,
 }
 
 

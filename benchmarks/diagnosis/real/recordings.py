@@ -140,3 +140,14 @@ def motor(run: str) -> Recording:
     file = f"odrive_cogging/{run}.mat"
     time, counts, current = np.asarray(loadmat(DATA / file)["data"], dtype=float)
     return on_grid(file, time, q=counts * 2.0 * np.pi / MOTOR_COUNTS, i=current)
+
+
+def tiago(joint: str) -> Recording:
+    """A joint of the service robot: its position, and the effort of its motor."""
+    signals = {}
+    for name, key in (("position", "q"), ("effort", "F")):
+        file = DATA / "pal_tiago" / f"tiago_{name}.csv"
+        header = file.read_text().partition("\n")[0].split(",")
+        table = np.loadtxt(file, delimiter=",", skiprows=1)
+        signals[key] = table[:, header.index(f"- {joint}_{name}")]
+    return on_grid(f"pal_tiago, {joint}", table[:, 0], **signals)
