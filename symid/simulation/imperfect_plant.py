@@ -14,13 +14,15 @@ from symid.arrays import FloatArray
 from symid.axis import (
     Axis,
     CoulombFriction,
+    EncoderRipple,
     Imperfection,
     JointImperfection,
     PayloadChange,
     PreslidingFriction,
 )
 from symid.simulation.forward_dynamics import plant_of
-from symid.simulation.law_functions import array_function, code_of, law_function
+from symid.simulation.law_code import law_code
+from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
 
 _FINE, _MOST_STEPS = 0.5, 50
@@ -67,12 +69,11 @@ def stages(axis: Axis, parameters: Mapping[str, float]) -> tuple[list[PlantStage
 
 def misread_code(axis: Axis, signal: str) -> str | None:
     """Reading of a sensor with ripple, as NumPy code in terms of the exact value y; None without ripple."""
-    if not axis.imperfections:
+    ripples = [e for e in axis.imperfections if isinstance(e, EncoderRipple) and e.signal == signal]
+    if not ripples:
         return None
-    from symid.symbolic.expressions import misread  # sympy takes half a second to load
-
-    law = misread(axis, signal)
-    return None if law is None else code_of(law)
+    first, *others = map(imperfection_code, ripples)
+    return " + ".join([first, *(f"({other} - y)" for other in others)])
 
 
 def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | None:
@@ -97,10 +98,8 @@ def scalar_law(element: Imperfection) -> Callable[..., float]:
 
 
 def imperfection_code(element: Imperfection) -> str:
-    """NumPy code of the law of an imperfection in terms of q, v, F, t and z."""
-    from symid.symbolic.expressions import imperfection_law  # sympy takes half a second to load
-
-    return code_of(imperfection_law(element))
+    """NumPy code of the law of an imperfection in terms of q, v, F, t and z, or of y."""
+    return law_code(element.in_numbers(element.law))
 
 
 def presliding_level(axis: Axis, element: PreslidingFriction, values: Mapping[str, float]) -> float:

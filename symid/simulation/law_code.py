@@ -15,8 +15,8 @@ def law_code(formula: str) -> str:
 
     Examples
     --------
-    >>> law_code("sign(v)*exp(-(v/velocity)**2)"), law_code("v*positive(v)")
-    ('np.sign(v) * np.exp(-(v / velocity) ** 2)', 'v * np.heaviside(v, 0.0)')
+    >>> law_code("sign(v)*exp(-(v/velocity)**2)"), law_code("v*positive(v)"), law_code("min(F, 2)")
+    ('np.sign(v) * np.exp(-(v / velocity) ** 2)', 'v * np.heaviside(v, 0.0)', 'np.minimum(F, 2)')
     """
     return ast.unparse(_InNumPy().visit(_parsed(formula)))
 
@@ -76,7 +76,8 @@ class _InNumPy(ast.NodeTransformer):
         arguments = [self.visit(argument) for argument in node.args]
         name = getattr(node.func, "id", "")
         if name == "positive":
-            name, arguments = "heaviside", [*arguments, _ZERO]
+            arguments.append(_ZERO)
+        name = {"positive": "heaviside", "min": "minimum", "max": "maximum"}.get(name, name)
         return ast.Call(ast.Attribute(ast.Name("np"), name), arguments, [])
 
 

@@ -5,47 +5,33 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from symid.arrays import FloatArray
 
-if TYPE_CHECKING:
-    import sympy as sp
 
-
-def code_of(law: sp.Expr | str) -> str:
-    """NumPy code of a law, given as expression or as such code."""
-    if isinstance(law, str):
-        return law
-    from symid.codegen.lowering import code  # sympy takes half a second to load
-
-    return code(law)
-
-
-def law_function(law: sp.Expr | str, numbers: tuple[str, ...] = ()) -> Callable[..., float]:
-    """Function of numbers q, v and further `numbers` for a law given as expression or NumPy code.
+def law_function(code: str, numbers: tuple[str, ...] = ()) -> Callable[..., float]:
+    """Function of numbers q, v and further `numbers` for the NumPy code of a law.
 
     >>> law_function("v*q")(2.0, 3.0)
     6.0
     >>> law_function("v/speed", ("speed",))(0.0, 1.0, 0.5)
     2.0
     """
-    text = code_of(law)
-    function: Callable[..., float] = _function(f"float({text})", numbers, Scalar())
+    function: Callable[..., float] = _function(f"float({code})", numbers, Scalar())
     return function
 
 
-def array_function(law: sp.Expr | str, numbers: tuple[str, ...] = ()) -> Callable[..., FloatArray]:
-    """Function of arrays q and v for a law given as expression or NumPy code; `numbers` as in `law_function`.
+def array_function(code: str, numbers: tuple[str, ...] = ()) -> Callable[..., FloatArray]:
+    """Function of arrays q and v for the NumPy code of a law; `numbers` as in `law_function`.
 
     >>> array_function("v*q")(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
     [6.0, 4.0]
     """
-    text = code_of(law)
-    constant = "" if re.search(r"\b[qv]\b", text) else " + 0 * q"
-    function: Callable[..., FloatArray] = _function(f"{text}{constant}", numbers, np)
+    constant = "" if re.search(r"\b[qv]\b", code) else " + 0 * q"
+    function: Callable[..., FloatArray] = _function(f"{code}{constant}", numbers, np)
     return function
 
 

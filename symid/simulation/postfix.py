@@ -9,16 +9,11 @@ from __future__ import annotations
 import ast
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.errors import SymidError
-from symid.simulation.law_functions import code_of
-
-if TYPE_CHECKING:
-    import sympy as sp
 
 _FUNCTIONS = ("abs", "sign", "heaviside", "sin", "cos", "exp")
 CONSTANT, ARGUMENT, ADD, MULTIPLY, POWER, MINIMUM, MAXIMUM, FUNCTION = range(8)
@@ -38,8 +33,8 @@ class Program:
     depth: int
 
 
-def program(law: sp.Expr | str, arguments: tuple[str, ...]) -> Program:
-    """Program of a law, given as expression or NumPy code of the arguments; SymidError for any other code.
+def program(code: str, arguments: tuple[str, ...]) -> Program:
+    """Program of a law, given as NumPy code of the arguments; SymidError for any other code.
 
     Examples
     --------
@@ -49,7 +44,7 @@ def program(law: sp.Expr | str, arguments: tuple[str, ...]) -> Program:
     6.0
     """
     steps: _Steps = []
-    depth = _append(ast.parse(code_of(law), mode="eval").body, arguments, steps)
+    depth = _append(ast.parse(code, mode="eval").body, arguments, steps)
     operations, operands = zip(*steps, strict=True)
     return Program(np.array(operations, dtype=np.int64), np.array(operands, dtype=np.float64), depth)
 
