@@ -11,6 +11,7 @@ import errno
 import json
 import math
 import os
+import re
 import shutil
 import stat
 import tempfile
@@ -23,6 +24,8 @@ from symid.errors import SettingError
 _LARGEST_JSON: Final = 64_000_000
 """Bytes of a JSON file of settings at most: what is longer is something else."""
 
+_UNSEEN: Final = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff]")
+"""Characters that JSON does not escape and terminals do not show."""
 _KINDS: Final = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a pipe"),
@@ -69,6 +72,28 @@ def read_json(file: str | os.PathLike[str]) -> Any:
         raise SettingError(f"{path}: is not JSON ({error}): correct it") from error
     except OSError as error:
         raise SettingError(f"{path}: cannot be read ({error.strerror}): check the file") from error
+
+
+def as_json(record: object, *, ascii_only: bool = False) -> str:
+    r"""JSON text of a record; numbers that are not finite become null, and control characters are escaped.
+
+    >>> print(as_json({"a\udce9": float("nan")}), end="")
+    {
+      "a\udce9": null
+    }
+    """
+    text = json.dumps(_finite(record), indent=2, ensure_ascii=ascii_only, allow_nan=False) + "\n"
+    return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
 
 
 def is_finite_number(value: object) -> bool:

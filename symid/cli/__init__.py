@@ -37,7 +37,7 @@ _TRACE = "SYMID_TRACE"
 
 
 class _UnreadError(Exception):
-    """Whoever read the output has read enough."""
+    """The reader of the output has closed it."""
 
 
 class _Commands(click.Group):
@@ -95,14 +95,14 @@ def main(arguments: list[str] | None = None) -> None:
         code = _run(arguments)
         finish_output()
     except BrokenPipeError:
-        code = 0  # whoever reads has read enough
+        code = 0  # the reader has closed the output
     except OSError as error:
         code = fail(_refused_by_system(error))
     sys.exit(code)
 
 
 def _refused_by_system(error: OSError) -> str:
-    """What the system does not do with which file, and the cure."""
+    """Message of an error of the operating system: file, reason and cure."""
     cures = {errno.EACCES: ": check its permissions", errno.ENOSPC: ": free some space"}
     where = f"{error.filename}: " if error.filename else ""
     return f"{where}{error.strerror or error}{cures.get(error.errno or 0, '')}"

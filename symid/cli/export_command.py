@@ -11,12 +11,12 @@ import click
 from click import Choice, argument, option
 
 from symid.axis import Axis, load_axis
-from symid.cli.options import as_json, json_option, measured_option, parameter_file, signal_list, write_json
+from symid.cli.options import json_option, measured_option, parameter_file, signal_list, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import say
 from symid.errors import EliminationError, SettingError
 from symid.export import TEXT_TARGETS, Exported, c_source, parameter_record, write_fmu
-from symid.files import is_finite_number, read_json, write_whole
+from symid.files import as_json, is_finite_number, read_json, write_whole
 from symid.symbolic import derive
 
 _PROGRAMS = ", ".join(target.program for target in TEXT_TARGETS.values())

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import re
 import sys
 from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
@@ -18,7 +16,7 @@ from symid.cli.outputs import Output
 from symid.cli.setting_options import with_options
 from symid.cli.terminal import is_closed
 from symid.errors import SettingError
-from symid.files import is_finite_number, read_json, shortened, write_whole
+from symid.files import as_json, is_finite_number, read_json, shortened, write_whole
 from symid.units import Unit, to_si
 
 
@@ -279,31 +277,6 @@ def give_result(record: Any, json_file: str | None, show: Callable[[Any], object
         write_json(record, json_file)
     if json_file != "-":
         show(record)
-
-
-_UNSEEN = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff]")
-
-
-def as_json(record: object, *, ascii_only: bool = False) -> str:
-    r"""JSON text of a record; numbers that are not finite become null, and control characters are escaped.
-
-    >>> print(as_json({"a\udce9": float("nan")}), end="")
-    {
-      "a\udce9": null
-    }
-    """
-    text = json.dumps(_finite(record), indent=2, ensure_ascii=ascii_only, allow_nan=False) + "\n"
-    return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def shared(*options: Callable[[Any], Any]) -> Callable[[Any], Any]:

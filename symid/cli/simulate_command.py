@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -43,6 +42,7 @@ from symid.simulation import (
     Trajectory,
     chirp,
     from_log,
+    largest_within,
     plant_of,
     simulate,
     trapezoids,
@@ -50,8 +50,6 @@ from symid.simulation import (
     whole_periods,
 )
 
-_UNIT = 1e-3
-"""Amplitude of a trial trajectory, SI."""
 _LINES = 21
 """Lines of a multisine."""
 
@@ -144,7 +142,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         "sampling_frequency_hz": run.log.sampling_frequency,
         "signals": {name: str(unit) for name, unit in declared.signal_units.items()},
         "largest_force": float(abs(run.forces).max()),
-        "reference": {"seconds": trajectory.duration, **_reached(trajectory)},
+        "reference": {"seconds": trajectory.duration, **trajectory.extremes.reached},
     }
     duration, done = trajectory.duration, f"{run.log.n_samples} samples at {run.log.sampling_frequency:g} Hz"
 
@@ -218,33 +216,20 @@ def _trajectory(options: dict[str, Any]) -> Trajectory:
     seconds = options["seconds"]
     if kind == "chirp":
         swept = {"quantity": options["amplitude_of"], "sweep": "logarithmic"}
-        return _within(options, partial(chirp, low, high, seconds, sampling_period=period, **swept))
+        return largest_within(partial(chirp, low, high, seconds, sampling_period=period, **swept), options)
     if kind == "multisine":
         lines, rate = np.linspace(low, high, _LINES), options["rate"]
         accelerated = {"seconds": seconds, "rate": rate, "quantity": "acceleration"}
-        return _within(options, partial(whole_periods, lines, **accelerated))
+        return largest_within(partial(whole_periods, lines, **accelerated), options)
     raise SettingError(
         f"trajectory {kind!r} is not known: use trapezoids, chirp, multisine or the path of a log"
     )
 
 
-def _within(options: dict[str, Any], make: Callable[[float], Trajectory]) -> Trajectory:
-    """The trajectory scaled to reach the tightest limit."""
-    reached = _reached(make(_UNIT))
-    return make(_UNIT * min(options[name] / value for name, value in reached.items()))
-
-
-def _reached(trajectory: Trajectory) -> dict[str, float]:
-    """Largest distance from zero, speed and acceleration of a trajectory, by the name of their limit."""
-    found = trajectory.extremes
-    travel = max(abs(found.lowest), abs(found.highest))
-    return {"travel": travel, "speed": found.speed, "acceleration": found.acceleration}
-
-
 def _said_reach(axis: Axis, trajectory: Trajectory, options: dict[str, Any]) -> str:
     """Text on the reached share of each limit, and the limit that binds."""
     unit = axis.signal_units[axis.controlled]
-    reached = _reached(trajectory)
+    reached = trajectory.extremes.reached
     units = (str(unit), f"{unit}/s", f"{unit}/s^2")
     shown = zip(reached.items(), units, strict=True)
     parts = [f"{name} {value:.3g} of {options[name]:g} {unit}" for (name, value), unit in shown]

@@ -30,12 +30,6 @@ class _ModulePrinter(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
     def _print_positive(self, expression: Any) -> str:
         return f"np.heaviside({self._print(expression.args[0])}, 0.0)"
 
-    def _print_Min(self, expression: Any) -> str:
-        return f"np.minimum({', '.join(map(self._print, expression.args))})"
-
-    def _print_Max(self, expression: Any) -> str:
-        return f"np.maximum({', '.join(map(self._print, expression.args))})"
-
 
 def code(expression: sp.Expr) -> str:
     """NumPy code of an expression.

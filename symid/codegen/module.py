@@ -214,7 +214,7 @@ def _is_linear(entry: sp.Expr, constants: Collection[sp.Symbol]) -> bool:
 
 
 def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
-    """Statements that write entrys into rows of an array, in place where a single NumPy function suffices."""
+    """Statements that write entries into rows of an array, in place where a single NumPy function suffices."""
     lines = []
     for index, entry in entries:
         target = f"{array}[{index}]"

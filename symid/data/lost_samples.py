@@ -93,7 +93,7 @@ def repeated(x: FloatArray) -> BoolArray:
 
 
 def step_of(x: FloatArray) -> float:
-    """Smallest step of a channel of few values, or of whole counts; 0 for one whose values are all its own.
+    """Smallest step of a channel of few values, or of whole counts; 0 for one whose values all differ.
 
     Of few values, some come again among every sixteenth sample too: only then are all of them sorted. A short log of
     counts has few values that come again, but each is a whole number of steps from the others.

@@ -15,7 +15,7 @@ SHORTEST_STEP = 5e-6
 """Shortest step for which the ring buffers suffice, s."""
 
 _HEADER = """\
-/* What is on its way for up to {longest!r} s, in steps h of at least {shortest:.2g} s. Begin with all of it 0. */
+/* Signals delayed by up to {longest!r} s, in steps h of at least {shortest:.2g} s. Initialise it with zeros. */
 typedef struct {{
     struct {{ double time[{cells}], value[{cells}]; int newest, count; }} lane[{lanes}];
     double now, sent;

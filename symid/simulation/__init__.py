@@ -11,7 +11,7 @@ compiled loop.
 from symid.simulation.cascade_tuning import tuned_cascade, tuned_cascades
 from symid.simulation.closed_loop import Simulation, simulate
 from symid.simulation.controller import Cascade, Command, Controller, LinearLaw, OpenLoop, Replay
-from symid.simulation.excitation import chirp, from_log, steps
+from symid.simulation.excitation import chirp, from_log, largest_within, steps
 from symid.simulation.forward_dynamics import ForwardDynamics, forward_dynamics, plant_of
 from symid.simulation.limits import Extremes, Limits
 from symid.simulation.moves import MoveProfile, move, trapezoids
@@ -41,6 +41,7 @@ __all__ = [
     "forward_dynamics",
     "frequency_lines",
     "from_log",
+    "largest_within",
     "move",
     "multisine",
     "plant_of",

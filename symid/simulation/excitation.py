@@ -7,7 +7,7 @@ cannot stay within the limits of the axis. `Trajectory.then` joins trajectories.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -22,6 +22,8 @@ from symid.simulation.trajectory import Trajectory
 
 Sweep = Literal["linear", "logarithmic"]
 """How the frequency of a chirp changes over time."""
+_TRIAL = 1e-3
+"""Size of a trial motion, SI."""
 
 
 def chirp(
@@ -232,3 +234,18 @@ def from_log(log: Log, signal: str = REFERENCE, *, limits: Limits | None = None)
         name=f"{signal} of {log.source}",
         start=log.start,
     ).checked(limits)
+
+
+def largest_within(
+    made: Callable[[float], Trajectory], limits: Mapping[str, float], share: float = 1.0
+) -> Trajectory:
+    """The motion of a size at which it uses a share of the tightest limit, of those in `Extremes.reached`.
+
+    >>> from functools import partial
+    >>> made = partial(chirp, 1.0, 5.0, 2.0, sampling_period=1e-3)
+    >>> motion = largest_within(made, {"travel": 0.2, "speed": 0.5, "acceleration": 5.0})
+    >>> round(motion.extremes.acceleration, 6)
+    5.0
+    """
+    reached = made(_TRIAL).extremes.reached
+    return made(share * _TRIAL * min(limits[name] / value for name, value in reached.items()))

@@ -34,6 +34,12 @@ class Extremes:
     acceleration: float
     jerk: float
 
+    @property
+    def reached(self) -> dict[str, float]:
+        """Largest distance from zero, speed and acceleration, by name."""
+        travel = max(abs(self.lowest), abs(self.highest))
+        return {"travel": travel, "speed": self.speed, "acceleration": self.acceleration}
+
 
 @dataclass(frozen=True)
 class Limits:

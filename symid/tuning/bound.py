@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +13,8 @@ import scipy
 from symid.arrays import FloatArray
 
 BoundStatus = Literal["ok", "bound_not_reached", "bound_met_everywhere"]
+Status = Literal[BoundStatus, "not_determined"]
+"""Result of a tuning that rests on several bounds."""
 Errors = Mapping[str, float]
 """Relative error of each parameter in percent, with its sign; nan where it is not determined."""
 Track = Callable[[Sequence[float]], Iterable[float]]
@@ -153,3 +155,37 @@ def _refined(error: Callable[[float], float], above: float, within: float, bound
     chosen = float(np.exp(np.clip(found.x[0], math.log(above), math.log(within))))
     # A local minimum away from the bound is not a solution; the end of the interval meets the bound.
     return chosen if error(chosen) <= bound * (1.0 + 10 * _TOLERANCE) else within
+
+
+def verdict(searches: Mapping[str, BoundSearch]) -> tuple[Status, str]:
+    """Status of a tuning by its searches, which have the names of what they seek, and its meaning and cure."""
+    for what, search in searches.items():
+        if not math.isfinite(search.largest_error):
+            return "not_determined", f"no parameter is determined at any {what}: choose a richer trajectory"
+    messages = [text for what, search in searches.items() for text in _advice(what, search)]
+    errors = [pair for search in searches.values() for pair in search.errors.items()]
+    unknown = dict.fromkeys(name for name, error in errors if not math.isfinite(error))
+    statuses = {search.status for search in searches.values()}
+    if unknown:
+        messages.append(
+            f"{', '.join(unknown)} have no error (0, or not determined by this motion) and do not count"
+        )
+    if "bound_not_reached" in statuses:
+        return "bound_not_reached", "; ".join(messages)
+    if unknown:
+        return "not_determined", "; ".join(messages)
+    return ("bound_met_everywhere" if "bound_met_everywhere" in statuses else "ok"), "; ".join(messages)
+
+
+def _advice(what: str, search: BoundSearch) -> Iterator[str]:
+    lowest, highest = search.scanned_hz[0], search.scanned_hz[-1]
+    if search.status == "bound_not_reached":
+        yield (
+            f"no {what} from {lowest:.4g} to {highest:.4g} Hz keeps the errors below {search.bound:g} %: the best has "
+            f"{search.largest_error:.3g} % at {search.frequency_hz:.4g} Hz; allow more, or choose a richer trajectory"
+        )
+    elif search.status == "bound_met_everywhere":
+        yield (
+            f"every {what} from {lowest:.4g} to {highest:.4g} Hz keeps the errors below {search.bound:g} %: the lowest "
+            "one that was tried is given"
+        )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
@@ -14,7 +14,18 @@ from symid.axis import Acceleration, Axis, Position
 from symid.data import Log
 from symid.errors import SettingError
 from symid.signal_names import derivative_name
-from symid.simulation import Controller, Plant, SensorRow, Simulation, Trajectory, chirp, plant_of, simulate
+from symid.simulation import (
+    Controller,
+    Plant,
+    SensorRow,
+    Simulation,
+    Trajectory,
+    chirp,
+    largest_within,
+    plant_of,
+    simulate,
+)
+from symid.simulation.excitation import Sweep
 from symid.simulation.plant import JointLaw
 
 _PLACE, _PROBE = "place_of_{}", "probe_of_{}"
@@ -90,46 +101,41 @@ class ExactRun:
 
     @cached_property
     def _interpolants(self) -> dict[str, PPoly]:
-        """Cubics through exact values and slopes of positions; means of acceleration and force between samples."""
-        run = self.simulation
-        n, middle = run.accelerations.shape[1], run.time[:-1] + 0.5 * self.period
-        found: dict[str, PPoly] = {name: CubicSpline(middle, f[:-1]) for name, f in self.forces.items()}
-        for sensor in self.axis.sensors:
-            reading, x, v, a = (
-                self.rows[sensor.signal],
-                run.states[:, :n],
-                run.states[:, n:],
-                run.accelerations,
+        """Cubics through the forces and readings, by signal."""
+        forces = {name: CubicSpline(self._middle, force[:-1]) for name, force in self.forces.items()}
+        return forces | {s.signal: self._interpolant(self.rows[s.signal]) for s in self.axis.sensors}
+
+    @property
+    def _middle(self) -> FloatArray:
+        """Time at the middle of each sample but the last, s."""
+        return np.asarray(self.simulation.time[:-1] + 0.5 * self.period)
+
+    def _interpolant(self, reading: SensorRow) -> PPoly:
+        """Cubic through exact values and slopes of a motion, or means of acceleration and force between samples."""
+        run, n = self.simulation, self.simulation.accelerations.shape[1]
+        x, v = run.states[:, :n], run.states[:, n:]
+        of_place, of_speed, of_rate = reading.motion
+        if reading.order == 0:
+            return CubicHermiteSpline(run.time, x @ of_place + reading.constant, v @ of_place)
+        if reading.order == 1:
+            speed = CubicHermiteSpline(run.time, x @ of_speed, v @ of_speed).derivative()
+            speed.c[-1] += reading.constant
+            return speed
+        if reading.order == 2:
+            return CubicSpline(self._middle, np.diff(v @ of_rate) / self.period + reading.constant)
+        slopes = v @ of_place + run.accelerations @ of_speed
+        smooth = CubicHermiteSpline(run.time, x @ of_place + v @ of_speed, slopes)(self._middle)
+        held = np.reshape(run.forces, (len(run.time), -1)) @ reading.drives
+        of_law = np.zeros(len(self._middle))
+        if reading.law is not None:
+            law = self.laws[reading.law]
+            motion = ((x, v), (v, run.accelerations))
+            at, rate = (
+                CubicHermiteSpline(run.time, y @ law.direction, slope @ law.direction)(self._middle)
+                for y, slope in motion
             )
-            of_place, of_speed, of_rate = reading.motion
-            if reading.order is None:
-                smooth = CubicHermiteSpline(
-                    run.time, x @ of_place + v @ of_speed, v @ of_place + a @ of_speed
-                )
-                held = np.reshape(run.forces, (len(run.time), -1)) @ reading.drives
-                of_law = np.zeros(len(middle))
-                if reading.law is not None:
-                    law = self.laws[reading.law]
-                    at, speed = (
-                        CubicHermiteSpline(run.time, y @ law.direction, rate @ law.direction)(middle)
-                        for y, rate in ((x, v), (v, a))
-                    )
-                    of_law = reading.per_force * law.forces(at, speed)
-                found[sensor.signal] = CubicSpline(
-                    middle, smooth(middle) + held[:-1] + of_law + reading.constant
-                )
-            elif reading.order == 2:
-                found[sensor.signal] = CubicSpline(
-                    middle, np.diff(v @ of_rate) / self.period + reading.constant
-                )
-            elif reading.order == 1:
-                found[sensor.signal] = CubicHermiteSpline(run.time, x @ of_speed, v @ of_speed).derivative()
-                found[sensor.signal].c[-1] += reading.constant
-            else:
-                found[sensor.signal] = CubicHermiteSpline(
-                    run.time, x @ of_place + reading.constant, v @ of_place
-                )
-        return found
+            of_law = reading.per_force * law.forces(at, rate)
+        return CubicSpline(self._middle, smooth + held[:-1] + of_law + reading.constant)
 
 
 def exact_run(
@@ -185,7 +191,9 @@ _RIGID_HZ = 20.0
 """Frequency at which it ends for an axis without a flexible mode, Hz."""
 _BEYOND_MODES = 1.25
 """End of the chirp over the highest mode: 100 Hz over about 80 Hz in the paper."""
-_UNIT = 1e-3
+_SWEEP: Sweep = "logarithmic"
+_USED = 0.9
+"""Share of the tightest limit that the chirp uses."""
 
 
 def excited_band(plant: Plant) -> tuple[float, float]:
@@ -216,25 +224,15 @@ def tuning_chirp(
     band : tuple of two float, optional
         Frequencies at the beginning and the end, Hz; `excited_band` by default.
     travel, speed, acceleration : float
-        Limits from zero, m or rad and s; the chirp is as large as nine tenths of the tightest one allow.
+        Limits from zero, m or rad and s; the chirp uses nine tenths of the tightest one.
     """
-    low, high = band or excited_band(plant)
-
-    def of_size(size: float) -> Trajectory:
-        return chirp(
-            low,
-            high,
-            seconds,
-            size,
-            sampling_period=1 / rate,
-            quantity="velocity",
-            sweep="logarithmic",
-        )
-
-    trial = of_size(_UNIT).extremes
-    shares = (
-        travel / max(abs(trial.lowest), abs(trial.highest)),
-        speed / trial.speed,
-        acceleration / trial.acceleration,
+    made = partial(
+        chirp,
+        *(band or excited_band(plant)),
+        seconds,
+        sampling_period=1 / rate,
+        quantity="velocity",
+        sweep=_SWEEP,
     )
-    return of_size(0.9 * _UNIT * min(shares))
+    limits = {"travel": travel, "speed": speed, "acceleration": acceleration}
+    return largest_within(made, limits, _USED)

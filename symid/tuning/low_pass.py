@@ -35,7 +35,7 @@ class LowPassErrors:
     parameters : mapping of str to float
         True values.
     sampling_hz : float
-        Sampling frequency of the data, about which the nearest that the run's rate is a multiple of is used.
+        Sampling frequency of the data, Hz; `rate` is the nearest one of which that of the run is a multiple.
     order : int
         Order of one pass of the filter.
     filter_force : bool

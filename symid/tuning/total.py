@@ -59,8 +59,8 @@ class TotalTuning(Shown):
     decisive : tuple of str
         Parameters that decided: not lost (beyond 80 %) at every cutoff.
     cutoffs_hz, totals : array of shape (n_points,)
-        Cutoffs of the scan, and the root mean square of the total errors of the decisive parameters with the best
-        decimation, percent, from three draws.
+        Cutoffs of the scan, and the root mean square of the expected errors of the decisive parameters with the best
+        decimation, percent.
     recommended_sampling_hz : float
         Lowest sampling frequency at which, at the chosen cutoff, systematic errors are below half of the total error;
         nan if none is up to eight times that of the log.
@@ -110,10 +110,10 @@ def tune_total(
 ) -> TotalTuning:
     """Cutoff and decimation that minimise the total error of the physical parameters.
 
-    The measure is the root mean square, over parameters and draws of noise, of relative errors; those beyond 100 %
-    count as 100 %, and parameters lost at every cutoff do not count. A scan over cutoffs and decimations (1, and half,
-    once and twice the usual one) with three draws is followed by all draws for its ten best settings, and by
-    Nelder-Mead on the cutoff of the best.
+    The measure is the root mean square, over parameters, of relative errors; those beyond 100 % count as 100 %, and
+    parameters lost at every cutoff do not count. Cutoffs and decimations (1, and half, once and twice the usual one)
+    are scanned with the errors expected to first order in the noise. The cutoffs of the best settings are refined by
+    Nelder-Mead; the first of them whose errors on drawn noise agree with the expected ones is taken.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def tune_total(
     preparation : Preparation, optional
         Settings other than cutoff and decimation.
     draws : int
-        Draws of noise.
+        Draws of noise for each setting that is confirmed.
     track : callable, optional
         Is given the cutoffs of the scan and passes them on, to show progress.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal
@@ -15,17 +15,16 @@ from symid.codegen import GeneratedModel
 from symid.codegen.generate import compiled
 from symid.data import differencing_bandwidth
 from symid.errors import SettingError
-from symid.identification import Identification, Preparation, identify
+from symid.identification import Preparation, identify
 from symid.shown import Shown
 from symid.simulation import Controller, Trajectory, plant_of, tuned_cascades
 from symid.symbolic import derive
 from symid.symbolic.expressions import is_smooth, law_expression
-from symid.tuning.bound import BoundSearch, Track, lowest_within
+from symid.tuning.bound import BoundSearch, Status, Track, lowest_within, verdict
 from symid.tuning.exact_run import ExactRun, exact_run, tuning_chirp
 from symid.tuning.low_pass import LowPassErrors
 from symid.tuning.standard import standard_model
 
-Status = Literal["ok", "bound_not_reached", "bound_met_everywhere", "not_determined"]
 Kind = Literal["physical", "minimal"]
 
 CUTOFF_DATA_HZ = 10_000.0
@@ -211,11 +210,11 @@ def tune(
     settings = Preparation(
         cutoff_hz=cutoff.frequency_hz, order=order, decimation=1, held=False, difference_order=2
     )
-    at = partial(sampling_errors, model, run, parameters, settings, kind)
+    at = partial(_sampling_errors, model, run, parameters, settings, kind)
     rates = np.geomspace(max(first / 20, 2.2 * cutoff.frequency_hz), 2 * first, _RATES)
     sampling = lowest_within(at, [float(rate) for rate in rates], max_sampling_error, track)
     used: Kind = "physical" if sampling.errors.keys() <= parameters.keys() else "minimal"
-    status, message = _verdict(cutoff, sampling)
+    status, message = verdict({"cutoff": cutoff, "sampling frequency": sampling})
     return Tuning(
         axis=axis.name,
         measured=model.measured,
@@ -276,7 +275,7 @@ def noise_free_run(
     )
 
 
-def sampling_errors(
+def _sampling_errors(
     model: GeneratedModel,
     run: ExactRun,
     parameters: Mapping[str, float],
@@ -284,57 +283,17 @@ def sampling_errors(
     kind: Kind,
     sampling_hz: float,
 ) -> dict[str, float]:
-    """Errors of `identify`, percent, on the run sampled at a frequency."""
+    """Errors of `identify`, percent, on the run sampled at a frequency; nan where a value is 0 or not found."""
     log = run.log(sampling_hz, model.measured)
     found = identify(model, log, preparation=settings, nominal=parameters, examine=False)
-    errors = relative_errors(found, parameters, kind)
-    # Parameters of a log, such as the unknown zero of an encoder, are not properties of the axis.
-    of_log = {*run.axis.log_parameters, *model.per_log}
-    return {name: error for name, error in errors.items() if name not in of_log}
-
-
-def relative_errors(found: Identification, parameters: Mapping[str, float], kind: Kind) -> dict[str, float]:
-    """Errors of identified parameters in percent; nan if the true value is 0 or the parameter is not identified."""
-    model = found.model
     estimated, true = found.physical_parameters, dict(parameters)
     if kind == "minimal" or not estimated:
         values = model.minimal_parameters(*(parameters[name] for name in model.physical_units))
         estimated, true = found.minimal_parameters, dict(zip(model.minimal_units, values, strict=True))
+    # Parameters of a log, such as the unknown zero of an encoder, are not properties of the axis.
+    of_log = {*run.axis.log_parameters, *model.per_log}
     return {
-        name: 100.0 * (value / true[name] - 1.0) if true[name] else float("nan")
+        name: 100.0 * (value / true[name] - 1.0) if true[name] else math.nan
         for name, value in estimated.items()
+        if name not in of_log
     }
-
-
-def _verdict(cutoff: BoundSearch, sampling: BoundSearch) -> tuple[Status, str]:
-    searches = {"cutoff": cutoff, "sampling frequency": sampling}
-    for what, search in searches.items():
-        if not math.isfinite(search.largest_error):
-            return "not_determined", f"no parameter is determined at any {what}: choose a richer trajectory"
-    messages = [text for what, search in searches.items() for text in _advice(what, search)]
-    errors = [*cutoff.errors.items(), *sampling.errors.items()]
-    unknown = dict.fromkeys(name for name, error in errors if not math.isfinite(error))
-    statuses = {search.status for search in searches.values()}
-    if unknown:
-        messages.append(
-            f"{', '.join(unknown)} have no error (0, or not determined by this motion) and do not count"
-        )
-    if "bound_not_reached" in statuses:
-        return "bound_not_reached", "; ".join(messages)
-    if unknown:
-        return "not_determined", "; ".join(messages)
-    return ("bound_met_everywhere" if "bound_met_everywhere" in statuses else "ok"), "; ".join(messages)
-
-
-def _advice(what: str, search: BoundSearch) -> Iterator[str]:
-    lowest, highest = search.scanned_hz[0], search.scanned_hz[-1]
-    if search.status == "bound_not_reached":
-        yield (
-            f"no {what} from {lowest:.4g} to {highest:.4g} Hz keeps the errors below {search.bound:g} %: the best has "
-            f"{search.largest_error:.3g} % at {search.frequency_hz:.4g} Hz; allow more, or choose a richer trajectory"
-        )
-    elif search.status == "bound_met_everywhere":
-        yield (
-            f"every {what} from {lowest:.4g} to {highest:.4g} Hz keeps the errors below {search.bound:g} %: the lowest "
-            "one that was tried is given"
-        )

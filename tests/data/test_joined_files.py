@@ -7,7 +7,7 @@ import pytest
 
 from symid.data import open_table, read_log
 from symid.errors import LogError
-from symid.report.pages.provenance import provenance
+from symid.report.pages.page import provenance
 from tests.log_formats import EXPECTED, PERIOD, F, Q, T
 
 

@@ -82,7 +82,7 @@ _Found = TypeVar("_Found", Table, list[Channel])
 
 
 def _otherwise(vectors: _Found, path: Path, error: Exception) -> _Found:
-    """What a file has beside objects that cannot be read; LogError if that is nothing."""
+    """Vectors of a file whose objects cannot be read; LogError if it has none."""
     if vectors if isinstance(vectors, list) else vectors.headers:
         return vectors
     why = str(error).removeprefix(f"{path}: ") if isinstance(error, LogError) else first_line(error)

@@ -50,7 +50,7 @@ def channels_apart(module: str, path: Path, memory: int | None, kind: str) -> li
 
 
 def answer(parse: Parser) -> None:
-    """Do what the arguments of this process ask for; a failure is one line and an exit code."""
+    """Parse the file that the arguments name and write its channels; a failure is one line and an exit code."""
     path, out, memory = sys.argv[1:4]
     try:
         channels = parse(Path(path), int(memory) if memory else None)

@@ -18,8 +18,8 @@ from symid.report.figures.identification_curves import (
     identification_curves,
     parameters_shown,
 )
-from symid.report.figures.log_scale import label_log_scales
 from symid.report.figures.panels import Panel, draw_panel
+from symid.report.figures.scales import label_log_scales
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction

@@ -13,7 +13,7 @@ from symid.arrays import BoolArray, FloatArray
 from symid.data.sensor_motion import SensorMotion
 from symid.estimation.residual_measures import means_over
 from symid.report.figures.colours import Palette
-from symid.report.figures.seen_range import seen_range
+from symid.report.figures.scales import seen_range
 
 _MOST_POINTS = 20_000
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn
-from symid.report.figures.log_scale import label_log_scales
+from symid.report.figures.scales import label_log_scales
 from symid.tuning import BoundSearch, TotalTuning, Tuning
 
 _CIRCLE: Any = {"fillstyle": "none", "markersize": 9}

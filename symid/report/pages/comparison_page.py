@@ -10,8 +10,7 @@ from symid import __version__
 from symid.files import write_whole
 from symid.report.figures.comparison_figure import comparison_figure
 from symid.report.figures.drawn import wide_and_narrow
-from symid.report.pages.page import html_path, page_templates
-from symid.report.pages.provenance import provenance
+from symid.report.pages.page import html_path, page_templates, provenance
 from symid.report.tables.result_comparison import comparison_sentence
 
 

@@ -12,10 +12,9 @@ from symid.diagnosis import Diagnosis
 from symid.files import write_whole
 from symid.identification.residual_correlation import MOST_LAGS, Correlation, correlation
 from symid.report.pages.bar_scale import scale_of
-from symid.report.pages.correlation_section import correlation_fields
 from symid.report.pages.effect_catalogue import effect_catalogue
-from symid.report.pages.page import as_it_is, html_path, page_templates
-from symid.report.pages.provenance import provenance
+from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
+from symid.report.pages.plot_data import correlation_fields
 from symid.report.tables.diagnosis import diagnosis_record
 
 VERDICTS = {

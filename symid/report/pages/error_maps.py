@@ -15,7 +15,7 @@ from symid.axis import length_unit
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.estimation.residual_measures import Means, means_over
 from symid.report.figures.colours import EXPLAINED, INK, MODEL, PAPER
-from symid.report.figures.seen_range import seen_range
+from symid.report.figures.scales import seen_range
 from symid.report.pages.page_plots import add_legend, new_plot, noise_band, stacked
 from symid.units import Unit
 

@@ -23,11 +23,9 @@ from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
 from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.identification_curves import identification_curves, parameters_shown
 from symid.report.figures.identification_figure import identification_figure
-from symid.report.pages.correlation_section import correlation_fields
 from symid.report.pages.identification_content import IdentifiedEquations, IdentifiedReadings
-from symid.report.pages.page import as_it_is, html_path, page_templates
-from symid.report.pages.plot_data import curve_data
-from symid.report.pages.provenance import provenance
+from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
+from symid.report.pages.plot_data import correlation_fields, curve_data
 
 Content: TypeAlias = "IdentifiedEquations | IdentifiedReadings"
 _INTERVAL = float(scipy.special.ndtri(0.975))

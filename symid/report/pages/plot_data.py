@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.identification.residual_correlation import Correlation
+from symid.report.figures.correlation_figure import correlation_figure
+from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.identification_curves import IdentificationCurves
 from symid.report.figures.panels import Panel
 from symid.report.pages.envelope import envelope, envelope_places
@@ -43,12 +46,20 @@ def curve_data(curves: IdentificationCurves) -> list[PlotData]:
     return panels + responses
 
 
-def correlation_data(parts: Sequence[tuple[str, Correlation, Correlation]]) -> list[PlotData]:
-    """Numbers of the correlations of each part."""
-    return [
-        _data(title, f"correlation-{k}", {**_of_correlation("auto", own), **_of_correlation("cross", across)})
-        for k, (title, own, across) in enumerate(parts, start=1)
-    ]
+def correlation_fields(parts: Sequence[tuple[str, Correlation, Correlation]]) -> dict[str, Any]:
+    """Fields of `memory.html`: the figure, its numbers, and the shares outside the bands of each part."""
+    return {
+        "remembered": wide_and_narrow(lambda narrow: correlation_figure(parts, narrow=narrow), "memory-plot"),
+        "remembered_data": [
+            _data(
+                title,
+                f"correlation-{k}",
+                {**_of_correlation("auto", own), **_of_correlation("cross", across)},
+            )
+            for k, (title, own, across) in enumerate(parts, start=1)
+        ],
+        "whiteness": [(title, own.outside, across.outside) for title, own, across in parts],
+    }
 
 
 def csv_address(columns: Mapping[str, FloatArray]) -> str:

@@ -13,7 +13,7 @@ from symid.symbolic import DerivedModel
 
 _BESIDE = {
     False: "passed over by the regressor, simulated only",
-    True: "no part of the regressor, taken off the force before",
+    True: "not in the regressor, which gets the force without it",
 }
 
 

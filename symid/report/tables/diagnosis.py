@@ -278,15 +278,11 @@ def _parameters_table(record: dict[str, Any]) -> TextTable:
     for name, change in record["parameters"].items():
         stages = [change["reidentified"], change["explained"]][: 1 + several]
         values = [with_deviation(stage["value"], stage["std"]) for stage in stages]
-        remark = [_remark(change)] if several else []
-        table.add(name, significant(change["nominal"]), *values, change["unit"], *remark)
+        remark = "had absorbed the effects" if change["absorbed"] else ""
+        if change.get("at_bound"):  # records of earlier versions lack it
+            remark = "at its bound, not determined"
+        table.add(name, significant(change["nominal"]), *values, change["unit"], *[remark] * several)
     return table
-
-
-def _remark(change: dict[str, Any]) -> str:
-    if change.get("at_bound"):  # records of earlier versions lack it
-        return "at its bound, not determined"
-    return "had absorbed the effects" if change["absorbed"] else ""
 
 
 def _simulated_table(record: dict[str, Any]) -> TextTable:
