@@ -20,7 +20,7 @@ from symid.errors import SettingError
 from symid.report.figures import colours
 from symid.report.tables import number_text
 from symid.report.tables.diagnosis import removes
-from symid.report.tables.motion_gap import fit, motion_line, motion_rows, motions
+from symid.report.tables.motion_gap import fit, motion_line, motion_rows, motions, unit_of_errors
 
 Record = TypeVar("Record")
 
@@ -49,7 +49,7 @@ def page_templates() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    for write in (fit, motion_line, motion_rows, motions, removes, colours.in_dark):
+    for write in (fit, motion_line, motion_rows, motions, unit_of_errors, removes, colours.in_dark):
         templates.filters[write.__name__] = write
     templates.filters |= {name: write for name, write in vars(number_text).items() if isfunction(write)}
     templates.globals.update(colours=colours)

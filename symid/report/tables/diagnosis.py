@@ -14,7 +14,7 @@ from symid.diagnosis.findings.diagnosis_result import Diagnosis, Simulator
 from symid.diagnosis.findings.found_effects import EffectParameter
 from symid.diagnosis.findings.waterfall import waterfall
 from symid.report.tables.console import TextTable, plain, report_console
-from symid.report.tables.motion_gap import motion_line, motion_rows, motions
+from symid.report.tables.motion_gap import motion_line, motion_rows, motions, unit_of_errors
 from symid.report.tables.number_text import (
     MISSING,
     band,
@@ -212,7 +212,7 @@ def _drives_table(record: dict[str, Any]) -> TextTable:
 
 def _motion_table(motion: dict[str, Any], record: dict[str, Any]) -> TextTable:
     """The simulated axis beside the measured motion next to a drive."""
-    unit = f"u{motion['unit']}"
+    _, unit = unit_of_errors(motion)
     headings = ("position", "velocity", "tracking error", f"rms [{unit}]", f"at reversals [{unit}]")
     place = f" of {motion['signal']}" if "drives" in record else ""
     title = f"Fit of the simulated motion{place}, on the same data"

@@ -12,7 +12,7 @@ _DRIVERS = {
     "identified": "simulated under a cascade read from the log",
     "observer": "driven by the measured force, with a slow observer that keeps the axis to the measured position",
 }
-_MICRO = 1e6
+_MILLI, _MICRO = 1e3, 1e6
 
 
 def motions(record: dict[str, Any]) -> list[dict[str, Any]]:
@@ -21,17 +21,32 @@ def motions(record: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def motion_rows(motion: dict[str, Any], record: dict[str, Any]) -> list[tuple[str, ...]]:
-    """Rows of the table of a simulated motion: the model, its fits, and its errors in millionths of the unit."""
-    errors = [motion["nominal"], motion["reidentified"], *motion["steps"]]
+    """Rows of the table of a simulated motion: the model, its fits, and its errors in `unit_of_errors`."""
     names = [stage["model"] for stage in record["waterfall"]]
-    return [(name, *_cells(error)) for name, error in zip(names, errors, strict=False) if error is not None]
+    scale, _ = unit_of_errors(motion)
+    return [
+        (name, *_cells(error, scale))
+        for name, error in zip(names, _errors(motion), strict=False)
+        if error is not None
+    ]
 
 
-def _cells(error: dict[str, Any]) -> tuple[str, ...]:
+def unit_of_errors(motion: dict[str, Any]) -> tuple[float, str]:
+    """Scale and unit of the errors of a simulated motion: thousandths where one is that large, else millionths."""
+    sizes = [error[f"{name}_rms"] for error in _errors(motion) if error for name in ("position", "reversal")]
+    large = any(size >= 1 / _MILLI for size in sizes if size is not None)
+    return (_MILLI, f"m{motion['unit']}") if large else (_MICRO, f"u{motion['unit']}")
+
+
+def _errors(motion: dict[str, Any]) -> list[dict[str, Any] | None]:
+    return [motion["nominal"], motion["reidentified"], *motion["steps"]]
+
+
+def _cells(error: dict[str, Any], scale: float) -> tuple[str, ...]:
     if error["status"] != "ok":
         return ("failed", *[MISSING] * 4)
     fits = (fit(error[f"{name}_fit"]) for name in ("position", "velocity", "tracking"))
-    sizes = (significant(_MICRO * error[f"{name}_rms"], 3) for name in ("position", "reversal"))
+    sizes = (significant(scale * error[f"{name}_rms"], 3) for name in ("position", "reversal"))
     return (*fits, *sizes)
 
 
@@ -58,8 +73,8 @@ def motion_line(motion: dict[str, Any]) -> str:
         explains = f", which explains {share(motion['share'])} of the force"
     line = f"motion: {_DRIVERS[motion['driver']]} ({gains}){explains}"
     if motion["tracking_rms"] == motion["tracking_rms"]:
-        size = significant(_MICRO * motion["tracking_rms"], 3)
-        line += f"; measured tracking error {size} u{motion['unit']} rms"
+        scale, unit = unit_of_errors(motion)
+        line += f"; measured tracking error {significant(scale * motion['tracking_rms'], 3)} {unit} rms"
     errors = (motion["reidentified"], motion["explained"])
     messages = [error["message"] for error in errors if error["message"]]
     return "; ".join([line, *dict.fromkeys(messages)])
