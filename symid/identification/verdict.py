@@ -91,8 +91,10 @@ def verdict(
             f"the inverse map has no closed form, and a search finds no single solution: {cure}",
         )
     if negative := certainly_negative(model, physical[0], deviations):
-        cause = "the model, the filter, the timing or the log does not fit"
-        return "not_physical", f"{', '.join(negative)} came out negative: {cause}"
+        return (
+            "not_physical",
+            f"{', '.join(negative)} came out negative{_cause(model, physical[0], deviations)}",
+        )
     if not model.known and (unexplained := _unexplained(model, fit)):
         cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
@@ -111,10 +113,27 @@ def certainly_negative(
     model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatArray | None
 ) -> tuple[str, ...]:
     """Negative parameters whose deviation is smaller than the value; the others are not determined."""
+    certain = _certain(model, estimate, deviations)
+    return tuple(name for name in estimate.negative(model) if name in certain)
+
+
+def _certain(model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatArray | None) -> set[str]:
+    """Parameters whose value exceeds its deviation."""
     own = estimate.standard_deviations if deviations is None else deviations
-    spread = dict(zip(model.physical_units, own, strict=True))
-    values = dict(zip(model.physical_units, estimate.parameters, strict=True))
-    return tuple(name for name in estimate.negative(model) if abs(values[name]) > spread[name])
+    return {
+        name
+        for name, value, std in zip(model.physical_units, estimate.parameters, own, strict=True)
+        if abs(value) > std
+    }
+
+
+def _cause(model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatArray | None) -> str:
+    """What makes parameters negative: with all that the log determines, a sign."""
+    certain = _certain(model, estimate, deviations) - set(model.signed)
+    if certain <= set(estimate.negative(model)):
+        forces = " or ".join(dict.fromkeys(model.output_names))
+        return f", as all that the log determines: the sign of {forces} or of a position is wrong"
+    return ": the model, a sign, the filter, the timing or the log does not fit"
 
 
 def _rows_needed(correlated: CorrelatedCovariance) -> int:

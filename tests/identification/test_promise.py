@@ -102,7 +102,7 @@ FAULTS = {
         "poor_fit",
         "parameters change",
     ),
-    "sign": (lambda F, r: -F, "not_physical", "negative"),
+    "sign": (lambda F, r: -F, "not_physical", "the sign of F or of a position is wrong"),
 }
 
 
