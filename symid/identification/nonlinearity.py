@@ -9,6 +9,7 @@ its second derivative.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -212,15 +213,23 @@ class _AddedColumn:
 
     @classmethod
     def of(cls, Z: FloatArray, r: FloatArray, column: FloatArray, y: FloatArray) -> _AddedColumn:
-        """Effect of `column` on residual r, beside the columns Z of the model; y is the output."""
-        power, whole = float(r @ r), float(column @ column)
-        if not power > 0.0 or not whole > 0.0:
+        """Effect of `column` on residual r, beside the columns Z of the model; y is the output.
+
+        It does not depend on the scale of the column.
+
+        >>> r = np.array([1.0, -1.0, 2.0, -2.0])
+        >>> [round(_AddedColumn.of(np.ones((4, 1)), r, scale * r**3, r).share, 3) for scale in (1.0, 1e-170)]
+        [0.889, 0.889]
+        """
+        power, largest = float(r @ r), float(np.max(np.abs(column), initial=0.0))
+        if not power > 0.0 or not largest > np.finfo(float).tiny:
             return cls()
         # Only the component orthogonal to the model's columns can reduce the residual (Frisch-Waugh-Lovell theorem).
-        own = column - Z @ np.linalg.lstsq(Z, column, rcond=None)[0]
+        unit = column / largest  # of a filter's tail alone, its squares would underflow
+        own = unit - Z @ np.linalg.lstsq(Z, unit, rcond=None)[0]
         rest = float(own @ own)
-        if rest < _INDEPENDENT * whole:
+        if rest < _INDEPENDENT * float(unit @ unit):
             return cls()
-        factor = float(own @ r) / rest
-        size = np.sign(factor) * np.sqrt(factor**2 * rest / max(float(y @ y), np.finfo(float).tiny))
-        return cls(factor**2 * rest / power, float(size), factor)
+        taken = float(own @ r) / math.sqrt(rest)
+        size = taken / math.sqrt(max(float(y @ y), np.finfo(float).tiny))
+        return cls(taken**2 / power, size, taken / math.sqrt(rest) / largest)

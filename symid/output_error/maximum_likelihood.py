@@ -99,24 +99,44 @@ def identify_output_error(
         starts = _starts(whole, comparisons[0].dynamics, runs, regression, nominal)
         if regression is not None and regression.status == "recording":
             starts = starts[:1]  # a channel is damaged: no start leads to parameters that can be trusted
-        fit, comparison, own = _best_fit(comparisons, runs, starts)
+        notes = (
+            *(note for log in runs for note in log.notes),
+            *notes_on_declared(delays, prepared.late, () if loop else passed_over(axis)),
+        )
+        agreed = regression if visible is whole else None
+        found = _judged(axis, whole, runs, _best_fit(comparisons, runs, starts), notes, agreed)
+        if found.status == "not_physical" and agreed is not None and agreed.status == "ok":
+            # a model whose force hardly acts can be likelier: it predicts smooth readings by themselves
+            nearest = _judged(axis, whole, runs, _best_fit(comparisons, runs, starts[:1]), notes, agreed)
+            found = found if nearest.status in ("not_physical", "not_converged", "no_start") else nearest
+    if found.status == "not_converged" and visible is not whole and loop is None:
+        message = "predictions do not determine friction at hidden bodies: give `controller`, its gains"
+        return replace(found, message=message)
+    return found
+
+
+def _judged(
+    axis: Axis,
+    model: GeneratedModel,
+    logs: tuple[Log, ...],
+    best: tuple[LikelihoodFit | None, ErrorModel, list[LikelihoodFit]],
+    notes: tuple[str, ...],
+    regression: Identification | None,
+) -> OutputErrorIdentification:
+    """Result of a fit with its status, and notes besides those given."""
+    fit, comparison, own = best
     found = OutputErrorIdentification(
         axis=axis,
-        model=whole,
-        logs=runs,
+        model=model,
+        logs=logs,
         comparison=comparison,
         fit=fit,
         status="ok",
         message="",
-        notes=(
-            *(note for log in runs for note in log.notes),
-            *notes_on_declared(delays, prepared.late, () if loop else passed_over(axis)),
-        ),
+        notes=notes,
     )
-    status, message = verdict_of(found, regression if visible is whole else None, own)
-    if status == "not_converged" and visible is not whole and loop is None:
-        message = "predictions do not determine friction at hidden bodies: give `controller`, its gains"
-    return replace(found, status=status, message=message, notes=(*found.notes, *remarks_on(found)))
+    status, message = verdict_of(found, regression, own)
+    return replace(found, status=status, message=message, notes=(*notes, *remarks_on(found)))
 
 
 def _best_fit(
