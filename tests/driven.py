@@ -1,4 +1,4 @@
-"""An axis under a given force: its simulated motion, and its accelerations by the equation of motion."""
+"""Axes in simulations: under a given force, by the equation of motion, under a controller that is asked each time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from symid import Axis
-from symid.simulation import OpenLoop, Plant, Trajectory, simulate
+from symid.simulation import Controller, OpenLoop, Plant, Trajectory, simulate
 
 
 def driven(
@@ -30,3 +30,10 @@ def acceleration(plant: Plant, state: np.ndarray, force: float) -> np.ndarray:
     for law in plant.laws:
         acting = acting - law.direction * law.force(float(law.direction @ x), float(law.direction @ v))
     return np.linalg.solve(plant.mass, acting)
+
+
+def called(controller: Controller) -> Controller:
+    """The controller, of which the simulation does not know that its law is linear: it asks for each force."""
+    kind = type(controller)
+    unknown = type(f"Called{kind.__name__}", (kind,), {"force": kind.force})
+    return unknown(**vars(controller))

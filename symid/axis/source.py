@@ -88,8 +88,10 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
     read = [
         assignment(name, value) for value, name in variables.items() if isinstance(value, (Spring, Drive))
     ]
+    plain = summary or f"Axis {axis.name}: {', '.join(body.name for body in axis.bodies)}."
+    plain = plain.replace("\\", "/").replace('"', "'")
     blocks = (
-        _docstring(summary or f"Axis {axis.name}: {', '.join(body.name for body in axis.bodies)}."),
+        textwrap.fill(f'"""{plain.strip()}', 110, break_long_words=False) + '"""',
         _import(calls),
         "\n".join(bodies),
         "\n".join([*joints, *read]),
@@ -292,16 +294,9 @@ def _in_order(bodies: tuple[Body, ...]) -> list[Body]:
     return list(ordered)
 
 
-def _docstring(summary: str) -> str:
-    plain = summary.replace("\\", "/").replace('"', "'").strip()
-    return textwrap.fill(f'"""{plain}', 110, break_long_words=False) + '"""'
-
-
 def _import(names: set[str]) -> str:
     ordered = sorted(names, key=lambda name: (not name.isupper(), name))
     line = f"from symid import {', '.join(ordered)}"
-    return (
-        line
-        if len(line) <= _WIDTH
-        else "\n".join(["from symid import (", *(f"    {n}," for n in ordered), ")"])
-    )
+    if len(line) <= _WIDTH:
+        return line
+    return "\n".join(["from symid import (", *(f"    {name}," for name in ordered), ")"])

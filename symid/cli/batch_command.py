@@ -152,7 +152,7 @@ def _settings(name: str, axes: tuple[str | Axis, ...], options: dict[str, Any]) 
         rate_hz=options["rate"],
         diagnose=options["diagnose"],
         joint=options["joint"],
-        memory=bytes_of(options["memory"], "--memory"),
+        memory=bytes_of(options["memory"]),
         seconds=options["timeout"],
         **foreign_columns(options),
     )

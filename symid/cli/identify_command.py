@@ -50,7 +50,7 @@ from symid.cli.options import (
 from symid.cli.outputs import SafeCommand
 from symid.cli.setting_options import with_options
 from symid.cli.terminal import tracked, working
-from symid.data import AnyLog, Log
+from symid.data import AnyLog, first_block
 from symid.errors import SettingError
 from symid.identification import (
     Identification,
@@ -136,8 +136,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         record = output_error_record(cast("OutputErrorIdentification", found), validation)
     else:
         record = identification_record(cast("Identification", found), validation)
-    # of a long log, the first block is drawn
-    drawn = [run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples)) for run in runs]
+    drawn = list(map(first_block, runs))
     drawn += [validating] if validating and validation is not None else []
     if options["plot"]:
         from symid.report.figures.drawn import save_figure
@@ -221,7 +220,7 @@ def _preparation(declared: Axis, options: dict[str, Any]) -> Preparation:
 
 def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
     """A log by the log options, in memory if it fits or if the method needs it there."""
-    memory = bytes_of(options["memory"], "--memory")
+    memory = bytes_of(options["memory"])
     whole = options["method"] in ("iv", "oe")
     log = open_axis_log(declared, file, memory=memory, whole=whole, **log_settings(declared, options))
     return replace(log, notes=(*log.notes, *notes_on_guesses(options)))

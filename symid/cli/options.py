@@ -142,19 +142,20 @@ def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
     return True if signals else None
 
 
-def bytes_of(text: str, what: str) -> int:
-    """Bytes of a text such as ``512MB``.
+def bytes_of(text: str) -> int:
+    """Bytes of ``--memory``, such as ``512MB``.
 
-    >>> bytes_of("1.5GB", "--memory")
+    >>> bytes_of("1.5GB")
     1500000000
     """
-    sizes = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
-    factor = sizes.get(text[-2:])
+    factor = {"kB": 1e3, "MB": 1e6, "GB": 1e9}.get(text[-2:])
     if factor is None:
-        raise SettingError(f"{what} {text!r} is not a size: write a number with kB, MB or GB, such as 512MB")
-    size = number(text[:-2], what)
+        raise SettingError(
+            f"--memory {text!r} is not a size: write a number with kB, MB or GB, such as 512MB"
+        )
+    size = number(text[:-2], "--memory")
     if not 1 <= size * factor < 1e18:
-        raise SettingError(f"{what} {text!r} is not possible: give a size such as 512MB")
+        raise SettingError(f"--memory {text!r} is not possible: give a size such as 512MB")
     return int(size * factor)
 
 

@@ -10,16 +10,14 @@ from pathlib import Path
 from symid.axis import AnyAxis, axis_file, axis_names, axis_of, load_axis
 from symid.codegen.dynamics_record import generated_dynamics
 from symid.codegen.dynamics_store import dynamics_file
-from symid.codegen.model import GeneratedModel
+from symid.codegen.model import GeneratedModel, declared_delays, passed_over
 from symid.codegen.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
     compile_module,
-    declared_delays,
     generated_folder,
     module_name,
     orphans,
-    passed_over,
     planned_file,
     sensor_sets_in,
     write,

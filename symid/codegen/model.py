@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from types import MappingProxyType
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.axis import ActuatorDelay, Axis
 from symid.shown import Shown
 from symid.signal_names import split_derivative
 
@@ -164,3 +165,44 @@ class GeneratedModel(Shown):
         """Observation matrix W and output y of sampled signals, which are given by flat name."""
         arguments = [np.asarray(signals[name], dtype=float) for name in self.signals]
         return self.regressor(*arguments), self.output(*arguments)
+
+
+def declared_delays(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, float]:
+    """Declared delays in seconds: of late sensors positive, of forces that act late negative.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    measured : sequence of str, optional
+        Sensors whose delays are wanted; all by default.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> declared_delays(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3)))
+    {'F': -0.003}
+    """
+    sensors = axis.sensors if measured is None else axis.measured(tuple(measured))
+    late = {sensor.signal: sensor.delay for sensor in sensors if sensor.delay}
+    acting = {
+        drive.signal: sum(e.seconds for e in axis.imperfections_of(drive) if isinstance(e, ActuatorDelay))
+        for drive in axis.drives
+    }
+    return late | {signal: -seconds for signal, seconds in acting.items() if seconds}
+
+
+def passed_over(axis: Axis) -> tuple[str, ...]:
+    """Kinds of declared imperfections that neither a regressor nor a delay of a signal models.
+
+    Examples
+    --------
+    >>> from symid.axis import ForceLimit, load_axis
+    >>> passed_over(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3), ForceLimit(9.0)))
+    ('ForceLimit',)
+    """
+    return tuple(
+        dict.fromkeys(
+            type(item).__name__ for item in axis.imperfections if not isinstance(item, ActuatorDelay)
+        )
+    )

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from symid.axis import ActuatorDelay, Axis, axis_file, load_axis
+from symid.axis import Axis, axis_file, load_axis
 from symid.axis.loading import PACKAGE
-from symid.codegen.model import GeneratedModel
+from symid.codegen.model import GeneratedModel, declared_delays, passed_over
 from symid.codegen.vetting import require_vetted
 from symid.errors import GeneratedModuleError, SymidError
 from symid.files import free_name, write_whole
@@ -242,46 +242,6 @@ def stored_module(
     if not path.is_file():
         raise GeneratedModuleError(f"there is no generated module {path.name}; {cure}")
     return StoredModule(path.name, _text(path), declared.signature, late, missed, cure)
-
-
-def declared_delays(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, float]:
-    """Declared delays in seconds: of late sensors positive, of forces that act late negative.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    measured : sequence of str, optional
-        Sensors whose delays are wanted; all by default.
-
-    Examples
-    --------
-    >>> declared_delays(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3)))
-    {'F': -0.003}
-    """
-    sensors = axis.sensors if measured is None else axis.measured(tuple(measured))
-    late = {sensor.signal: sensor.delay for sensor in sensors if sensor.delay}
-    acting = {
-        drive.signal: sum(e.seconds for e in axis.imperfections_of(drive) if isinstance(e, ActuatorDelay))
-        for drive in axis.drives
-    }
-    return late | {signal: -seconds for signal, seconds in acting.items() if seconds}
-
-
-def passed_over(axis: Axis) -> tuple[str, ...]:
-    """Kinds of declared imperfections that neither a regressor nor a delay of a signal models.
-
-    Examples
-    --------
-    >>> from symid.axis import ForceLimit
-    >>> passed_over(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3), ForceLimit(9.0)))
-    ('ForceLimit',)
-    """
-    return tuple(
-        dict.fromkeys(
-            type(item).__name__ for item in axis.imperfections if not isinstance(item, ActuatorDelay)
-        )
-    )
 
 
 DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}

@@ -16,7 +16,7 @@ from symid.data.formats import open_table
 from symid.data.frames import Frame
 from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
-from symid.data.long_log import AnyLog, LongLog, spans
+from symid.data.long_log import AnyLog, LongLog, first_block, spans
 from symid.data.opening import MEMORY, ForeignColumns, columns_in, open_log, read_log
 from symid.data.spline import QuinticSpline
 from symid.data.stuck import cut_in_motion, inspect_spans
@@ -50,6 +50,7 @@ __all__ = [
     "derivatives",
     "difference_factors",
     "differencing_bandwidth",
+    "first_block",
     "foreign_columns",
     "guessed_layout",
     "in_pieces",

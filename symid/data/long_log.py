@@ -95,6 +95,11 @@ AnyLog: TypeAlias = Log | LongLog
 """A log that can be identified: its windows are logs in memory."""
 
 
+def first_block(log: AnyLog) -> Log:
+    """A log, or the first block of a long one, in memory."""
+    return log if isinstance(log, Log) else log.window(0, min(log.block, log.n_samples))
+
+
 def spans(n_samples: int, size: int) -> Iterator[tuple[int, int]]:
     """First sample and end (exclusive) of blocks of almost equal length, at most `size` each.
 

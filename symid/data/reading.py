@@ -27,8 +27,8 @@ def read_table(
     expected: Mapping[str, Unit],
     sources: Sequence[Source],
     named: Collection[str],
-    memory: int | None = None,
-    resample: Rate | None = None,
+    memory: int | None,
+    resample: Rate | None,
 ) -> Log:
     """Log of the whole of a file, which was opened as a table.
 

@@ -71,7 +71,7 @@ void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_sta
 """
 
 
-def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> dict[str, str]:
+def delay_fields(dynamics: SymbolicDynamics, shortest: float) -> dict[str, str]:
     """Fields that delays add to header and source, for steps of at least `shortest` s; empty without delays."""
     axis, drive = dynamics.axis, dynamics.imperfect.delay
     late = [(i, sensor) for i, sensor in enumerate(axis.sensors) if sensor.delay]

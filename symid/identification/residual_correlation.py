@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -113,10 +114,16 @@ def predicted_outputs(found: Identification) -> list[PredictedOutput]:
     ]
 
 
-def residual_correlations(
-    outputs: Sequence[PredictedOutput],
-) -> list[tuple[str, Correlation, Correlation]]:
-    """Auto- and cross-correlation of the residual of each output, by the title of its part."""
+class OutputCorrelations(NamedTuple):
+    """Correlations of the residual of an output."""
+
+    title: str  # of the output
+    own: Correlation  # with itself
+    across: Correlation  # with the prediction
+
+
+def residual_correlations(outputs: Sequence[PredictedOutput]) -> list[OutputCorrelations]:
+    """Correlations of the residual of each output that has enough rows."""
     parts = []
     for one in outputs:
         most = min(MOST_LAGS, one.used.size // 4)
@@ -124,5 +131,5 @@ def residual_correlations(
             continue
         own = correlation(one.residual, one.residual, one.used, range(most + 1))
         across = correlation(one.residual, one.predicted, one.used, range(-most, most + 1))
-        parts.append((visible(f"{one.name}, {one.log}"), own, across))
+        parts.append(OutputCorrelations(visible(f"{one.name}, {one.log}"), own, across))
     return parts

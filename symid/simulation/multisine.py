@@ -13,7 +13,7 @@ import numpy.typing as npt
 from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
 from symid.simulation.limits import Limits
-from symid.simulation.sample_grid import MOST_SAMPLES, fade_envelope, intervals, positive
+from symid.simulation.sample_grid import MOST_SAMPLES, faded, intervals, positive
 from symid.simulation.trajectory import Trajectory
 
 Quantity = Literal["position", "velocity", "acceleration"]
@@ -156,7 +156,7 @@ def multisine(
     intervals((n_steady + 2 * n_fade) * sampling_period, sampling_period, "multisine")
     phases = _schroeder(sizes) if rng is None else rng.uniform(0.0, 2.0 * np.pi, lines.size)
     waves = _waves(lines, sizes, phases, quantity, base, period)
-    motion = _faded(waves, n_steady, n_fade, sampling_period)
+    motion = faded(waves, n_steady, n_fade, sampling_period)
     return Multisine(
         position=centre + motion[0],
         velocity=motion[1],
@@ -294,15 +294,3 @@ def _waves(
         factor = (1j * omega) ** (order - DERIVATIVE_ORDER[quantity])
         spectrum[order, index] = 0.5 * period * amplitudes * np.exp(1j * phases) * factor
     return np.fft.irfft(spectrum, n=period, axis=1)
-
-
-def _faded(waves: FloatArray, n_steady: int, n_fade: int, sampling_period: float) -> FloatArray:
-    """Position about its centre, velocity and acceleration, as rows: whole periods between two fades."""
-    period = waves.shape[1]
-    count = n_steady + 2 * n_fade + (1 if n_fade else 0)
-    x, v, a = waves[:, (np.arange(count) - n_fade) % period]
-    if not n_fade:
-        return np.stack([x, v, a])
-    # x w and its derivatives by the product rule: velocity and acceleration stay exact derivatives in the fades.
-    w, slope, curvature = fade_envelope(count - 1, n_fade, sampling_period)
-    return np.stack([w * x, w * v + slope * x, w * a + 2.0 * slope * v + curvature * x])

@@ -73,3 +73,15 @@ def fade_envelope(
             whole[: n_fade + 1] = flank
             whole[-n_fade - 1 :] = sign * flank[::-1]
     return value, slope, curvature
+
+
+def faded(waves: FloatArray, n_steady: int, n_fade: int, sampling_period: float) -> FloatArray:
+    """Position about its centre, velocity and acceleration, as rows: whole periods between two fades."""
+    period = waves.shape[1]
+    count = n_steady + 2 * n_fade + (1 if n_fade else 0)
+    x, v, a = waves[:, (np.arange(count) - n_fade) % period]
+    if not n_fade:
+        return np.stack([x, v, a])
+    # x w and its derivatives by the product rule: velocity and acceleration stay exact derivatives in the fades.
+    w, slope, curvature = fade_envelope(count - 1, n_fade, sampling_period)
+    return np.stack([w * x, w * v + slope * x, w * a + 2.0 * slope * v + curvature * x])

@@ -54,15 +54,15 @@ def exact(value: float) -> sp.Rational:
 
 
 @cache
-def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
-    """Expression of a law's term in q, v and the names of shape parameters.
+def law_expression(text: str) -> sp.Expr:
+    """Expression of a law's term in q and v.
 
     >>> law_expression("v*positive(v)").free_symbols
     {v}
     """
     try:
         expression = _parsed(text, _LANGUAGE)
-        unknown = sorted({str(s) for s in expression.free_symbols}.difference({"q", "v", *numbers}))
+        unknown = sorted({str(s) for s in expression.free_symbols}.difference({"q", "v"}))
     except Exception as error:
         raise SymidError(
             f"law expression {text!r} cannot be read: use q, v, numbers and {', '.join(_LANGUAGE)}"

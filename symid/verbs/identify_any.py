@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overl
 
 from symid.axis import AnyAxis, Axis, axis_of
 from symid.codegen import GeneratedModel, as_generated, model_of
-from symid.data import AnyLog, Log
+from symid.data import AnyLog, Log, first_block
 from symid.errors import SettingError, SymidError
 from symid.identification import (
     Constraints,
@@ -159,17 +159,7 @@ def identify(
     if fixed:
         settings |= {"method": method, "ddof": ddof, "bounds": bounds, "prior": prior, "loop": loop}
         return _with_fixed(axis, given, measured, fixed, settings, columns)
-    if isinstance(axis, (Axis, str)):
-        runs = [log_of(axis_of(axis), log, measured, **columns) for log in given]
-        signals = measured_signals(axis_of(axis), runs, measured)
-    else:  # a file or a frame needs the declaration for its units
-        given_model = _model_given(axis)
-        signals = given_model.measured
-        runs = [
-            log if isinstance(log, Log) else log_of(axis_of(axis), log, signals, **columns) for log in given
-        ]
-        for log in runs:
-            require_changing(log, given_model.highest_derivatives)
+    runs, signals = _opened(axis, given, measured, columns)
     if method == "oe":
         from symid.output_error import identify_output_error  # sympy takes half a second to load
 
@@ -195,7 +185,25 @@ def identify(
         found = _by_rows(again, _declaration(axis), model, runs, preparation, examine)
     if isinstance(axis, GeneratedModel):  # its axis is a name, whose declaration may be another one
         return found
-    return replace(found, axis=axis_of(axis), runs=tuple(_first_block(run) for run in runs))
+    return replace(found, axis=axis_of(axis), runs=tuple(map(first_block, runs)))
+
+
+def _opened(
+    axis: AnyAxis, given: Sequence[Recorded], measured: Sequence[str] | None, columns: dict[str, Any]
+) -> tuple[list[AnyLog], tuple[str, ...]]:
+    """The logs, those of files and frames read, and the sensors to use: those of a model where one is given."""
+    if isinstance(axis, (Axis, str)):
+        runs = [log_of(axis_of(axis), log, measured, **columns) for log in given]
+        return runs, measured_signals(axis_of(axis), runs, measured)
+    model = _model_given(axis)
+    # a file or a frame needs the declaration for its units
+    runs = [
+        log if isinstance(log, Log) else log_of(axis_of(axis), log, model.measured, **columns)
+        for log in given
+    ]
+    for log in runs:
+        require_changing(log, model.highest_derivatives)
+    return runs, model.measured
 
 
 def _by_rows(
@@ -233,11 +241,6 @@ def _model_given(axis: AnyAxis) -> GeneratedModel:
     if not hasattr(axis, "axis"):
         axis_of(axis)
     return as_generated(cast("GeneratedModel | DerivedModel", axis))
-
-
-def _first_block(run: AnyLog) -> Log:
-    """A log, or what of a long one fits into memory."""
-    return run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples))
 
 
 def _require_possible(method: str, given: Mapping[str, object]) -> None:

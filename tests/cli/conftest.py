@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from axes.shipped import write_parameters
 from recorded_run import recorded_run
 
 from symid.data import Log
@@ -17,3 +18,9 @@ def recorded() -> Log:
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def parameters(folder: Path) -> None:
+    """Values of the shipped axes in the folder, as AXIS.json."""
+    write_parameters(folder)

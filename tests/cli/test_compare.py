@@ -10,12 +10,6 @@ from command_line import run
 from scipy.stats import chi2
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def recording(mass: float, seed: int, file: str) -> None:
     """M a + 3 v + 2 sign v, by hand."""
     t = np.arange(6000) / 1000

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import polars as pl
 import pytest
-from axes.shipped import write_parameters
 from command_line import run
 
 COMMON = "excite rigid_1m --parameters rigid_1m.json --rate 500 --seconds 2 --seeds 0 --runs 4 --bandwidth 5"
@@ -13,11 +12,7 @@ LIMITS = "--limits travel=200mm,speed=0.5m/s,acceleration=5m/s^2"
 NOISE = "--noise q=1e-7 --noise F=2"
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_parameters(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("parameters")
 
 
 def test_a_reference_is_written_and_followed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

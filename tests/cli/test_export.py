@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from axes.shipped import VALUES, write_parameters
+from axes.shipped import VALUES
 from command_line import run
 from export.compiler import STRICT, compiler
 from hand_made import rigid_log
@@ -18,11 +18,7 @@ from symid.cli.simulate_command import write_log
 PARAMETERS = ("--parameters", "rigid_1m.json")
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_parameters(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("parameters")
 
 
 @pytest.mark.parametrize("axis", list(VALUES))

@@ -21,12 +21,6 @@ COMBINATIONS = {
 }
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @pytest.mark.parametrize("name", COMBINATIONS)
 def test_what_is_written_loads_shows_and_generates(
     folder: Path, name: str, capsys: pytest.CaptureFixture[str]

@@ -21,12 +21,6 @@ EVIL = "from pathlib import Path\nPath('PWNED').write_text('')\n"
 MODULE = "import numpy as np\n\n\ndef regressor(q):\n    return {body}\n"
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @pytest.mark.parametrize(
     "name", ["evil.py", "sec/evil.py", "../evil", "sec/evil", "/etc/evil", "models/evil.py"]
 )

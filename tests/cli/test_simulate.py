@@ -6,17 +6,12 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-from axes.shipped import VALUES, write_parameters
+from axes.shipped import VALUES
 from command_line import run
 
 from symid.axis import axis_names, load_axis
 
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_parameters(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("parameters")
 
 
 def test_every_shipped_axis_has_values_here() -> None:

@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 
 import pytest
-from axes.shipped import write_parameters
 from command_line import run
 
 from symid.axis import axis_names, load_axis
@@ -13,11 +12,7 @@ from symid.report.figures.colours import DARK, LIGHT
 STATUSES = {"ok", "bound_not_reached", "bound_met_everywhere", "not_determined"}
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_parameters(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("parameters")
 
 
 def tuned(axis: str, *options: str) -> dict:

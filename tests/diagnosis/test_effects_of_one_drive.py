@@ -17,7 +17,7 @@ from symid import (
     ViscousFriction,
     axis_source,
 )
-from symid.codegen.store import declared_delays
+from symid.codegen import declared_delays
 from symid.data import Log
 from symid.diagnosis import diagnose
 from symid.diagnosis.in_motion.declared import explained_axis

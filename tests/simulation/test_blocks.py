@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
-from driven import driven
+from driven import called, driven
 from scipy.linalg import expm
 
 from symid import (
@@ -55,19 +55,6 @@ AXES = {
 }
 
 
-class PlainCascade(Cascade):
-    """A cascade whose matrices are not known, so that it runs sample by sample."""
-
-    def force(
-        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
-    ) -> tuple[float, FloatArray]:
-        return super().force(command, measured, state, period)
-
-
-def plain(cascade: Cascade) -> PlainCascade:
-    return PlainCascade(**vars(cascade))
-
-
 def moves(period: float = PERIOD) -> Trajectory:
     return trapezoids([0.05], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=period)
 
@@ -82,7 +69,7 @@ def test_blocks_equal_single_samples(name: str, imperfections: dict[str, float],
     values, signal, bandwidth = AXES[name]
     axis = load_axis(name).with_signal(signal, **{"noise": 0.0, **imperfections})
     cascade = tuned_cascade(plant_of(axis, values), signal, bandwidth / 2, limit)
-    blocks, single = (simulate(axis, values, moves(), c, seed=2) for c in (cascade, plain(cascade)))
+    blocks, single = (simulate(axis, values, moves(), c, seed=2) for c in (cascade, called(cascade)))
     n = blocks.states.shape[1] // 2
     for part in (slice(0, n), slice(n, 2 * n)):
         size = np.abs(single.states[:, part]).max()
@@ -228,21 +215,12 @@ class TwoEncoders(Controller):
         )
 
 
-class TwoEncodersPlain(TwoEncoders):
-    """The same, of which only the force is known."""
-
-    def force(
-        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
-    ) -> tuple[float, FloatArray]:
-        return super().force(command, measured, state, period)
-
-
 @pytest.mark.parametrize("delay", [0.0, 0.4 * PERIOD, 3.0 * PERIOD])
 def test_a_controller_of_ones_own_with_matrices_runs_in_blocks(delay: float) -> None:
     axis = load_axis("ballscrew_2m1s").with_signal("ql", noise=1e-7, delay=delay)
     axis = axis.with_signal("qm", noise=1e-8)
     values = AXES["ballscrew_2m1s"][0]
-    runs = [simulate(axis, values, moves(), c, seed=7) for c in (TwoEncoders(), TwoEncodersPlain())]
+    runs = [simulate(axis, values, moves(), c, seed=7) for c in (TwoEncoders(), called(TwoEncoders()))]
     assert np.abs(runs[1].states[:, :2]).max() > 0.04
     assert np.abs(runs[0].states - runs[1].states).max() < 1e-11
     assert np.abs(runs[0].forces - runs[1].forces).max() < 1e-7

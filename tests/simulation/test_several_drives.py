@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from axes.gantry import AXIS, LEFT, NOISE, TRUE, matrices
+from driven import called
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -14,6 +15,7 @@ from symid import Acceleration, ActuatorLag, derive, identify
 from symid.errors import SettingError
 from symid.simulation import (
     Cascade,
+    Controller,
     OpenLoop,
     Trajectory,
     chirp,
@@ -27,13 +29,6 @@ PERIOD = 1 / 2000
 SMOOTH = TRUE | {"Fs1": 0.0, "Fs2": 0.0}
 KINDS = ("position", "velocity", "acceleration")
 GAINS = (Cascade("q1", 20.0, 6e3, 15.0), Cascade("q2", 25.0, 7e3, 10.0, acceleration_feedforward=90.0))
-
-
-class Called(Cascade):
-    """The same law, which the simulation does not know to be linear."""
-
-    def force(self, *arguments):
-        return super().force(*arguments)
 
 
 def references(seconds: float = 1.0) -> tuple[Trajectory, Trajectory]:
@@ -67,10 +62,9 @@ def by_hand(values: dict[str, float], paths: tuple[Trajectory, ...]) -> tuple[np
     return np.array(motion), np.array(forces)
 
 
-@pytest.mark.parametrize("kind", [Cascade, Called])
-def test_two_cascades_move_the_gantry_as_by_hand(kind: type[Cascade]) -> None:
+@pytest.mark.parametrize("controllers", [GAINS, tuple(map(called, GAINS))])
+def test_two_cascades_move_the_gantry_as_by_hand(controllers: tuple[Controller, ...]) -> None:
     paths = references()
-    controllers = [kind(**vars(gains)) for gains in GAINS]
     run = simulate(AXIS, SMOOTH, paths, controllers)
     motion, forces = by_hand(SMOOTH, paths)
     np.testing.assert_allclose(run.states[:, :3], motion, atol=1e-9 * np.abs(motion).max())
@@ -102,10 +96,7 @@ def test_sticking_and_slipping_under_two_forces_follow_the_ode() -> None:
 def test_what_is_in_the_loop_between_samples_too_is_that_of_single_samples() -> None:
     late = replace(AXIS, sensors=(*AXIS.sensors, Acceleration("ddqb", AXIS.bodies[2])))
     late = late.with_signal("q1", noise=1e-7, delay=1.3 * PERIOD).with_signal("q2", noise=1e-7, delay=PERIOD)
-    runs = [
-        simulate(late, SMOOTH, references(0.3), [kind(**vars(g)) for g in GAINS])
-        for kind in (Cascade, Called)
-    ]
+    runs = [simulate(late, SMOOTH, references(0.3), given) for given in (GAINS, tuple(map(called, GAINS)))]
     for signal, values in runs[0].log.signals.items():
         np.testing.assert_allclose(values, runs[1].log[signal], atol=1e-8 * np.abs(values).max())
 

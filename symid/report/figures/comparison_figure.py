@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib as mpl
 import scipy
 
-from symid.report.figures.colours import LIGHT, Palette
+from symid.report.figures.colours import LIGHT
 from symid.report.figures.drawn import Drawn
 
 _INTERVAL = float(scipy.special.ndtri(0.975))
@@ -18,9 +18,7 @@ _ROW, _WIDTH, _NARROW_WIDTH = 0.55, 8.0, 4.2
 """In inches."""
 
 
-def comparison_figure(
-    record: Mapping[str, Any], palette: Palette = LIGHT, *, narrow: bool = False
-) -> Drawn | None:
+def comparison_figure(record: Mapping[str, Any], *, narrow: bool) -> Drawn | None:
     """Each parameter of both results, in percent of A, with 95 % intervals; None where A is 0 throughout.
 
     Parameters
@@ -31,11 +29,11 @@ def comparison_figure(
     drawn = {name: one for name, one in record["parameters"].items() if one["a"]["value"]}
     if not drawn:
         return None
-    with mpl.rc_context(palette.style):
+    with mpl.rc_context(LIGHT.style):
         size = (_NARROW_WIDTH if narrow else _WIDTH, _ROW * len(drawn) + 1.1)
         figure = Drawn(figsize=size, layout="constrained")
         axes = figure.subplots()
-        looks = (("a", "A", palette.measured, "o", -0.13), ("b", "B", palette.model, "^", 0.13))
+        looks = (("a", "A", LIGHT.measured, "o", -0.13), ("b", "B", LIGHT.model, "^", 0.13))
         for side, label, colour, mark, beside in looks:
             scale = [100.0 / abs(one["a"]["value"]) for one in drawn.values()]
             apart = [one[side]["value"] - one["a"]["value"] for one in drawn.values()]

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.data.sensor_motion import SensorMotion
 from symid.errors import SettingError
 from symid.identification import Identification, OutputPrediction
+from symid.report.figures.ellipses import ShownParameters
 from symid.report.figures.panels import Panel
 from symid.simulation.frequency_response import FrequencyResponse, has_response, response_of
 from symid.simulation.response_band import ResponseBand, response_band
@@ -39,8 +39,8 @@ def identification_curves(
     found: Identification | OutputErrorIdentification,
     validation: OutputPrediction | OutputErrorPrediction | None = None,
     *,
-    axis: Axis | None = None,
-    runs: Sequence[Log] = (),
+    axis: Axis | None,
+    runs: Sequence[Log],
 ) -> IdentificationCurves:
     """Curves of an identification; the log of the validation is the last of `runs`.
 
@@ -60,17 +60,17 @@ def identification_curves(
     return IdentificationCurves(tuple(panels), tuple(_responses(found, axis, runs)))
 
 
-def parameters_shown(
-    found: Identification | OutputErrorIdentification,
-) -> tuple[Mapping[str, str], FloatArray, FloatArray]:
-    """Units by name, values and covariance: of the physical parameters, or of the minimal ones if there are none."""
+def parameters_shown(found: Identification | OutputErrorIdentification) -> ShownParameters:
+    """The physical parameters, or the minimal ones if there are none."""
+    model = found.model
     if not isinstance(found, Identification):
         values = np.array(list(found.physical_parameters.values()))
-        return found.model.physical_units, values, found.physical_covariance(corrected=True)
+        return ShownParameters(model.physical_units, values, found.physical_covariance(corrected=True))
     if not found.physical:
-        return found.model.minimal_units, found.fit.parameters, found.covariance
-    slopes = found.physical[0].sensitivity
-    return found.model.physical_units, found.physical[0].parameters, slopes @ found.covariance @ slopes.T
+        return ShownParameters(model.minimal_units, found.fit.parameters, found.covariance)
+    first = found.physical[0]
+    covariance = first.sensitivity @ found.covariance @ first.sensitivity.T
+    return ShownParameters(model.physical_units, first.parameters, covariance)
 
 
 def _responses(
@@ -79,7 +79,7 @@ def _responses(
     values = found.physical_parameters
     if axis is None or len(axis.drives) > 1 or not runs or not has_response(axis, values):
         return []
-    late, (_, _, covariance) = None, parameters_shown(found)
+    late, covariance = None, parameters_shown(found).covariance
     if isinstance(found, Identification):
         late, deviations = found.observations[0].preparation.late, found.physical_deviations
     else:

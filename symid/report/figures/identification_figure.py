@@ -10,9 +10,10 @@ import matplotlib as mpl
 from symid.axis import Axis
 from symid.data import Log
 from symid.identification import Identification, OutputPrediction
-from symid.report.figures.bode import correlated_pairs, draw_bode, draw_ellipse
+from symid.report.figures.bode import draw_bode
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn
+from symid.report.figures.ellipses import correlated_pairs, draw_ellipse
 from symid.report.figures.identification_curves import (
     IdentificationCurves,
     identification_curves,
@@ -51,8 +52,8 @@ def identification_figure(
     """
     curves = curves or identification_curves(found, validation, axis=axis, runs=runs)
     panels, responses = curves.panels, curves.responses
-    units, values, covariance = parameters_shown(found)
-    pairs = correlated_pairs(covariance)[:_MOST_ELLIPSES]
+    parameters = parameters_shown(found)
+    pairs = correlated_pairs(parameters.covariance)[:_MOST_ELLIPSES]
     across = len(responses) if not narrow else 1
     down = -(-len(responses) // max(across, 1))
     heights = [_panel_height(panel, narrow) for panel in panels] + [_BODE * down] * bool(responses)
@@ -70,7 +71,7 @@ def identification_figure(
             shape = (len(pairs), 1) if narrow else (1, max(len(pairs), 3))
             grid: Any = places[-1].subplots(*shape, squeeze=False).ravel()
             for axes, pair in zip(grid, pairs, strict=False):
-                draw_ellipse(axes, pair, values, covariance, units, palette)
+                draw_ellipse(axes, pair, parameters, palette)
             for axes in grid[len(pairs) :]:
                 axes.axis("off")
             handles, labels = grid[0].get_legend_handles_labels()

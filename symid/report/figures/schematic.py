@@ -61,9 +61,9 @@ class _Box:
         return self.centre + (half if right else -half)
 
 
-def schematic_svg(axis: Axis, palette: Palette = LIGHT) -> str:
+def schematic_svg(axis: Axis) -> str:
     """The schematic as an SVG element for a page; the same text every time."""
-    return svg_of(schematic(axis, palette), axis.name)
+    return svg_of(schematic(axis), axis.name)
 
 
 def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:

@@ -10,7 +10,7 @@ from typing import Any
 from symid import __version__
 from symid.diagnosis import Diagnosis
 from symid.files import write_whole
-from symid.identification.residual_correlation import MOST_LAGS, Correlation, correlation
+from symid.identification.residual_correlation import MOST_LAGS, OutputCorrelations, correlation
 from symid.report.pages.bar_scale import scale_of
 from symid.report.pages.effect_catalogue import effect_catalogue
 from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
@@ -74,7 +74,7 @@ def write_html(
     write_whole(path, text)
 
 
-def _correlations(found: Diagnosis) -> list[tuple[str, Correlation, Correlation]]:
+def _correlations(found: Diagnosis) -> list[OutputCorrelations]:
     """Auto- and cross-correlation of each weighted force error, where there are enough rows."""
     parts = []
     for own in found.drives or (found,):
@@ -85,7 +85,8 @@ def _correlations(found: Diagnosis) -> list[tuple[str, Correlation, Correlation]
         alone = correlation(weighted.error, weighted.error, used, range(most + 1), weighted.noise)
         across = correlation(weighted.error, weighted.predicted, used, range(-most, most + 1), weighted.noise)
         step = float(signals.time[1] - signals.time[0])
-        parts.append((f"{own.gap.signal}, rows of {1e3 * step:.3g} ms", alone, across))
+        title = f"{own.gap.signal}, rows of {1e3 * step:.3g} ms"
+        parts.append(OutputCorrelations(title, alone, across))
     return parts
 
 

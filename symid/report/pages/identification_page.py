@@ -98,17 +98,19 @@ def _motions(content: Content, axis: Axis | None, runs: Sequence[Log]) -> list[I
 
 def _parameters(content: Content) -> list[dict[str, Any]]:
     """Physical parameters, or minimal ones where there are none, with their 95 % intervals."""
-    units, values, _ = parameters_shown(content.found)
+    shown = parameters_shown(content.found)
     return [
         {"name": name, "unit": unit, "value": float(value), "std": float(std)}
-        for (name, unit), value, std in zip(units.items(), values, content.deviations, strict=True)
+        for (name, unit), value, std in zip(
+            shown.units.items(), shown.values, content.deviations, strict=True
+        )
     ]
 
 
 def _correlations(content: Content) -> list[tuple[str, list[float]]]:
     """Correlations of the parameters that the logs determine."""
-    units, _, covariance = parameters_shown(content.found)
-    known = np.flatnonzero(np.isfinite(np.diag(covariance)))
-    names = [name for place, name in enumerate(units) if place in known]
-    rows = correlation_matrix(covariance[np.ix_(known, known)])
+    shown = parameters_shown(content.found)
+    known = np.flatnonzero(np.isfinite(np.diag(shown.covariance)))
+    names = [name for place, name in enumerate(shown.units) if place in known]
+    rows = correlation_matrix(shown.covariance[np.ix_(known, known)])
     return [(name, row.tolist()) for name, row in zip(names, rows, strict=True)]

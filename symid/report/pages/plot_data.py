@@ -11,7 +11,7 @@ from urllib.parse import quote
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.identification.residual_correlation import Correlation
+from symid.identification.residual_correlation import Correlation, OutputCorrelations
 from symid.report.figures.correlation_figure import correlation_figure
 from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.identification_curves import IdentificationCurves
@@ -46,7 +46,7 @@ def curve_data(curves: IdentificationCurves) -> list[PlotData]:
     return panels + responses
 
 
-def correlation_fields(parts: Sequence[tuple[str, Correlation, Correlation]]) -> dict[str, Any]:
+def correlation_fields(parts: Sequence[OutputCorrelations]) -> dict[str, Any]:
     """Fields of `memory.html`: the figure, its numbers, and the shares outside the bands of each part."""
     return {
         "remembered": wide_and_narrow(lambda narrow: correlation_figure(parts, narrow=narrow), "memory-plot"),

@@ -11,6 +11,8 @@ from symid.axis import ActuatorDelay
 from symid.report.tables.console import report_console
 from symid.symbolic import DerivedModel
 
+_MOST_LETTERS = 400
+"""Longest expression that is printed as a whole."""
 _BESIDE = {
     False: "passed over by the regressor, simulated only",
     True: "not in the regressor, which gets the force without it",
@@ -113,7 +115,7 @@ def _section(console: Console, title: str, lines: list[str]) -> None:
     console.print()
 
 
-def _shortened(expression: str, most: int = 400) -> str:
-    if len(expression) <= most:
+def _shortened(expression: str) -> str:
+    if len(expression) <= _MOST_LETTERS:
         return expression
-    return f"{expression[:most]} ... ({len(expression)} characters; the record has all)"
+    return f"{expression[:_MOST_LETTERS]} ... ({len(expression)} characters; the record has all)"
