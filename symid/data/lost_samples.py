@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 import scipy
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, IntArray
 from symid.text import counted
 
 FEWEST = 3
@@ -22,8 +22,9 @@ _LEAST_REPEATED, _MOST_REPEATED = 0.002, 0.3
 """Share of repeated rows: from the first on rows were lost, beyond the second a channel is slow, not lossy."""
 _COARSE = 0.4
 """Share of distinct values below which a channel is coarse."""
-_COUNTS, _ROUNDING = 5000, 1e-3
-"""Most counts in the range of a coarse channel of whole counts, and the rounding of counts in a file."""
+_COUNTS, _STEPS_A_VALUE, _ROUNDING = 5000, 200, 1e-3
+"""Most counts in the range of a coarse channel of whole counts, or for each of its values, and the relative rounding of
+counts in a file."""
 _EVERY, _MANY = 16, 10_000
 """Stride of a first check for repeated values, and the number of samples above which it is made."""
 _STEPS = 12.0
@@ -37,7 +38,8 @@ _MOST = 0.05
 def dropped(x: FloatArray) -> BoolArray:
     """Samples that are exactly 0 with values far from 0 on both sides, within three samples.
 
-    Of a channel of steps, which passes through 0, these values must be of one sign and far beyond its noise.
+    Of a channel of steps, which passes through 0, these values must be of one sign and far beyond its noise, also
+    beside these samples: a controller whose encoder is coarse commands rough forces while the machine moves.
 
     >>> dropped(np.where(np.arange(30) == 7, 0.0, np.linspace(5.0, 6.0, 30))).nonzero()[0].tolist()
     [7]
@@ -58,9 +60,19 @@ def dropped(x: FloatArray) -> BoolArray:
         is_lost = nearest > far
         if is_lost.any() and step_of(x) > 0.0:
             usual = float(np.median(np.abs(np.diff(x, 2))))
-            is_lost &= (before * after > 0) & (nearest > _NOISE * usual)
+            is_lost &= (before * after > 0) & (nearest > np.maximum(_NOISE * usual, 2 * _roughness(x, inner)))
         found[inner[is_lost]] = True
     return found
+
+
+def _roughness(x: FloatArray, at: IntArray) -> FloatArray:
+    """Largest step between the four values other than 0 before, and those after, samples that are 0."""
+    steps = np.abs(np.diff(x[x != 0.0]))
+    across = np.cumsum(x != 0.0)[at] - 1  # index of the step from the value before to the value after
+    beside = across + np.array([-3, -2, -1, 1, 2, 3])[:, None]
+    return np.asarray(
+        np.where((beside >= 0) & (beside < steps.size), steps.take(beside, mode="clip"), 0.0).max(axis=0)
+    )
 
 
 def repeated(x: FloatArray) -> BoolArray:
@@ -95,27 +107,33 @@ def repeated(x: FloatArray) -> BoolArray:
 def step_of(x: FloatArray) -> float:
     """Smallest step of a channel of few values, or of whole counts; 0 for one whose values all differ.
 
-    Of few values, some come again among every sixteenth sample too: only then are all of them sorted. A short log of
-    counts has few values that come again, but each is a whole number of steps from the others.
+    Of few values, some come again among every sixteenth sample too: only then, or where those are whole counts apart,
+    are all of them sorted. A short log of counts, or one of an encoder that turns fast, has few values that come again,
+    but each is a whole number of steps from the others.
 
-    >>> counts = np.round(200 * np.sin(np.arange(300) / 40))
-    >>> step_of(counts), step_of(counts + 1e-3 * np.random.default_rng(0).standard_normal(300))
-    (1.0, 0.0)
+    >>> counts, fast = np.round(200 * np.sin(np.arange(300) / 40)), np.floor(23.7 * np.arange(300))
+    >>> step_of(counts), step_of(fast), step_of(fast + 1e-3 * np.random.default_rng(0).standard_normal(300))
+    (1.0, 1.0, 0.0)
     """
-    some = x[::_EVERY]
-    if x.size > _MANY and np.unique(some).size == some.size:
+    some = np.unique(x[::_EVERY])
+    if x.size > _MANY and some.size == -(-x.size // _EVERY) and not _whole(np.diff(some)):
         return 0.0
     values = np.unique(x)
     if values.size < 2:
         return 0.0
     gaps = np.diff(values)
-    with np.errstate(
-        over="ignore", invalid="ignore"
-    ):  # beside the least numbers there are, gaps count too many
+    return float(gaps.min()) if values.size < _COARSE * x.size or _whole(gaps) else 0.0
+
+
+def _whole(gaps: FloatArray) -> bool:
+    """Whether all gaps between values are whole multiples of the smallest one, with few such steps for each value.
+
+    Two gaps are of one size by chance where numbers are few, or steps are many.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # beside the least numbers, gaps count too many
         counts = gaps / gaps.min()
-    few = bool(np.all(np.isfinite(counts))) and counts.sum() < _COUNTS
-    whole = few and bool(np.all(np.abs(counts - np.round(counts)) < _ROUNDING))
-    return float(gaps.min()) if values.size < _COARSE * x.size or whole else 0.0
+    most = max(_COUNTS, _STEPS_A_VALUE * gaps.size)
+    return bool(counts.sum() < most and np.all(np.abs(counts - np.round(counts)) < _ROUNDING * counts))
 
 
 def restored(

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray
 from symid.data.columns import REFERENCE
+from symid.data.lost_samples import step_of
 from symid.text import counted
 
 _STUCK_SAMPLES: Final = 20  # shortest run of equal values that can be called stuck
@@ -97,6 +98,7 @@ def inspect_spans(
                 clipped = clipped.none
             mostly = 2 * np.sum(long.length) > x.size  # then the channel repeats values by nature
             stuck = long.none if mostly else long.only(_travels(long, list(moving.values()), _TRAVEL))
+            stuck = stuck.only(~_between_steps(x, stuck))
         if clipped.start.size:
             notes.append(f"{name!r} is clipped at the end of its range{_spans(time, clipped)}")
         if stuck.start.size:
@@ -166,6 +168,13 @@ def _left_behind(x: FloatArray, runs: _Runs, others: list[FloatArray]) -> _Runs:
     usual[inner] = 0.0
     jumps[stop < x.size] = step[inner] > 2.0 * float(usual.max())
     return runs.only(jumps | _travels(runs, others, _TRAVEL))
+
+
+def _between_steps(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:
+    """Runs of a coarse force that it enters and leaves by a single step, as at constant speed."""
+    step = step_of(x) if runs.start.size else 0.0
+    change = np.abs(np.diff(x, prepend=x[0], append=x[-1]))
+    return np.asarray(np.maximum(change[runs.start], change[runs.start + runs.length]) < 1.5 * step)
 
 
 def _travels(runs: _Runs, positions: list[FloatArray], share: float) -> npt.NDArray[np.bool_]:

@@ -122,12 +122,17 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
 
 
 def _wrapped(x: FloatArray) -> int:
-    reach = float(np.ptp(x))
-    step = np.abs(np.diff(x))
-    wrapped = int(np.count_nonzero(step > _WRAPPED * reach))
-    if reach == 0.0 or not wrapped or float(np.quantile(step, 0.98)) > _USUAL_STEP * reach:
+    """Jumps across the whole range of a channel that goes on beyond, unlike a force switched between its limits.
+
+    Before and after an overflow the channel moves against the jump.
+    """
+    reach, step = float(np.ptp(x)), np.diff(x)
+    jumps = np.flatnonzero(np.abs(step) > _WRAPPED * reach)
+    if reach == 0.0 or not jumps.size or float(np.quantile(np.abs(step), 0.98)) > _USUAL_STEP * reach:
         return 0
-    return wrapped
+    inside = jumps[(jumps > 0) & (jumps < step.size - 1)]
+    goes_on = (step[inside - 1] * step[inside] < 0.0) & (step[inside + 1] * step[inside] < 0.0)
+    return jumps.size if 2 * np.count_nonzero(goes_on) > jumps.size else 0
 
 
 def _slew_limited(x: FloatArray) -> float:

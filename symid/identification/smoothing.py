@@ -121,6 +121,23 @@ def interpolated_from(x: FloatArray) -> int:
         k = int(np.argmax(knots))
         if np.quantile(np.delete(phases, k, axis=1), 0.9) < _STRAIGHT * knots[k]:
             return n
+    return _only_bent_every(curvature)
+
+
+def _only_bent_every(curvature: FloatArray) -> int:
+    """Largest spacing of the second differences of a signal that are not 0; 0 if it has such ones anywhere.
+
+    Of a coarse reading of slow motion, that was interpolated, most knots are straight too.
+    """
+    for n in reversed(SPACINGS):
+        bends = curvature[: curvature.size // n * n].reshape(-1, n)
+        means = bends.mean(axis=0)
+        k = int(np.argmax(means))
+        if (
+            np.count_nonzero(bends[:, k]) > _FEWEST_CHANGES
+            and np.delete(means, k).max() < _STRAIGHT * means[k]
+        ):
+            return n
     return 0
 
 

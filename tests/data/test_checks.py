@@ -59,6 +59,14 @@ def test_a_stuck_force_is_noted_while_the_machine_moves():
     assert "'F' keeps exactly one value while the machine moves from t = 0.3 s to 0.599 s" in note
 
 
+def test_a_coarse_force_at_constant_speed_is_not_stuck():
+    speed = np.interp(TIME, [0.0, 1.5, 2.5, 4.0, 8.0], [0.0, 0.5, 0.5, 1.0, -1.0])
+    q, F = 1e-3 * np.cumsum(speed), np.round(40 * speed)
+    assert inspect_spans(TIME, {"q": q, "F": F}, ["q"]) == ()
+    F[1700:2200] = 12.0
+    assert len(inspect_spans(TIME, {"q": q, "F": F}, ["q"])) == 1
+
+
 def test_a_clipped_force_is_noted():
     signals = machine()
     signals["F"] = np.clip(signals["F"], -100.0, 100.0)

@@ -9,7 +9,8 @@ import pytest
 from hand_made import RIGID, rigid_log
 
 from benchmarks.diagnosis.motion import cases, emps_log, row_of
-from symid import CoulombFriction, Log, load_axis
+from symid import Axis, Body, CoulombFriction, Drive, Log, PendulumWeight, Position, load_axis
+from symid.axis import STANDARD_GRAVITY
 from symid.codegen import model_of
 from symid.diagnosis import diagnose, diagnose_against
 from symid.diagnosis.effects import effects_of
@@ -17,7 +18,13 @@ from symid.diagnosis.fitting.fit import Fit, fitted_on
 from symid.diagnosis.fitting.state import evaluated
 from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_with_effects
 from symid.diagnosis.in_motion.motion import is_contradicted
-from symid.diagnosis.in_motion.replayed import fastest, simulated_positions
+from symid.diagnosis.in_motion.replayed import (
+    Part,
+    driver_of,
+    falling_stiffness,
+    fastest,
+    simulated_positions,
+)
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 from symid.report.tables.diagnosis import diagnosis_record
@@ -197,6 +204,20 @@ def test_the_reference_of_emps_goes_with_its_log() -> None:
     log = emps_log(load_axis("emps"), "DATA_EMPS")
     error = log["reference"] - log["q"]
     assert np.sqrt(np.mean(error**2)) < 0.01 * np.ptp(log["q"])
+
+
+def test_an_observer_holds_a_pendulum_upright(logs) -> None:
+    arm = Body("arm", inertia="J")
+    axis = Axis("upright", (arm, PendulumWeight(arm, "ml")), Drive("F", arm), (Position("q", arm),))
+    turned = Log.from_arrays({"q": np.linspace(-1.0, 4.0, 500), "F": np.zeros(500)}, sampling_period=1e-3)
+    part = Part(turned, np.ones(500, dtype=bool), SimpleNamespace(driven=("q",), forces=("F",)))
+    hanging = replace(part, log=Log.from_arrays({"q": np.linspace(-1, 1, 500)}, sampling_period=1e-3))
+    pendulum = ExplainedAxis(axis, {"J": 0.01, "ml": 0.3}, ())
+    falling = falling_stiffness(pendulum, part)
+    assert falling == pytest.approx(STANDARD_GRAVITY * 0.3, rel=0.02)
+    assert falling_stiffness(pendulum, hanging) == 0.0
+    cascade = driver_of(part.record, [part], None, 0.01, falling).cascade
+    assert cascade.position_gain * cascade.velocity_gain > 1.9 * falling
 
 
 def test_an_axis_too_stiff_for_the_log_is_not_simulated(logs) -> None:

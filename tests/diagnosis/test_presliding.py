@@ -1,5 +1,7 @@
 """Coulomb friction of which a part builds up over a displacement: both are found, and the levels are those declared."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -49,6 +51,20 @@ def test_the_axis_written_has_the_friction_of_the_machine(found: Diagnosis) -> N
     (part,) = (own for own in explained.axis.imperfections if isinstance(own, PreslidingFriction))
     assert explained.values[law.named("level")] == pytest.approx(30.0, rel=0.01)
     assert part.level == pytest.approx(12.0, rel=0.05)
+
+
+def test_an_encoder_of_coarse_steps_shows_no_short_reach() -> None:
+    log = slide(1)
+    step = 4e-5
+    coarse = replace(log, signals={**log.signals, "q": np.round(log["q"] / step) * step})
+    effect = next(e for e in LIBRARY if e.name == "presliding_friction")
+
+    def shows(log: Log, reach: float) -> bool:
+        data = data_of(FRICTIONLESS, (joined([log]), None), Recorded({}, True))
+        prediction = first_state(data.record, KNOWN)[0].prediction
+        return effect.is_plausible(prediction, Placed(effect, BODY.name, (reach,), (12.0,)))
+
+    assert (shows(log, 3e-5), shows(coarse, 3e-5), shows(coarse, 1e-4)) == (True, False, True)
 
 
 def test_a_part_of_coulomb_friction_predicts_what_both_did_apart() -> None:

@@ -17,7 +17,7 @@ from symid.arrays import FloatArray
 from symid.data.lost_samples import restored
 from symid.diagnosis import diagnose
 from symid.diagnosis.prediction.recorder import recovered
-from symid.identification.smoothing import updated_every
+from symid.identification.smoothing import interpolated_from, updated_every
 
 
 def with_drag() -> Log:
@@ -92,7 +92,8 @@ def test_a_filtered_force_is_no_flexible_machine() -> None:
     effects = {one.effect: one for one in found.effects}
     assert set(effects) == {"quadratic_drag", "actuator_lag"}
     assert effects["actuator_lag"].parameters["T"].value == pytest.approx(-0.0005, rel=0.1)
-    assert any("recorded through a first-order filter" in fault for fault in found.faults)
+    milliseconds = f"{-1e3 * effects['actuator_lag'].parameters['T'].value:.3g} ms"
+    assert any(f"recorded through a first-order filter of {milliseconds}" in fault for fault in found.faults)
 
 
 def test_a_sound_log_is_left_as_it_is() -> None:
@@ -112,6 +113,23 @@ def test_zeros_that_a_signal_passes_are_no_lost_samples() -> None:
     values, notes = restored({"q": q, "F": np.roll(q, 7)}, ["q"])
     assert notes == []
     assert values["q"] is q
+
+
+def test_a_rough_command_passes_zero_by_chance() -> None:
+    rng = np.random.default_rng(6)
+    rough = np.round(np.repeat([0.0, 1.0], 1500) * (12 + 12 * rng.standard_normal(3000)))
+    assert np.count_nonzero(rough[1500:] == 0) > 10
+    assert restored({"F": rough}, [])[1] == []
+
+
+def test_a_coarse_position_that_mostly_rests_was_interpolated_all_the_same() -> None:
+    counts = np.round(40 * np.clip(np.sin(np.arange(6000) / 40), -0.4, 0.4))
+    slow = np.interp(np.arange(1, 24_000) / 4, np.arange(6000), counts)
+    assert interpolated_from(slow) == 4
+    thin = recovered(
+        load_axis("rigid_1m"), [Log.from_arrays({"q": slow, "F": np.sin(slow)}, sampling_period=1e-3)]
+    )
+    assert np.isin(thin.logs[0]["q"], counts).all()
 
 
 def test_a_file_with_lost_samples_is_read(

@@ -84,3 +84,12 @@ def test_a_binary_sequence_is_neither_interpolated_nor_clipped() -> None:
     assert (
         interpolated_from(np.concatenate([ramps, np.full(ramps.size // 2, ramps[-1])])) == 4
     )  # then at rest
+
+
+def test_a_drive_that_swings_a_pendulum_up_is_no_overflow() -> None:
+    t = np.arange(4000) / 1000
+    force = np.clip(30 * np.sin(2 * np.pi * 0.7 * t), -1.0, 1.0)
+    switched = np.sign(force) + 0.01 * np.round(3 * np.sin(40 * t) * (np.abs(force) < 1))
+    assert channel_fault(switched, "F") == ""
+    counts = (np.round(300 * np.sin(2 * np.pi * 0.7 * t)) + 128) % 256 - 128
+    assert "its number overflows" in channel_fault(counts, "F")

@@ -12,6 +12,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
 from symid.axis import Law
 from symid.axis import ViscousFriction as DeclaredViscous
+from symid.data.lost_samples import step_of
 from symid.diagnosis.effects.effect import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import HOLDING
 from symid.diagnosis.effects.from_law import joints_with as _declared
@@ -67,7 +68,7 @@ class PreslidingFrictionEffect(JointEffect):
         return [(float(x),) for x in reaches]
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """The samples resolve the build-up of friction, in both directions."""
+        """The samples and the steps of the encoder resolve the build-up of friction, in both directions."""
         joint, record = prediction.joints[placed.at], prediction.record
         moving = np.flatnonzero(joint.moving)
         forward = float(np.mean(joint.v[moving] > 0)) if moving.size else 0.0
@@ -79,7 +80,8 @@ class PreslidingFrictionEffect(JointEffect):
         if not begins.size:
             return False
         passed = np.abs(joint.q[begins + ahead] - joint.q[begins])
-        return placed.shape[0] > _SAMPLES * float(np.median(passed))
+        step = step_of(record.log[record.driven[prediction.drive_of(joint)]])
+        return placed.shape[0] > max(_SAMPLES * float(np.median(passed)), step)
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])

@@ -61,7 +61,8 @@ def concluded(
     effects = _effects(comparison, accepted, fits, chances, nonparametric)
     alternatives = _alternatives(comparison, steps[0], chances)
     undetermined = [change.name for change in parameters if not change.is_determined]
-    faults = (*damaged.texts, *shifted_channels(logs[0], comparison.record.forces, accepted))
+    added = fits[-1].state.placed[len(fits[0].state.placed) :]
+    faults = (*damaged.texts, *shifted_channels(logs[0], comparison.record.forces, added))
     return Diagnosis(
         axis=axis,
         measured=comparison.record.signals,

@@ -10,10 +10,9 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.data.stuck import inspect_spans
-from symid.diagnosis.effects import force_at
+from symid.diagnosis.effects import Placed, force_at
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.selection.step import SelectionStep
 from symid.identification.criteria import CRITERIA
 from symid.identification.recording import channel_fault
 
@@ -124,11 +123,10 @@ def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
     return left(np.abs(asked)) < left(asked)
 
 
-def shifted_channels(log: Log, forces: Sequence[str], accepted: Sequence[SelectionStep]) -> tuple[str, ...]:
-    """Sentences on accepted delays, which may be shifts of channels, and on filters of a recorded force."""
+def shifted_channels(log: Log, forces: Sequence[str], effects: Sequence[Placed]) -> tuple[str, ...]:
+    """Sentences on delays that were found, which may be shifts of channels, and on filters of a recorded force."""
     found = []
-    for step in accepted:
-        item = step.confirmed[0].placed
+    for item in effects:
         if item.effect.name == "delay":
             samples = item.shape[0] / log.sampling_period
             whole = abs(samples - round(samples)) < _WHOLE_SAMPLE and round(samples) != 0

@@ -20,6 +20,7 @@ from symid.diagnosis.in_motion.replayed import (
     Driver,
     Part,
     driver_of,
+    falling_stiffness,
     parts_of,
     simulated_positions,
     since_begin,
@@ -125,9 +126,16 @@ def motions_of(
     seen = list(parts_of(record, runs[1] or runs[0], allowed))
     logs = [[replace(part, drive=d) for d in range(record.n_drives)] for part in seen]
     whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in runs[0].parts]
-    inertia = next(state.inertia for state in states[1:] if state is not None)
+    models = [state for state in states[1:] if state is not None]
+    inertia = max(state.inertia for state in models)  # a model without an effect may have lost it
     drivers = [
-        driver_of(record, [replace(part, drive=d) for part in whole], given[d], inertia)
+        driver_of(
+            record,
+            [replace(part, drive=d) for part in whole],
+            given[d],
+            inertia,
+            max(_falling_stiffness(state, replace(whole[0], drive=d)) for state in models),
+        )
         for d in range(record.n_drives)
     ]
     found = [None if state is None else _errors(state, logs, drivers) for state in states]
@@ -143,6 +151,16 @@ def motions_of(
         )
         for d in range(record.n_drives)
     )
+
+
+def _falling_stiffness(state: State, part: Part) -> float:
+    """As `falling_stiffness`, of a model; 0 where the axis with its values is none that can be simulated."""
+    try:
+        with np.errstate(all="ignore"):
+            found = falling_stiffness(axis_with_effects(state), part)
+    except (SymidError, np.linalg.LinAlgError, ArithmeticError, ValueError):
+        return 0.0
+    return found if math.isfinite(found) else 0.0
 
 
 def motion_next_to(

@@ -32,11 +32,16 @@ from symid.errors import SettingError
 from symid.instrumental.recorded_gains import cascade_of_log
 from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
 from symid.simulation.imperfect_plant import misreading
+from symid.simulation.plant import JUST_MOVING
 
 _LEAST_RATE = 1000.0
 """Least rate of the simulated controller, Hz."""
 _OBSERVER_HZ = 2.0
-"""Bandwidth of the observer: it moves a free mass to the measured position with two poles at half of it."""
+"""Least bandwidth of the observer: it moves a free mass to the measured position with two poles at half of it."""
+_HOLDS = 2.0
+"""Stiffness of the observer relative to the largest negative one of the axis, such as that of a pendulum upright."""
+_PLACES, _NEAR = 200, 0.05
+"""Positions at which that is sought, and their distance relative to the range: the slope is the mean over it."""
 _EXPLAINED = 0.9
 """Least share of the force's variance that a cascade read from a log must explain to count as its controller."""
 _AT_REST = 0.01
@@ -158,8 +163,27 @@ def parts_of(record: Record, run: Joined, allowed: BoolArray | None) -> Iterator
             yield Part(log, used, record)
 
 
-def driver_of(record: Record, parts: Sequence[Part], given: Cascade | None, inertia: float) -> Driver:
-    """The controller given, or read from the log, or an observer for an inertia; parts are of one drive."""
+def falling_stiffness(explained: ExplainedAxis, part: Part) -> float:
+    """Largest negative stiffness of the laws of an axis along a log, as its drive feels it; 0 if there is none."""
+    plant, position = plant_of(explained.axis, explained.values), part.position
+    q, step = np.linspace(position.min(), position.max(), _PLACES), _NEAR * float(np.ptp(position))
+    moved = plant.follows({part.signal: (0.0, 1.0)})[len(plant.bodies) :]
+    slope, v = np.zeros(q.size), np.full(q.size, JUST_MOVING)
+    for law in plant.laws:
+        share = float(law.direction @ moved)
+        of_motion = replace(law, terms=tuple(term for term in law.terms if term.memory < 0))
+        slope += share * (of_motion.forces(share * (q + step), v) - of_motion.forces(share * q, v)) / step
+    return max(-float(slope.min()), 0.0)
+
+
+def driver_of(
+    record: Record, parts: Sequence[Part], given: Cascade | None, inertia: float, falling: float = 0.0
+) -> Driver:
+    """The controller given, or read from the log, or an observer for an inertia; parts are of one drive.
+
+    An observer is stiffer than the axis is `falling`: otherwise the simulated axis would tip over where the machine was
+    balanced, and fall the other way after the least error.
+    """
     position = parts[0].signal
     if given is not None:
         cascade = replace(given, signal=position)
@@ -170,7 +194,8 @@ def driver_of(record: Record, parts: Sequence[Part], given: Cascade | None, iner
         )
         if read is not None and (share := _share_explained(read, parts)) >= _EXPLAINED:
             return Driver("identified", read, share)
-    observer = Cascade(position, math.pi * _OBSERVER_HZ / 2, inertia * math.tau * _OBSERVER_HZ, 0.0)
+    hz = max(_OBSERVER_HZ, math.sqrt(_HOLDS * falling / inertia) / math.pi)
+    observer = Cascade(position, math.pi * hz / 2, inertia * math.tau * hz, 0.0)
     return Driver("observer", observer, math.nan)
 
 

@@ -61,4 +61,16 @@ def with_positions(axis: Axis, logs: Sequence[Log]) -> tuple[Axis, list[Log], tu
 
 
 def _integral(log: Log, name: str) -> FloatArray:
-    return np.asarray(scipy.integrate.cumulative_trapezoid(log[name], dx=log.sampling_period, initial=0))
+    """Integral of a speed from 0 on, by its spectrum beside the line from its first to its last sample.
+
+    The trapezoidal rule would take 32 % off at 0.3 of the sampling frequency, and hide the noise beyond, which shows
+    where the motion ends.
+    """
+    v, time = log[name], log.time - log.time[0]
+    slope = (v[-1] - v[0]) / time[-1]
+    rest = v - v[0] - slope * time
+    spectrum, omega = scipy.fft.rfft(rest), 2 * np.pi * scipy.fft.rfftfreq(v.size, log.sampling_period)
+    spectrum[1:] /= 1j * omega[1:]
+    mean, spectrum[0] = float(rest.mean()), 0.0
+    course = (v[0] + mean) * time + slope * time**2 / 2 + scipy.fft.irfft(spectrum, v.size)
+    return np.asarray(course - course[0])

@@ -13,6 +13,8 @@ WIDEST = 0.3
 """Share of the sampling frequency up to which motion may reach."""
 _HIGH = 0.35
 """Share of the sampling frequency above which only noise is assumed."""
+_HIGHEST = 0.4
+"""Share of the sampling frequency up to which the spectrum is looked at: differences and means take what is beyond."""
 _ABOVE_NOISE = 3.0
 _RISES = 3.0
 _WIDTH_OF_LINES = 9
@@ -40,7 +42,7 @@ def motion_band(position: FloatArray, sampling_frequency: float) -> float:
     frequency, density = _density(np.diff(position), sampling_frequency)
     density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
     without_lines = scipy.ndimage.median_filter(density * frequency**4, _WIDTH_OF_LINES)
-    end = _least_from_above(_smoothed(without_lines))
+    end = _least_from_above(_smoothed(without_lines)[frequency < _HIGHEST * sampling_frequency])
     if end is None:
         floor = np.median(density[frequency > _HIGH * sampling_frequency])
         stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor

@@ -82,19 +82,26 @@ def _slowest(logs: Sequence[Log], name: str) -> tuple[int, str]:
 
 
 def _thinned(log: Log, n: int, forces: Collection[str]) -> Log:
-    """Every n-th sample of a log; slow channels are interpolated between their own samples, forces are low-passed."""
-    kept = np.arange(log.n_samples // n) * n
+    """Every n-th sample of a log; slow channels are interpolated between their own samples, forces are low-passed.
+
+    The samples are the own ones of a slow channel if possible: the values of a coarse reading stay on its steps.
+    """
+    own = {name: _own_samples(x) for name, x in log.signals.items()}
+    begin = next((first for spacing, first in own.values() if spacing > 1 and n % spacing == 0), 0)
+    kept = np.arange(begin, log.n_samples, n)
     signals = {}
     for name, x in log.signals.items():
-        spacing, first = _own_samples(x)
+        spacing, first = own[name]
         if spacing > 1 and (name not in forces or spacing >= n):
             places = np.arange(first, x.size, spacing)
-            signals[name] = scipy.interpolate.CubicSpline(places, x[places])(kept)
+            is_own = n % spacing == 0 and begin % spacing == first
+            signals[name] = x[kept] if is_own else scipy.interpolate.CubicSpline(places, x[places])(kept)
         elif name in forces:
-            signals[name] = scipy.signal.resample_poly(x, 1, n, padtype="line")[: kept.size]
+            signals[name] = scipy.signal.resample_poly(x[begin:], 1, n, padtype="line")[: kept.size]
         else:
             signals[name] = x[kept]
-    return replace(log, signals=signals, sampling_period=n * log.sampling_period)
+    start, period = log.start + begin * log.sampling_period, n * log.sampling_period
+    return replace(log, signals=signals, start=start, sampling_period=period)
 
 
 def _own_samples(x: FloatArray) -> tuple[int, int]:
@@ -103,5 +110,5 @@ def _own_samples(x: FloatArray) -> tuple[int, int]:
     if spacing > 1 or not (between := interpolated_from(x)):
         return spacing, first
     curvature = np.abs(np.diff(x, 2))
-    knots = np.median(curvature[: curvature.size // between * between].reshape(-1, between), axis=0)
+    knots = np.mean(curvature[: curvature.size // between * between].reshape(-1, between), axis=0)
     return between, (int(np.argmax(knots)) + 1) % between

@@ -108,7 +108,10 @@ def _is_certain(fit: Fit) -> bool:
 
 
 def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
-    """Drop refinements that explain hardly more than the Coulomb friction in them: the next step finds the rest."""
+    """Drop refinements that explain hardly more than the Coulomb friction in them: the next step finds the rest.
+
+    So does one with a size that the log cannot show, such as a reach below the steps of the encoder.
+    """
     for name, place in list(confirmed):
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
         if plain is None or not more.placed.contains(plain.key):
@@ -118,7 +121,9 @@ def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
             THRESHOLDS.hardly_more * plain.penalised_gain, doubt
         )
         clearly = clearly and more.fit.mean_square < plain.fit.mean_square
-        if not clearly or _is_nearly_constant(more.fit.state.prediction, more.placed):
+        prediction = more.fit.state.prediction
+        shown = more.effect.is_plausible(prediction, more.placed)
+        if not (clearly and shown) or _is_nearly_constant(prediction, more.placed):
             del confirmed[name, place]
 
 
