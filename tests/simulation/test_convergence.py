@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from driven import driven
 from scipy.linalg import expm
 
 from symid import (
@@ -52,6 +53,13 @@ def test_an_axis_that_a_law_lets_run_away_is_named() -> None:
             Trajectory(still, still, still, PERIOD, "rest"),
             OpenLoop(still + 10.0),
         )
+
+
+def test_a_linear_axis_that_runs_away_without_a_controller_is_named() -> None:
+    body = Body("slide", mass="M")
+    axis = Axis("pushed", (body, ViscousFriction(body, "Fv")), Drive("F", body), (Position("q", body),))
+    with pytest.raises(SettingError, match=r"runs away at t = 0\.0"):
+        driven(axis, {"M": 1.0, "Fv": -1e4}, np.full(400, 10.0), PERIOD)
 
 
 class Stribeck(Law):
