@@ -219,24 +219,11 @@ def _ranked(scan: Sequence[tuple[Preparation, FloatArray]], counted: FloatArray)
     A narrow dip between two high neighbours is the luck of rows that fall well before a reversal of friction, not an
     optimum: a cutoff is judged with the best of the next lower and of the next higher one, a quarter of weight each.
     """
-    cutoffs = sorted({setting.cutoff_hz or 0.0 for setting, _ in scan})
-    squares = [_rms(rms[counted]) ** 2 for _, rms in scan]
-    best = np.array(
-        [
-            min(
-                square
-                for (setting, _), square in zip(scan, squares, strict=True)
-                if setting.cutoff_hz == cutoff
-            )
-            for cutoff in cutoffs
-        ]
-    )
+    squares = np.array([_rms(rms[counted]) ** 2 for _, rms in scan])
+    cutoffs, place = np.unique([setting.cutoff_hz for setting, _ in scan], return_inverse=True)
+    best = np.array([squares[place == k].min() for k in range(cutoffs.size)])
     beside = np.pad(best, 1, mode="edge")
-    smooth = {cutoff: 0.5 * (beside[i] + beside[i + 2]) for i, cutoff in enumerate(cutoffs)}
-    total = [
-        0.5 * square + 0.5 * smooth[setting.cutoff_hz or 0.0]
-        for (setting, _), square in zip(scan, squares, strict=True)
-    ]
+    total = 0.5 * squares + 0.25 * (beside[:-2] + beside[2:])[place]
     ranked = [scan[i][0] for i in np.argsort(total)]
     of_cutoff = {setting.cutoff_hz: setting for setting in reversed(ranked)}
     return [setting for setting in ranked if of_cutoff[setting.cutoff_hz] is setting][:_CANDIDATES]

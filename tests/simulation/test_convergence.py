@@ -42,24 +42,18 @@ class Cube(Law):
         return (Term("k3", "q**3", signed=True),)
 
 
-def test_an_axis_that_a_law_lets_run_away_is_named() -> None:
-    body = Body("slide", mass="M")
-    axis = Axis("away", (body, Cube(body)), Drive("F", body), (Position("q", body),))
-    still = np.zeros(4000)
-    with pytest.raises(SettingError, match="runs away at t = 0"):
-        simulate(
-            axis,
-            {"M": 1.0, "k3": -1e9},
-            Trajectory(still, still, still, PERIOD, "rest"),
-            OpenLoop(still + 10.0),
-        )
+SLIDE = Body("slide", mass="M")
 
 
-def test_a_linear_axis_that_runs_away_without_a_controller_is_named() -> None:
-    body = Body("slide", mass="M")
-    axis = Axis("pushed", (body, ViscousFriction(body, "Fv")), Drive("F", body), (Position("q", body),))
+@pytest.mark.parametrize(
+    ("law", "values"),
+    [(Cube(SLIDE), {"M": 1.0, "k3": -1e9}), (ViscousFriction(SLIDE, "Fv"), {"M": 1.0, "Fv": -1e4})],
+    ids=["law", "linear"],
+)
+def test_an_axis_that_runs_away_without_a_controller_is_named(law: Law, values: dict[str, float]) -> None:
+    axis = Axis("away", (SLIDE, law), Drive("F", SLIDE), (Position("q", SLIDE),))
     with pytest.raises(SettingError, match=r"runs away at t = 0\.0"):
-        driven(axis, {"M": 1.0, "Fv": -1e4}, np.full(400, 10.0), PERIOD)
+        driven(axis, values, np.full(400, 10.0), PERIOD)
 
 
 class Stribeck(Law):
