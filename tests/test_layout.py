@@ -1,6 +1,6 @@
 """Files of tests are as short as CONTRIBUTING says; no two modules and no two classes share a name."""
 
-import ast
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -21,6 +21,7 @@ def test_no_two_modules_have_the_same_name() -> None:
 
 
 def test_no_two_classes_have_the_same_name() -> None:
-    trees = [ast.parse(file.read_text(encoding="utf-8")) for file in PACKAGE.rglob("*.py")]
-    names = Counter(node.name for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
+    texts = (file.read_text(encoding="utf-8") for file in PACKAGE.rglob("*.py"))
+    names = Counter(name for text in texts for name in re.findall(r"^ *class (\w+)[(:]", text, re.MULTILINE))
+    assert len(names) > 300
     assert [name for name, count in names.items() if count > 1] == []

@@ -85,7 +85,7 @@ def test_an_axis_that_reads_no_position() -> None:
 
 
 def test_the_page_says_how_the_axis_was_driven(tmp_path: Path) -> None:
-    log = rigid_log()
+    log = rigid_log(seconds=4.0)
     found = symid.identify(AXIS, log)
     file = tmp_path / "p.html"
     write_identification_html(found, file, axis=AXIS, runs=[log])
