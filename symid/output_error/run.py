@@ -160,7 +160,7 @@ def run_of(
     # While friction may hold a joint, its force is not a function of the motion: long rests are left out.
     moving = np.ones(log.n_samples, dtype=bool)
     for motion, (direction, terms) in zip(motions, dynamics.laws, strict=True):
-        can_hold = JointLaw(direction, tuple(ScaledLaw(1.0, t.force, t.code) for t in terms)).can_hold
+        can_hold = JointLaw(direction, tuple(ScaledLaw(1.0, t.forces, t.code) for t in terms)).can_hold
         if motion is not None and can_hold and standstill != 0:
             moving &= ~_resting(motion, standstill, margin)
     kept, starts = _stretches(moving, shortest=max(16, 4 * len(dynamics.bodies)))

@@ -11,8 +11,7 @@ import numpy as np
 from symid.axis import Axis, Imperfection, Law
 from symid.codegen.dynamics_store import stored_dynamics
 from symid.errors import DeclarationError
-from symid.simulation.law_code import law_code, moves
-from symid.simulation.law_functions import law_function
+from symid.simulation.law_code import array_function, law_code, moves
 from symid.simulation.plant import direction_of
 
 
@@ -60,7 +59,7 @@ def _extended(record: dict[str, Any], laws: list[Law], bodies: list[str]) -> dic
             for i, k in np.argwhere(np.outer(direction, direction)):
                 matrix[i][k].append([float(direction[i] * direction[k]), powers])
         elif not moves(term.expression):
-            value = law_function(law_code(term.expression))(0.0, 0.0)
+            value = float(array_function(law_code(term.expression))(0.0, 0.0))
             for i in np.flatnonzero(direction):
                 found["constant"][i][0].append([-float(direction[i]) * value, powers])
         else:

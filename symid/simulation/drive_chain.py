@@ -14,7 +14,7 @@ from symid.arrays import FloatArray
 from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection
 from symid.axis.drive_imperfections import in_order
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
-from symid.simulation.imperfect_plant import imperfection_code, scalar_law
+from symid.simulation.imperfect_plant import imperfection_code, imperfection_function
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ class ThroughDrive(Controller):
         self.sent[command.index] = force
         acting = float(force)
         for element in self._nonlinearities:
-            acting = scalar_law(element)(0.0, 0.0, acting, 0.0, 0.0)
+            acting = float(imperfection_function(element)(0.0, 0.0, acting, 0.0, 0.0))
         own = state[n:].tolist()
         if own and math.isnan(own[0]):  # the steady state of a constant force
             own = [acting] * len(own)

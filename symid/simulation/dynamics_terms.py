@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.law_functions import array_function, law_function
+from symid.simulation.law_code import array_function
 from symid.simulation.parameter_polynomials import Polynomial
 from symid.simulation.plant import LawFunction, SensorRow
 from symid.simulation.postfix import program
@@ -22,14 +22,13 @@ class LawTerm:
 
     parameter: Polynomial
     code: str  # NumPy code of the expression
-    force: LawFunction  # the expression for numbers
-    forces: Callable[[FloatArray, FloatArray], FloatArray]  # the expression for arrays
+    forces: LawFunction  # the expression
 
     @classmethod
     def of(cls, parameter: Polynomial, code: str) -> LawTerm:
         """The law of NumPy code; SymidError if the code is not in the law language."""
         program(code, ("q", "v"))  # refuses any other code before it is evaluated
-        return cls(parameter, code, law_function(code), array_function(code))
+        return cls(parameter, code, array_function(code))
 
 
 class SensorTerms(NamedTuple):

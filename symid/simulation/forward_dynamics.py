@@ -183,7 +183,7 @@ class ForwardDynamics:
             laws=tuple(
                 JointLaw(
                     direction,
-                    tuple(ScaledLaw(x, t.force, t.code) for x, t in zip(level.tolist(), terms, strict=True)),
+                    tuple(ScaledLaw(x, t.forces, t.code) for x, t in zip(level.tolist(), terms, strict=True)),
                 )
                 for (direction, terms), level in zip(self.laws, levels, strict=True)
             ),

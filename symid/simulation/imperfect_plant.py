@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,7 @@ from symid.axis import (
     PreslidingFriction,
 )
 from symid.simulation.forward_dynamics import plant_of
-from symid.simulation.law_code import law_code
-from symid.simulation.law_functions import array_function, law_function
+from symid.simulation.law_code import array_function, law_code
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
 
 _FINE, _MOST_STEPS = 0.5, 50
@@ -87,14 +86,14 @@ def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | 
 
 def _law(element: JointImperfection, memory: int = -1) -> ScaledLaw:
     """The law of an imperfection; as a function of the motion alone that under a unit load, without memory."""
-    law = scalar_law(element)
+    law = imperfection_function(element)
     return ScaledLaw(1.0, lambda q, v: law(q, v, 1.0, 0.0, 0.0), imperfection_code(element), memory)
 
 
 @cache
-def scalar_law(element: Imperfection) -> Callable[..., float]:
-    """Law of an imperfection as a function of numbers q, v, F, t and z."""
-    return law_function(imperfection_code(element), ("F", "t", "z"))
+def imperfection_function(element: Imperfection) -> Callable[..., Any]:
+    """Law of an imperfection as a function of q, v, F, t and z."""
+    return array_function(imperfection_code(element), ("F", "t", "z"))
 
 
 def imperfection_code(element: Imperfection) -> str:

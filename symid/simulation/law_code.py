@@ -1,8 +1,13 @@
-"""The formula of a law as NumPy code, from its text alone, without computer algebra."""
+"""The formula of a law as NumPy code and as a function, from its text alone, without computer algebra."""
 
 from __future__ import annotations
 
 import ast
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
 
 from symid.axis.laws.law import FUNCTIONS
 from symid.errors import SymidError
@@ -19,6 +24,23 @@ def law_code(formula: str) -> str:
     ('np.sign(v) * np.exp(-(v / velocity) ** 2)', 'v * np.heaviside(v, 0.0)', 'np.minimum(F, 2)')
     """
     return ast.unparse(_InNumPy().visit(_parsed(formula)))
+
+
+def array_function(code: str, numbers: tuple[str, ...] = ()) -> Callable[..., Any]:
+    """Function of q, v and further `numbers`, each a number or an array, for the NumPy code of a law.
+
+    Examples
+    --------
+    >>> array_function("v*q")(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
+    [6.0, 4.0]
+    >>> array_function("v/speed", ("speed",))(0.0, 1.0, 0.5)
+    2.0
+    """
+    constant = "" if re.search(r"\b[qv]\b", code) else " + 0 * q"
+    function: Callable[..., Any] = eval(
+        f"lambda {', '.join(('q', 'v', *numbers))}: {code}{constant}", {"np": np}
+    )
+    return function
 
 
 def level_code(formula: str) -> str | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -119,18 +118,16 @@ def _line(law: JointLaw, sign: float) -> AffineForce | None:
         return None
     directions = (sign,) if sign else (-1.0, 1.0)
     speeds = [side * speed for side in directions for speed in _SPEEDS]
-    level = law.force(0.0, speeds[0])
-    line = AffineForce(
-        level, law.force(1.0, speeds[0]) - level, (law.force(0.0, speeds[-1]) - level) / speeds[-1]
-    )
     # Three points determine the affine force. Many more, over all magnitudes, test it: a law is a formula of a few
     # terms, so one that agrees at all of these points is affine.
-    places = [(q, v) for q in (-1.3, 0.0, 0.4) for v in speeds]
-    places += [(side * q, v) for side in (-1.0, 1.0) for q in _SPEEDS for v in (speeds[0], speeds[-1])]
-    if not all(map(math.isfinite, (line.level, line.stiffness, line.damping))):
-        return None
-    for q, v in places:
-        parts = (level, line.stiffness * q, line.damping * v)
-        if abs(law.force(q, v) - sum(parts)) > 1e-13 * sum(abs(part) for part in parts):
-            return None
-    return line
+    points = [(0.0, speeds[0]), (1.0, speeds[0]), (0.0, speeds[-1])]
+    points += [(q, v) for q in (-1.3, 0.0, 0.4) for v in speeds]
+    points += [(side * q, v) for side in (-1.0, 1.0) for q in _SPEEDS for v in (speeds[0], speeds[-1])]
+    q, v = np.array(points).T
+    with np.errstate(over="ignore", invalid="ignore"):
+        force = np.broadcast_to(law.force(q, v), q.shape)
+        level, at_displacement, at_speed = force[:3].tolist()
+        line = AffineForce(level, at_displacement - level, (at_speed - level) / speeds[-1])
+        parts = np.array([np.full(q.shape, line.level), line.stiffness * q, line.damping * v])
+        agrees = np.abs(force - parts.sum(axis=0)) <= 1e-13 * np.abs(parts).sum(axis=0)
+    return line if np.all(np.isfinite(parts)) and np.all(agrees) else None

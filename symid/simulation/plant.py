@@ -17,15 +17,15 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Between, Body, Ground
 from symid.axis.elements import Joint
 from symid.errors import SettingError
-from symid.simulation.law_functions import array_function
 
-LawFunction = Callable[[float, float], float]
+LawFunction = Callable[[Any, Any], Any]
+"""Of the displacement and the velocity of a joint, each a number or an array."""
 
 JUST_MOVING = 1e-300
 """Speed just above zero: laws are evaluated at it for their limits at rest."""
 _FELT = 1e-200
 """Least force that counts as a jump at rest; a smooth law gives far less at `JUST_MOVING`."""
-_PLACES = (0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0, -1.0)))
+_PLACES = np.array([0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0, -1.0))])
 """Displacements at which a law may hold its joint: 0, and four in each decade from 1 um or urad to 10 m or rad."""
 
 
@@ -88,22 +88,19 @@ class JointLaw:
     terms: tuple[ScaledLaw, ...]
     timed: bool = False
 
-    def force(self, q: float, v: float) -> float:
-        """Force that opposes the motion."""
+    def force(self, q: Any, v: Any) -> Any:
+        """Force that opposes the motion, at numbers or arrays."""
         return sum(term.parameter * term.expression(q, v) for term in self.terms)
-
-    def forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """`force` for arrays, of laws of the motion alone."""
-        return np.asarray(sum(term.parameter * array_function(term.code)(q, v) for term in self.terms))
 
     def limits(self, q: float) -> tuple[float, float]:
         """Lowest and highest force at rest; they differ where the law can hold the joint."""
-        return self.force(q, -JUST_MOVING), self.force(q, JUST_MOVING)
+        return float(self.force(q, -JUST_MOVING)), float(self.force(q, JUST_MOVING))
 
     @property
     def can_hold(self) -> bool:
         """Whether the joint can stick: the law jumps at rest at some displacement within 10 m or rad."""
-        return any(high - low > _FELT for low, high in map(self.limits, _PLACES))
+        low, high = (self.force(_PLACES, side * JUST_MOVING) for side in (-1.0, 1.0))
+        return bool(np.any(high - low > _FELT))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.axis import Sensor
-from symid.simulation.law_functions import array_function
+from symid.simulation.law_code import array_function
 from symid.simulation.plant import Plant
 
 _WHOLE = 1e-9
@@ -102,7 +102,9 @@ class SensorChannel:
         if self.law is None:
             return np.zeros(len(states))
         q, v = np.split(states, 2, axis=1)
-        return self.reading.per_force * self.law.forces(q @ self.law.direction, v @ self.law.direction)
+        return np.asarray(
+            self.reading.per_force * self.law.force(q @ self.law.direction, v @ self.law.direction)
+        )
 
 
 def in_steps(values: FloatArray, step: float) -> FloatArray:

@@ -134,7 +134,7 @@ class ExactRun:
                 CubicHermiteSpline(run.time, y @ law.direction, slope @ law.direction)(self._middle)
                 for y, slope in motion
             )
-            of_law = reading.per_force * law.forces(at, rate)
+            of_law = reading.per_force * law.force(at, rate)
         return CubicSpline(self._middle, smooth + held[:-1] + of_law + reading.constant)
 
 

@@ -9,7 +9,7 @@ from symid.axis import Axis, Body, Drive, PayloadChange, Position, Spring, load_
 from symid.codegen.dynamics_record import dynamics_record
 from symid.diagnosis.effects import LIBRARY, LawEffect
 from symid.simulation.added_laws import stored_with_laws
-from symid.simulation.law_functions import law_function
+from symid.simulation.law_code import array_function
 
 EVERY_LAW = [effect for effect in LIBRARY if isinstance(effect, LawEffect)]
 MATRICES = ("stiffness", "damping", "mass", "drives", "constant")
@@ -37,7 +37,7 @@ def numbers(record: dict[str, Any], at: dict[str, float]) -> tuple[list[np.ndarr
     for law in record["laws"]:
         direction = np.array(law["direction"])
         q, v = (float(direction @ x) for x in motion)
-        forces += value(law["parameter"]) * law_function(law["code"])(q, v) * direction
+        forces += value(law["parameter"]) * array_function(law["code"])(q, v) * direction
     return matrices, forces
 
 

@@ -9,8 +9,7 @@ from functools import cache
 
 from symid.arrays import FloatArray
 from symid.axis import Term
-from symid.simulation.law_code import has_jumps, law_code, level_code
-from symid.simulation.law_functions import array_function
+from symid.simulation.law_code import array_function, has_jumps, law_code, level_code
 
 
 @dataclass(frozen=True, eq=False)

@@ -172,7 +172,7 @@ def falling_stiffness(explained: ExplainedAxis, part: Part) -> float:
     for law in plant.laws:
         share = float(law.direction @ moved)
         of_motion = replace(law, terms=tuple(term for term in law.terms if term.memory < 0))
-        slope += share * (of_motion.forces(share * (q + step), v) - of_motion.forces(share * q, v)) / step
+        slope += share * (of_motion.force(share * (q + step), v) - of_motion.force(share * q, v)) / step
     return max(-float(slope.min()), 0.0)
 
 
