@@ -85,9 +85,7 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
 
     bodies = [assignment(variables[body], body) for body in _in_order(axis.bodies)]
     joints = [assignment(name, at) for at, name in variables.items() if isinstance(at, Between)]
-    read = [
-        assignment(name, value) for value, name in variables.items() if isinstance(value, (Spring, Drive))
-    ]
+    read = [assignment(name, it) for it, name in variables.items() if isinstance(it, (Spring, Drive))]
     plain = summary or f"Axis {axis.name}: {', '.join(body.name for body in axis.bodies)}."
     plain = plain.replace("\\", "/").replace('"', "'")
     blocks = (

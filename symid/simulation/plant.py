@@ -99,8 +99,9 @@ class JointLaw:
     @property
     def can_hold(self) -> bool:
         """Whether the joint can stick: the law jumps at rest at some displacement within 10 m or rad."""
-        low, high = (self.force(_PLACES, side * JUST_MOVING) for side in (-1.0, 1.0))
-        return bool(np.any(high - low > _FELT))
+        with np.errstate(over="ignore", invalid="ignore"):
+            low, high = (self.force(_PLACES, side * JUST_MOVING) for side in (-1.0, 1.0))
+            return bool(np.any(high - low > _FELT))
 
 
 @dataclass(frozen=True, eq=False)
