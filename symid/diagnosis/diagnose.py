@@ -217,7 +217,9 @@ def _diagnosed(
     fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
-    damaged = damage(parts, begun, base).led_by(feedback_law(fits[-1]) or driven_backwards(fits[-1]))
+    damaged = damage(parts, begun, base).led_by(feedback_law(fits[-1]))
+    if not damaged.fatal:
+        damaged = damaged.led_by(driven_backwards(fits[-1]))
 
     def concluded_from(models: Comparison) -> Diagnosis:
         found = concluded(models, steps, fits, nominal, logs, damaged)

@@ -75,6 +75,10 @@ class Effect(ABC):
         """Shapes that the search tries at a place; one empty shape for an effect that is linear in its values."""
         return ((),)
 
+    def free_motion(self, prediction: Prediction, placed: Placed) -> tuple[ComplexArray, ...]:
+        """Outputs, (n_outputs, n_bins), for pulses that set hidden motion of the effect going; none by default."""
+        return ()
+
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
         """Shapes to be tried for another log, if part of the shape is a property of a log."""
         return ()

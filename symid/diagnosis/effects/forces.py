@@ -275,6 +275,13 @@ class FlexibleModeEffect(LinearEffect):
         own, s = 2 * math.pi * shape[0], 1j * omega
         return np.asarray(-(s**4) / (s**2 + 2 * shape[1] * own * s + own**2), dtype=np.complex128)
 
+    def free_motion(self, prediction: Prediction, placed: Placed) -> tuple[ComplexArray, ...]:
+        """Force of the mass that rings from before the log; a weakly damped one does so for long."""
+        (frequency, damping), s = placed.shape, 1j * prediction.record.omega
+        own = 2 * math.pi * frequency
+        ringing = 1.0 / ((s / own) ** 2 + 2 * damping * (s / own) + 1.0)
+        return (ringing * prediction.response.of_force(prediction.bodies[placed.at].direction),)
+
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
         return str(force * Unit.of("s") ** 2 / length), "Hz", "1"

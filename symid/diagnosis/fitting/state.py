@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 import numpy as np
 
@@ -63,7 +64,10 @@ class State:
 
     def weighted(self, weighting: Weighting) -> State:
         """The state with other weights."""
-        beginning = weighting.rows(starting_pulses(self.prediction.record, self.prediction.hidden))
+        prediction = self.prediction
+        of_effects = (item.effect.free_motion(prediction, item) for item in self.placed)
+        free = (*prediction.hidden, *chain.from_iterable(of_effects))
+        beginning = weighting.rows(starting_pulses(prediction.record, free))
         return replace(self, rows=weighting.rows(self.errors), beginning=beginning)
 
 
