@@ -58,7 +58,7 @@ _run_options = shared(
         "--runs",
         type=IntRange(LEAST_RUNS, 10_000),
         default=FINAL_RUNS,
-        help="Simulated identifications from which the errors of the chosen reference and the defaults are expected.",
+        help="Simulated identifications for the expected errors of the chosen reference; a fifth for the defaults.",
     ),
 )
 

@@ -72,7 +72,7 @@ class Criteria:
     cutoff_fit: float = 0.1
     # printed deviation, as part of the value, up to which a result is as precise as wanted; beyond it, other
     # cutoffs are tried
-    precise: float = 0.05
+    precise: float = 0.01
     # probability of the relations between minimal parameters, if the model is right, below which it is not: undamaged
     # random logs have 0.01 and more, a flexible axis whose force was averaged 1e-97
     disagreement: float = 1e-9
