@@ -22,6 +22,8 @@ from symid.simulation.plant import JointLaw, Plant, ScaledLaw, SensorRow, conden
 _MATRICES = ("stiffness", "damping", "mass")
 _DERIVED = 32
 """Number of declarations whose forward dynamics are cached."""
+_FASTER = 1e5
+"""Rate at which a node with a light mass comes to its balance, over the rate at which that relaxes."""
 
 
 @of_any_axis
@@ -127,7 +129,12 @@ class ForwardDynamics:
         """The plant at parameter values, as `plant_of`."""
         plant = self.with_nodes(parameters)
         heavy = self._free_bodies[1]
-        return plant if heavy.all() else _without_nodes(plant, heavy)
+        if heavy.all():
+            return plant
+        light = _light_masses(plant, ~heavy)
+        nodes = tuple(compress(plant.bodies, light > 0.0))
+        plant = replace(plant, mass=plant.mass + np.diag(light), nodes=nodes)
+        return _without_nodes(plant, heavy | (light > 0.0))
 
     def with_nodes(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, in which bodies without mass remain bodies."""
@@ -191,18 +198,31 @@ class ForwardDynamics:
         )
 
 
+def _light_masses(plant: Plant, nodes: BoolArray) -> FloatArray:
+    """Masses of nodes that carry dampers as well as springs, too small to change the motion; 0 of other bodies.
+
+    The forces of springs and dampers balance at a node: it relaxes at the rate K/D. With the mass D^2/(r K) it comes to
+    this balance r times faster than that, and the rate is K/D (1 + 1/r).
+    """
+    springs, dampers = plant.stiffness.diagonal(), plant.damping.diagonal()
+    damped = nodes & (springs > 0.0) & (dampers > 0.0)
+    return np.where(damped, dampers**2 / (_FASTER * np.where(damped, springs, 1.0)), 0.0)
+
+
 def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
     """The plant without massless bodies (static condensation): x = T x_heavy.
 
     Springs alone must act on a massless body, so that their balance determines its displacement.
     """
     nodes = ~heavy
+    if not nodes.any():
+        return plant
     springs = plant.stiffness[np.ix_(nodes, nodes)]
     other = [plant.damping[nodes], plant.drives[nodes], plant.constant[nodes]]
     named = f"bodies {', '.join(compress(plant.bodies, nodes))} without mass"
     if any(forces.any() for forces in other) or any(law.direction[nodes].any() for law in plant.laws):
         raise SettingError(
-            f"{named} carry more than springs: give each a mass to simulate{_small(plant, nodes)}"
+            f"{named} carry more than springs, and dampers beside springs: give each a mass to simulate"
         )
     if np.linalg.matrix_rank(springs) < len(springs):
         raise SettingError(f"{named} are held by no spring: give each a mass, or a spring")
@@ -211,18 +231,6 @@ def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
     T[nodes] = -np.linalg.solve(springs, plant.stiffness[np.ix_(nodes, heavy)])
     reduced: Plant = condensed(plant, T, tuple(compress(plant.bodies, heavy)))
     return reduced
-
-
-def _small(plant: Plant, nodes: BoolArray) -> str:
-    """Masses of damped nodes that hardly change the motion; empty without damping.
-
-    With D^2/(1000 K) a node comes to its balance of springs and dampers a thousand times faster than that relaxes.
-    """
-    springs, dampers = plant.stiffness.diagonal()[nodes], plant.damping.diagonal()[nodes]
-    if not (np.all(springs > 0) and np.all(dampers > 0)):
-        return ""
-    masses = ", ".join(f"{mass:.2g}" for mass in dampers**2 / springs / 1000)
-    return f", such as {masses} (SI), which are too small to matter"
 
 
 @dataclass(frozen=True)

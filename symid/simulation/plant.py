@@ -122,6 +122,8 @@ class Plant:
         Nonlinear laws by joint.
     sensors : mapping of str to SensorRow
         Reading of each sensor, by signal.
+    nodes : tuple of str
+        Bodies whose mass only stands for none.
     """
 
     bodies: tuple[str, ...]
@@ -132,6 +134,7 @@ class Plant:
     constant: FloatArray
     laws: tuple[JointLaw, ...]
     sensors: Mapping[str, SensorRow]
+    nodes: tuple[str, ...] = ()
 
     @property
     def drive(self) -> FloatArray:
@@ -151,7 +154,12 @@ class Plant:
         >>> [round(f, 1) for f in plant_of(load_axis("direct_2m1s"), paper).natural_frequencies]
         [80.6]
         """
-        squares = np.linalg.eigvals(np.linalg.solve(self.mass, self.stiffness)).real
+        heavy = np.array([name not in self.nodes for name in self.bodies])
+        stiffness, mass = self.stiffness[np.ix_(heavy, heavy)], self.mass[np.ix_(heavy, heavy)]
+        if self.nodes:  # where the springs beside them balance
+            beside = self.stiffness[np.ix_(~heavy, heavy)]
+            stiffness = stiffness - beside.T @ np.linalg.solve(self.stiffness[np.ix_(~heavy, ~heavy)], beside)
+        squares = np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real
         floor = 1e-9 * max(squares.max(initial=0.0), 1e-12)
         return tuple(sorted(float(np.sqrt(w) / (2 * np.pi)) for w in squares if w > floor))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -143,29 +142,30 @@ def test_a_diagnosis_sees_springs_in_series_as_one() -> None:
     assert k["K1"] * k["K2"] / (k["K1"] + k["K2"]) == pytest.approx(stiffness, rel=0.03)
 
 
-def test_the_mass_that_is_advised_for_a_damped_node_hardly_changes_the_motion() -> None:
-    values = TRUE | {"D": 150.0}
-    with pytest.raises(SettingError, match="such as") as refused:
-        plant_of(damped(0.0), values)
-    mass = float(re.findall(r"such as (\S+) ", str(refused.value))[0])
-    log = simulate(damped(mass), values, PATH, LOOP).log
-    # Without mass the node has no velocity as a state: 150 x_n(1) = K1 (x_m - x_n) + K2 (x_l - x_n).
+@pytest.mark.parametrize("damping", [2.0, 150.0, 2e4])
+def test_a_damped_node_moves_as_by_an_own_integration(damping: float) -> None:
+    """Springs with dampers: the node relaxes in 7 us, 0.5 ms and 67 ms."""
+    values = TRUE | {"D": damping}
+    log = simulate(damped(0.0), values, PATH, LOOP).log
+    # Without mass the node has no velocity as a state: D x_n(1) = K1 (x_m - x_n) + K2 (x_l - x_n).
     A = np.zeros((6, 6))
     A[[0, 1], [3, 4]] = 1.0
-    A[2, :3] = np.array([1e5, 2e5, -3e5]) / 150.0
+    A[2, :3] = np.array([1e5, 2e5, -3e5]) / damping
     A[3, [0, 2, 3, 5]] = -1e4, 1e4, -5.0, 0.1
     A[4, [1, 2]] = -1e4, 1e4
     step, state, found = scipy.linalg.expm(A * log.sampling_period), np.zeros(5), []
     for force in log["F"]:
         found.append(state[1])
         state = (step @ np.append(state, force))[:5]
-    assert np.ptp(found) > 0.1
-    assert np.allclose(log["ql"], found, atol=1e-6)
+    assert np.ptp(found) > 0.05
+    assert np.allclose(log["ql"], found, atol=5e-7)
+    series = np.sqrt(SERIES / 10 + SERIES / 20) / (2 * np.pi)
+    assert plant_of(damped(0.0), values).natural_frequencies == pytest.approx([series])
 
 
 def test_what_a_node_cannot_carry_is_refused() -> None:
     with pytest.raises(SettingError, match="bodies node without mass carry more than springs"):
-        plant_of(axis_with(Damper("oil", NODE, damping="D")), TRUE | {"D": 3.0})
+        plant_of(axis_with(CoulombFriction(NODE, "Fs")), TRUE | {"Fs": 3.0})
     with pytest.raises(SettingError, match="acts on body 'node', which has no mass"):
         simulate(axis_with(PeriodicForce(NODE, 1.0, 0.0, 5.0)), TRUE, PATH, LOOP)
     schematic(axis_with())
