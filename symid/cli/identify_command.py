@@ -166,7 +166,7 @@ def _by_known_values(
     declared: Axis, runs: Sequence[AnyLog], signals: tuple[str, ...], options: dict[str, Any]
 ) -> None:
     """Identify from logs with values known for each, and print the result."""
-    for name in ("bounds", "prior", "validation", "plot", "report"):
+    for name in ("validation", "plot", "report"):
         if options[name]:
             raise SettingError(f"--known and --{name} do not go together: leave one of them out")
     if options["method"] != "wls":
@@ -178,6 +178,8 @@ def _by_known_values(
         signals,
         preparation=_preparation(declared, options),
         nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
+        bounds=bounds_of(options["bounds"], declared),
+        prior=priors_of(options["prior"], declared),
     )
     give_result(shared_record(found), options["json_file"], print_shared)
 

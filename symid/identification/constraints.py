@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy
 
-from symid.arrays import FloatArray
+from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
@@ -239,6 +239,9 @@ class _Problem:
         covariance = np.zeros((theta.size, theta.size))
         covariance[np.ix_(loose, loose)] = inverse @ inverse.T
         costs = {i: self._cost_of_bound(free, theta, i) for i in held if i not in still_open}
+        by_log = free
+        if free.restricted is not None:  # priors stand in for what the log leaves open
+            by_log = _alone(free, open_directions(self.slope(theta)[:data] * scale)[1])
         theta = theta.copy()
         theta[still_open] = sensitivity[still_open] = covariance[still_open] = covariance[:, still_open] = (
             np.nan
@@ -249,9 +252,13 @@ class _Problem:
             sensitivity=sensitivity,
             covariance=covariance,
             restricted=Restricted(
-                free=free,
+                free=by_log,
                 by_prior=by_prior @ by_prior.T,
                 held=costs,
+                instead={
+                    int(i): (float(self.mean[i]), float(1 / self.precision[i]))
+                    for i in np.flatnonzero(np.isnan(by_log.parameters) & (self.precision > 0))
+                },
             ),
         )
 
@@ -268,3 +275,15 @@ class _Problem:
         low, high = self.low.copy(), self.high.copy()
         low[i], high[i] = -np.inf, np.inf
         return max(self.cost(theta) - self.cost(self._within(theta, unit, low, high)), 0.0)
+
+
+def _alone(free: PhysicalEstimate, is_open: BoolArray) -> PhysicalEstimate:
+    """What the log alone says: nothing of the parameters that it leaves open."""
+    closed = np.where(is_open, np.nan, 1.0)
+    return replace(
+        free,
+        parameters=free.parameters * closed,
+        sensitivity=free.sensitivity * closed[:, None],
+        covariance=free.covariance * np.outer(closed, closed),
+        restricted=None,
+    )

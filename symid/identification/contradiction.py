@@ -24,9 +24,8 @@ def with_constraint_check(found: Identification) -> Identification:
         return found
     estimate, restricted = found.physical[0], found.physical[0].restricted
     notes = (*found.notes, *_of_bounds(found, estimate, restricted.held), *_of_priors(found, estimate))
-    free = restricted.free
-    deviations = free.propagated_deviations(found.covariance)
-    outside = _outside(found, free.parameters, deviations, estimate.parameters)
+    deviations = restricted.free.propagated_deviations(found.covariance)
+    outside = against(found.model.physical_units, estimate, deviations)
     if found.status not in ("ok", "undetermined") or not outside:
         return replace(found, notes=notes)
     message = f"bounds or priors contradict the log: {outside}: correct them, the model or the log"
@@ -58,21 +57,42 @@ def with_fixed(found: Identification, alone: Identification) -> Identification:
         for i, unit in enumerate(alone.model.physical_units.values())
         if i in known
     )
-    outside = _outside(alone, own, deviations, values)
+    outside = _outside(alone.model.physical_units, own, deviations, values)
     if not outside or (found.status != "ok" and alone.status != "ok"):
         return replace(found, notes=(*found.notes, *notes))
     message = f"given values contradict the log: {outside}: correct them, the model or the log"
     return replace(found, status="contradicted", message=message, notes=(*found.notes, *notes))
 
 
-def _outside(found: Identification, own: FloatArray, deviations: FloatArray, values: FloatArray) -> str:
+def against(units: Mapping[str, str], estimate: PhysicalEstimate, deviations: FloatArray) -> str:
+    """Statement on values that the log, or the priors it needs, do not support; empty if there are none.
+
+    `deviations` are those of the estimate by the log alone.
+    """
+    assert estimate.restricted is not None
+    outside = _outside(units, estimate.restricted.free.parameters, deviations, estimate.parameters)
+    return outside or _beyond_priors(units, estimate.parameters, estimate.restricted.instead)
+
+
+def _outside(units: Mapping[str, str], own: FloatArray, deviations: FloatArray, values: FloatArray) -> str:
     """Statement on values outside the intervals of the unconstrained estimate; empty if all lie inside."""
     far = np.abs(values - own) > _INTERVAL * deviations
-    units = found.model.physical_units.items()
     return ", ".join(
         f"{name} is {values[i]:.4g} where the log alone says {own[i]:.4g} +- {deviations[i]:.2g} {unit}"
-        for i, (name, unit) in enumerate(units)
+        for i, (name, unit) in enumerate(units.items())
         if far[i] and not np.isclose(values[i], own[i], rtol=1e-9, atol=0.0)
+    )
+
+
+def _beyond_priors(
+    units: Mapping[str, str], values: FloatArray, instead: Mapping[int, tuple[float, float]]
+) -> str:
+    """Statement on values outside the 95 % intervals of the priors that determine them with the log; empty if none."""
+    named = list(units.items())
+    return ", ".join(
+        f"{named[i][0]} is {values[i]:.4g} where its prior says {mean:.4g} +- {deviation:.2g} {named[i][1]}"
+        for i, (mean, deviation) in instead.items()
+        if abs(values[i] - mean) > _INTERVAL * deviation
     )
 
 
@@ -86,7 +106,7 @@ def _of_bounds(found: Identification, estimate: PhysicalEstimate, held: Mapping[
 
 
 def _of_priors(found: Identification, estimate: PhysicalEstimate) -> list[str]:
-    """Parameters whose deviation is half due to priors."""
+    """Parameters whose deviation is half due to priors, and those that the log alone does not determine."""
     assert estimate.restricted is not None
     free, now = estimate.restricted.free.standard_deviations, estimate.standard_deviations
     names = [
@@ -94,4 +114,9 @@ def _of_priors(found: Identification, estimate: PhysicalEstimate) -> list[str]:
         for (name, unit), before, after in zip(found.model.physical_units.items(), free, now, strict=True)
         if 0 < after < before / 2
     ]
-    return [f"priors and bounds narrow {', '.join(names)}: these say more than the log"] if names else []
+    narrowed = [f"priors and bounds narrow {', '.join(names)}: these say more than the log"] if names else []
+    units, instead = list(found.model.physical_units), estimate.restricted.instead
+    if not instead:
+        return narrowed
+    rest = [units[i] for i in np.flatnonzero(np.isnan(free)) if np.isfinite(now[i])]
+    return [*narrowed, f"{', '.join(rest)} rest on the prior of {', '.join(units[i] for i in instead)}"]

@@ -32,6 +32,7 @@ from symid.identification.cutoff import CutoffTrial, Estimation, least_uncertain
 from symid.identification.examined_faults import faults_of
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
 from symid.identification.identification_result import Identification, best_covariance
+from symid.identification.inseparable import estimates_by_priors
 from symid.identification.lagging import lag_of
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
@@ -184,6 +185,8 @@ def found_from(
     if fit.status == "ok":
         covariance = best_covariance(fit, correlated)
         physical = physical_estimates(model, fit.parameters, covariance, nominal)
+        if constraints and not physical:
+            physical = estimates_by_priors(model, fit.parameters, covariance, constraints, nominal)
         if constraints:
             physical = (
                 constrained_estimates(model, fit.parameters, covariance, physical, constraints) or physical

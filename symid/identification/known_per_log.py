@@ -16,19 +16,16 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.axis import Axis
-from symid.codegen import GeneratedModel, model_of
+from symid.codegen import model_of
 from symid.data import AnyLog
 from symid.errors import SettingError
+from symid.identification.constraints import Bounds, Constraints, Priors
+from symid.identification.contradiction import against
 from symid.identification.identification_result import Identification, headline_of
 from symid.identification.identify import identify
-from symid.identification.physical import (
-    correlation_root,
-    jacobian,
-    negative_parameters,
-    open_by_structure,
-    open_directions,
-)
+from symid.identification.physical import negative_parameters
 from symid.identification.settings import Preparation
+from symid.identification.stacked import Stacked
 from symid.identification.starts import starts
 from symid.shown import Shown
 
@@ -106,6 +103,8 @@ def identify_with_known(
     *,
     preparation: Preparation | None = None,
     nominal: Mapping[str, float] | None = None,
+    bounds: Bounds | str | None = None,
+    prior: Priors | None = None,
     examine: bool = True,
 ) -> SharedIdentification:
     """Identify an axis from logs with known values of some parameters, which differ from log to log.
@@ -124,6 +123,8 @@ def identify_with_known(
         As in `symid.identify`.
     nominal : mapping of str to float, optional
         Where to begin; found without it as a rule.
+    bounds, prior : mapping, optional
+        Bounds and priors of the shared parameters, as in `symid.identify`.
 
     Raises
     ------
@@ -132,12 +133,13 @@ def identify_with_known(
     """
     _check(logs, known)
     values = list(dict.fromkeys(tuple(sorted(one.items())) for one in known))
+    constraints = Constraints.of(model_of(axis.with_known(known[0]), tuple(signals)), bounds, prior)
     found = []
     for group in values:
         runs = [log for log, one in zip(logs, known, strict=True) if tuple(sorted(one.items())) == group]
         model = model_of(axis.with_known(dict(group)), tuple(signals))
         found.append(identify(model, runs, preparation=preparation, examine=examine))
-    return _shared(axis, tuple(found), tuple(map(dict, values)), nominal)
+    return _shared(axis, tuple(found), tuple(map(dict, values)), nominal, constraints)
 
 
 def _check(logs: Sequence[AnyLog], known: Sequence[Mapping[str, float]]) -> None:
@@ -158,6 +160,7 @@ def _shared(
     groups: tuple[Identification, ...],
     known: tuple[Mapping[str, float], ...],
     nominal: Mapping[str, float] | None,
+    constraints: Constraints,
 ) -> SharedIdentification:
     models = [group.model for group in groups]
     units = {name: str(unit) for name, unit in models[0].physical_units.items()}
@@ -166,7 +169,7 @@ def _shared(
         return SharedIdentification(
             axis.name, groups, known, units, nothing, np.diag(nothing), np.nan, 0, bad.status, bad.message
         )
-    stacked = _Stacked(groups)
+    stacked = Stacked(groups)
     signed = np.array([name in models[0].signed for name in units])
     if nominal and all(name in nominal for name in units):
         guesses = [np.array([nominal[name] for name in units])]
@@ -175,21 +178,28 @@ def _shared(
     fits = [stacked.fitted(guess) for guess in guesses]
     parameters, cost = min((f for f in fits if f is not None), key=lambda one: one[1])
     covariance, loose = stacked.covariance(parameters, list(units))
+    outside = ""
+    if constraints:
+        alone = np.where(np.isin(list(units), loose), np.nan, parameters)
+        if (one := stacked.constrained(alone, covariance, constraints)) is not None:
+            parameters, loose = one.parameters, []
+            covariance, outside = one.covariance, against(units, one, np.sqrt(np.diag(covariance)))
     relations = stacked.minimal.size - parameters.size
     found = SharedIdentification(
         axis.name, groups, known, units, parameters, covariance, cost, relations, "ok", ""
     )
-    status, message = _verdict(found, loose)
+    status, message = _verdict(found, loose, outside)
     values = np.where(np.isin(list(units), loose), np.nan, parameters)
     return SharedIdentification(
         axis.name, groups, known, units, values, covariance, cost, relations, status, message
     )
 
 
-def _verdict(found: SharedIdentification, loose: list[str]) -> tuple[str, str]:
+def _verdict(found: SharedIdentification, loose: list[str], outside: str) -> tuple[str, str]:
     if loose:
         return "no_physical_parameters", (
-            f"the logs do not determine {', '.join(loose)}: give logs with another known payload, or fix one of them"
+            f"the logs do not determine {', '.join(loose)}: give logs with another known payload, or one of them as "
+            "known (`fixed`) or with a `prior`"
         )
     bad = next((group for group in found.groups if group.status not in _AS_EXPECTED), None)
     if bad is not None:
@@ -211,58 +221,9 @@ def _verdict(found: SharedIdentification, loose: list[str]) -> tuple[str, str]:
             f"the logs contradict each other with these known values (chi-square {found.disagreement:.3g} of "
             f"{found.relations}): correct the values, the model or the logs"
         )
+    if outside:
+        return (
+            "contradicted",
+            f"bounds or priors contradict the logs: {outside}: correct them, the model or the logs",
+        )
     return "ok", ""
-
-
-class _Stacked:
-    """The minimal parameters of all groups as one vector."""
-
-    def __init__(self, groups: Sequence[Identification]) -> None:
-        self.models: list[GeneratedModel] = [group.model for group in groups]
-        self.minimal = np.concatenate([group.fit.parameters for group in groups])
-        blocks = [group.covariance for group in groups]
-        self.covariance_of_minimal = np.asarray(scipy.linalg.block_diag(*blocks))
-        self.spread, root = correlation_root(self.minimal, self.covariance_of_minimal)
-        assert root is not None  # a ridge is added
-        self.root = root
-
-    def forward(self, physical: FloatArray) -> FloatArray:
-        """Minimal parameters of all groups."""
-        return np.concatenate([model.minimal_parameters(*physical) for model in self.models])
-
-    def whitened(self, rows: FloatArray) -> FloatArray:
-        """Rows in deviations, uncorrelated."""
-        scaled = rows / self.spread.reshape(-1, *[1] * (rows.ndim - 1))
-        return np.asarray(np.linalg.solve(self.root, scaled))
-
-    def slope(self, physical: FloatArray) -> FloatArray:
-        """Derivatives of the whitened minimal parameters by the physical ones, each relative to its size."""
-        columns = np.vstack([jacobian(model, physical) for model in self.models])
-        return self.whitened(columns * _scale(physical))
-
-    def fitted(self, guess: FloatArray) -> tuple[FloatArray, float] | None:
-        """Parameters fitted from a start, and chi-square."""
-        scale = _scale(guess)
-
-        def misfit(relative: FloatArray) -> FloatArray:
-            return self.whitened(self.forward(relative * scale) - self.minimal)
-
-        with np.errstate(all="ignore"):
-            if not np.isfinite(self.slope(guess)).all():
-                return None
-            found = scipy.optimize.least_squares(misfit, guess / scale, x_scale="jac")
-        return found.x * scale, 2.0 * float(found.cost)
-
-    def covariance(self, physical: FloatArray, names: list[str]) -> tuple[FloatArray, list[str]]:
-        """Covariance of the parameters, nan for those that are not determined, and the names of these."""
-        scale = _scale(physical)
-        # the structural rank, at a generic point, and the rank at the estimate, which may be lower
-        axes, lost = open_directions(self.slope(physical))
-        loose = lost | np.isin(names, open_by_structure(*self.models))
-        covariance = np.asarray((axes.T @ axes) * np.outer(scale, scale))
-        covariance[loose, :] = covariance[:, loose] = np.nan
-        return covariance, [name for name, is_loose in zip(names, loose, strict=True) if is_loose]
-
-
-def _scale(physical: FloatArray) -> FloatArray:
-    return np.where(physical == 0, 1.0, np.abs(physical))

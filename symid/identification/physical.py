@@ -9,7 +9,7 @@ minimum itself is a test of the structure: it follows a chi-square distribution 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
@@ -83,12 +83,14 @@ class PhysicalEstimate:
 class Restricted:
     """How bounds and priors changed an estimate, and what the deviations of priors add to its covariance.
 
-    `held` gives, for each parameter at a bound, what the bound costs, as a chi-square.
+    `held` gives, for each parameter at a bound, what the bound costs, as a chi-square; `instead` gives mean and
+    deviation of the priors of parameters that the log alone leaves open.
     """
 
     free: PhysicalEstimate
     by_prior: FloatArray
     held: Mapping[int, float]
+    instead: Mapping[int, tuple[float, float]] = field(default_factory=dict)
 
 
 def negative_parameters(model: GeneratedModel, physical: FloatArray) -> tuple[str, ...]:

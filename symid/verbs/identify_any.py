@@ -109,8 +109,7 @@ def identify(
     prior : mapping of str to (mean, deviation), optional
         Prior value of parameters, with its standard deviation. Not with "oe".
     known : mapping of str to sequence of float, optional
-        Values of parameters in each log, in the order of the logs, such as the payload, SI; not with another method,
-        with bounds or priors.
+        Values of parameters in each log, in the order of the logs, such as the payload, SI; not with another method.
     loop : ClosedLoop, optional
         The axis under its known controller, for "iv" and "oe"; without it "iv" reads a cascade from the log or tunes
         one, and "oe" predicts each reading from earlier ones.
@@ -149,13 +148,13 @@ def identify(
     _require_possible(method, {"bounds": bounds, "prior": prior, "ddof": ddof, "known": known, "loop": loop})
     settings: dict[str, Any] = {"preparation": preparation, "nominal": nominal, "examine": examine}
     if known is not None:
-        if bounds or prior or ddof is not None:
-            raise SettingError("known= does not go with bounds=, prior= or ddof=: leave these out")
+        if ddof is not None:
+            raise SettingError("known= does not go with ddof=: leave that out")
         declared = axis_of(axis).with_known(fixed or {})
         values = _known_by_log(known, len(given))
         runs = [log_of(declared, log, measured, **columns) for log in given]
         signals = measured_signals(declared, runs, measured)
-        return identify_with_known(declared, runs, values, signals, **settings)
+        return identify_with_known(declared, runs, values, signals, bounds=bounds, prior=prior, **settings)
     if fixed:
         settings |= {"method": method, "ddof": ddof, "bounds": bounds, "prior": prior, "loop": loop}
         return _with_fixed(axis, given, measured, fixed, settings, columns)

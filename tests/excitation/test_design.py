@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
+import symid
 from symid import derive
 from symid.axis import Axis, Body, Drive, Geared, Position, load_axis
 from symid.codegen import load_generated
@@ -13,7 +14,8 @@ from symid.codegen.generate import compiled
 from symid.errors import SettingError
 from symid.excitation import IdentificationTrial, design, references
 from symid.identification import Preparation, identify
-from symid.simulation import Limits, plant_of, simulate, tuned_cascade
+from symid.instrumental import identify_by_instruments
+from symid.simulation import ClosedLoop, Limits, plant_of, simulate, tuned_cascade
 
 TRUTH = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
 LIMITS = Limits((-0.1, 0.1), speed=0.5, acceleration=5.0)
@@ -58,19 +60,67 @@ def test_the_bias_by_encoder_noise_is_taken_off():
     limits = Limits((-0.2, 0.2), speed=1.0, acceleration=8.0)
     moves = next(one for one in references(limits, 10.0, 4000.0, 44.0, 0) if "over 0.0114 at one" in one.name)
 
+    settings = Preparation(held=True, cutoff_hz=100.0)
+
     def masses(sensed: Axis, method: str, runs: int) -> tuple[float, float]:
-        trial = IdentificationTrial(sensed, model, values, controller, limits, method=method)
-        found = [trial.identified(simulate(sensed, values, moves, controller, seed=i)) for i in range(runs)]
-        mass, deviation = (np.mean([one[i]["Ms"] for one in found]) for i in (0, 1))
-        return mass, deviation / math.sqrt(runs)
+        found = []
+        for i in range(runs):
+            log = simulate(sensed, values, moves, controller, seed=i).log
+            if method == "iv":
+                loop = ClosedLoop(sensed, controller, log.sampling_frequency)
+                found.append(identify_by_instruments(model, log, loop, preparation=settings, nominal=values))
+            else:
+                found.append(identify(model, log, preparation=settings, nominal=values, examine="bias"))
+        place = list(found[0].physical_parameters).index("Ms")
+        mass = np.mean([one.physical_parameters["Ms"] for one in found])
+        return mass, np.mean([one.physical_deviations[place] for one in found]) / math.sqrt(runs)
 
     exact, _ = masses(axis.with_signal("q2", noise=0.0), "wls", 1)
     (examined, first), (unbiased, second) = (masses(axis, method, 2) for method in ("wls", "iv"))
     log = simulate(axis, values, moves, controller).log
-    plain = identify(model, log, preparation=Preparation(held=True), nominal=values, examine=False)
+    plain = identify(model, log, preparation=settings, nominal=values, examine=False)
     assert plain.physical_parameters["Ms"] < exact - 5 * first
     assert abs(examined - exact) < 4 * first
     assert abs(unbiased - exact) < 4 * second
+
+
+STRUCTURE = {"Ms": 1700.0, "Fvs": 24000.0, "Ks": 1.3e8, "Mm": 460.0, "Fvm": 104.0, "Fsm": 98.0}
+
+
+def test_every_log_is_identified_at_a_cutoff_that_suits_it():
+    """The first cutoff, 100 Hz, would leave errors of 2 to 5 % in these two of 60 logs; it was kept below 5 %."""
+    axis = load_axis("direct_2m1s").with_signal("q2", noise=1e-7).with_signal("Fm", noise=1.0)
+    controller = tuned_cascade(plant_of(axis, STRUCTURE), "q2", 20.0)
+    limits = Limits((-0.2, 0.2), speed=1.0, acceleration=8.0)
+    name = "moves over 0.0114 at 3 speeds up to 0.287, then multisine, 0.4 to 5 Hz, Schroeder's phases"
+    motion = next(one for one in references(limits, 10.0, 4000.0, 44.0, 0) if one.name == name)
+    for seed in (111, 117):
+        log = simulate(axis, STRUCTURE, motion, controller, seed=seed).log
+        found = identify(
+            load_generated("direct_2m1s"), log, preparation=Preparation(held=True), examine="bias"
+        )
+        deviations = found.physical_deviations / [STRUCTURE[one] for one in found.physical_parameters]
+        assert found.status == "ok"
+        assert deviations.max() < 0.01
+        assert found.physical_parameters == pytest.approx(STRUCTURE, rel=0.015)
+
+
+def test_a_trial_identifies_as_the_command_does():
+    """Accelerometers miss half of each step of a held force, for which `symid identify` allows."""
+    values = STRUCTURE | {"Ml": 120.0, "Kl": 2.4e7, "Fl": 900.0}
+    axis, model = load_axis("direct_3m2s"), load_generated("direct_3m2s")
+    noise = {"q2": 1e-7, "ddq1": 1e-3, "ddql": 1e-3, "Fm": 1.0}
+    for signal, deviation in noise.items():
+        axis = axis.with_signal(signal, noise=deviation)
+    controller, limits = tuned_cascade(plant_of(axis, values), "q2", 20.0), Limits((-0.2, 0.2), 1.0, 8.0)
+    motion = references(limits, 3.0, 2000.0, 80.0, 0)[1]
+    trial = IdentificationTrial(axis, model, values, controller, limits)
+    log = simulate(axis, values, motion, controller).log
+    own = symid.identify(axis, log, preparation=Preparation(held=True), nominal=values)
+    found, _ = trial.identified(simulate(axis, values, motion, controller))
+    plain = identify(model, log, preparation=Preparation(held=True), nominal=values, examine=False)
+    assert found == pytest.approx(own.physical_parameters, rel=1e-6)
+    assert abs(plain.physical_parameters["Fvm"] - found["Fvm"]) > 0.05 * values["Fvm"]
 
 
 def test_the_simulated_axis_keeps_its_limits():
