@@ -115,6 +115,14 @@ controller_options = shared(
 @option("--resolution", multiple=True, metavar="SIGNAL=STEP", help="Step of a signal, SI.")
 @option("--delay", multiple=True, metavar="SIGNAL=TIME", help="Delay of a sensor's reading, such as q=250us.")
 @option("--seed", type=IntRange(0, 2**63), default=0, help="Seed of the noise.")
+@option(
+    "--start",
+    type=Choice(["zero", "equilibrium"]),
+    default="zero",
+    show_default=True,
+    help="State at the first sample: at rest at zero with all springs relaxed, or at rest at the first reference, "
+    "weights held by springs and controllers.",
+)
 @json_option
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
     """Simulate AXIS under its controller along a trajectory and write the log."""
@@ -132,6 +140,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         controllers,
         frequency_hz=options["log_rate"],
         seed=options["seed"],
+        start="equilibrium" if options["start"] == "equilibrium" else None,
         progress=partial(tracked, what="parts of the simulation"),
     )
     write_log(run.log, Path(output))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -14,8 +15,10 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
+from symid.simulation.equilibrium import equilibrium
 from symid.simulation.imperfect_plant import PlantStage, misread_code, stages, steps_for
 from symid.simulation.loop import Loop
+from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import MotionRecord, SensorChannel, in_steps
 from symid.simulation.stepping import SimulationRun
 from symid.simulation.trajectory import Trajectory
@@ -58,7 +61,7 @@ def simulate(
     frequency_hz: float | None = None,
     seed: int = 0,
     steps: int = 1,
-    start: FloatArray | None = None,
+    start: FloatArray | Literal["equilibrium"] | None = None,
     progress: Callable[[Sequence[int]], Iterable[int]] = iter,
 ) -> Simulation:
     """Simulate an axis along a trajectory; the controllers run at the trajectory's rate.
@@ -79,8 +82,9 @@ def simulate(
         Seed of the noise that the signals of the axis declare.
     steps : int
         Steps in one controller sample; only nonlinear laws of speed or displacement need more than one.
-    start : array of shape (2 n,), optional
+    start : array of shape (2 n,) or "equilibrium", optional
         Displacements and velocities of the free bodies at the first sample; at rest at zero by default.
+        "equilibrium" begins at rest at the first reference, weights held by springs and by the controllers.
     progress : callable, optional
         Receives the indices at which blocks of the simulation begin and yields them, to show progress.
 
@@ -118,6 +122,8 @@ def simulate(
         SensorChannel(sensor, plant, n_samples, period, random, misread_code(axis, sensor.signal))
         for sensor in axis.sensors
     ]
+    if isinstance(start, str):
+        start, controllers = _in_equilibrium(axis, plant, paths, controllers, start)
     # Lags, delays and limits of a drive act between its controller and the plant.
     controllers = tuple(
         ThroughDrive(one, chain, np.zeros(n_samples), period) if chain else one
@@ -138,6 +144,17 @@ def simulate(
     log = Log.from_arrays(signals, sampling_period=every * loop.period, source=f"simulated {axis.name}")
     forces = record.forces[:, 0] if loop.n_drives == 1 else record.forces
     return Simulation(log, paths[0].time, record.states[:-1], record.accelerations[:-1], forces)
+
+
+def _in_equilibrium(
+    axis: Axis, plant: Plant, paths: Sequence[Trajectory], controllers: Sequence[Controller], start: str
+) -> tuple[FloatArray, tuple[Controller, ...]]:
+    """State at rest at the first references, and the controllers that hold it."""
+    if start != "equilibrium":
+        raise SettingError(f"start is {start!r}: give 'equilibrium', or displacements and velocities")
+    begin = (float(path.position[0]) for path in paths)
+    state, forces = equilibrium(plant, dict(zip(axis.controlled_signals, begin, strict=True)))
+    return state, tuple(one.holding(float(force)) for one, force in zip(controllers, forces, strict=True))
 
 
 def _run(

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.errors import SettingError
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,16 @@ class Controller(ABC):
         """State before the first sample."""
         return np.zeros(0)
 
+    def holding(self, force: float) -> Controller:
+        """Controller with a state before the first sample in which it holds a force.
+
+        SettingError if the class does not say how.
+        """
+        raise SettingError(
+            f"{type(self).__name__} does not say how it holds {force:.4g} at the first sample: give it a method "
+            "`holding`, or give `start` as displacements and velocities"
+        )
+
     def linear(self, period: float) -> LinearLaw | None:
         """The law as matrices, if it is linear from the second sample on; the compiled loop then includes it.
 
@@ -117,6 +128,10 @@ class OpenLoop(Controller):
     ) -> tuple[float, FloatArray]:
         """Drive force at this sample; the last value is kept beyond the end."""
         return float(self.forces[min(command.index, len(self.forces) - 1)]), state
+
+    def holding(self, force: float) -> OpenLoop:
+        """Itself: its forces are given."""
+        return self
 
     def linear(self, period: float) -> LinearLaw:
         """The law with the given force alone."""
@@ -145,6 +160,8 @@ class Cascade(Controller):
         Kfa in kg and Kfv in N s/m.
     force_limit : float
         Largest force, N; the integral does not grow while the force is at this limit.
+    held : float
+        Force that the integral holds before the first sample, N, as that of a drive whose brake opens.
     """
 
     signal: str
@@ -154,6 +171,13 @@ class Cascade(Controller):
     acceleration_feedforward: float = 0.0
     velocity_feedforward: float = 0.0
     force_limit: float = math.inf
+    held: float = 0.0
+
+    def holding(self, force: float) -> Cascade:
+        """The cascade whose integral holds a force before the first sample."""
+        if force and not self.velocity_gain:
+            raise SettingError(f"a cascade without velocity gain cannot hold {force:.4g}: give it one")
+        return replace(self, held=force)
 
     def with_gains(self, **gains: float) -> Cascade:
         """A cascade with other gains, given by field name."""
@@ -167,7 +191,8 @@ class Cascade(Controller):
     @property
     def start(self) -> FloatArray:
         """Integral of the velocity error, last position, and 1 once there is a last position."""
-        return np.zeros(3)
+        integral = self.held / self.velocity_gain if self.held else 0.0
+        return np.array([integral, 0.0, 0.0])
 
     def force(
         self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
@@ -226,6 +251,10 @@ class Replay(Controller):
     def signals(self) -> tuple[str, ...]:
         """The controlled position."""
         return self.cascade.signals
+
+    def holding(self, force: float) -> Replay:
+        """Itself: its forces are given."""
+        return self
 
     @property
     def start(self) -> FloatArray:
