@@ -22,8 +22,9 @@ from symid.simulation.plant import JointLaw, Plant, ScaledLaw, SensorRow, conden
 _MATRICES = ("stiffness", "damping", "mass")
 _DERIVED = 32
 """Number of declarations whose forward dynamics are cached."""
-_FASTER = 1e5
-"""Rate at which a node with a light mass comes to its balance, over the rate at which that relaxes."""
+_FASTER, _FASTER_BESIDE_FRICTION = 1e5, 1e3
+"""Rate at which a node with a light mass comes to its balance, over the rate at which that relaxes. Events of friction
+are located in steps that resolve it: they would take a hundred times as long with the first."""
 
 
 @of_any_axis
@@ -206,7 +207,8 @@ def _light_masses(plant: Plant, nodes: BoolArray) -> FloatArray:
     """
     springs, dampers = plant.stiffness.diagonal(), plant.damping.diagonal()
     damped = nodes & (springs > 0.0) & (dampers > 0.0)
-    return np.where(damped, dampers**2 / (_FASTER * np.where(damped, springs, 1.0)), 0.0)
+    faster = _FASTER_BESIDE_FRICTION if plant.laws else _FASTER
+    return np.where(damped, dampers**2 / (faster * np.where(damped, springs, 1.0)), 0.0)
 
 
 def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:

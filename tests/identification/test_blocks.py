@@ -64,7 +64,7 @@ def compared(found: Identification, whole: Identification) -> None:
 @pytest.mark.parametrize(
     "settings",
     [
-        {},
+        {"cutoff_hz": 80.0},
         {"cutoff_hz": 60.0, "decimation": 1},
         {"cutoff_hz": 40.0, "decimation": 7, "trim": (13, 0), "late": {"F": 2.3e-3}},
         {"cutoff_hz": 40.0, "filter_force": False, "standstill": 0.02},
@@ -100,7 +100,8 @@ def test_several_logs_of_which_one_is_long() -> None:
 
 def test_rows_of_the_first_block_are_kept_with_the_preparation_of_the_whole_log() -> None:
     log, model = rigid(20_000), load_generated("rigid_1m")
-    long, whole = identify(model, LongLog.of(log, 5000)), identify(model, log)
+    settings = Preparation(cutoff_hz=80.0)
+    long, whole = (identify(model, one, preparation=settings) for one in (LongLog.of(log, 5000), log))
     first, every = long.observations[0], whole.observations[0]
     assert 0 < first.time.size < every.time.size
     np.testing.assert_allclose(first.time, every.time[: first.time.size], rtol=1e-12)
