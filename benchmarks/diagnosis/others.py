@@ -16,6 +16,7 @@ least a half.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,15 +63,19 @@ def is_close(case: Case, effects: tuple[FoundEffect, ...]) -> bool:
     return False
 
 
-def judged(case: Case, seed: int) -> Row:
-    """A case diagnosed, its answer judged."""
+def judged(case: Case, seed: int, also: Collection[str] = (), aside: Collection[str] = ()) -> Row:
+    """A case diagnosed, its answer judged.
+
+    Effects `also` are right as well; those `aside` are the recorder's, and the first one is the first beside them.
+    """
     log, other = (*case.logs, None)[:2]
     nominal = {name: case.nominal[name] for name in case.model.physical_parameters}
     found: Diagnosis = diagnose(case.model, log, validation=other, nominal=nominal)
     complete = square_left(case, case.complete)
     without = square_left(case, case.model) if case.lacks != "none" else complete
     counts = case.lacks != "none" and without > CLEAR * max(complete, CLEAR)
-    right = any(case.effect in names(first) for first in found.effects[:1])
+    machines_own = [own for own in found.effects if own.effect not in aside]
+    right = any(not names(first).isdisjoint({case.effect, *also}) for first in machines_own[:1])
     close = is_close(case, found.effects)
     false = len(false_effects(found.effects, case.there))
     first = tuple((e.probability, not names(e).isdisjoint(case.there)) for e in found.effects[:1])
@@ -96,6 +101,11 @@ def main() -> None:
             print(rows[-1].line, flush=True)
         except SymidError as error:
             print(f"{seed:6} refused: {error}", flush=True)
+    print_sums(rows)
+
+
+def print_sums(rows: Sequence[Row]) -> None:
+    """How many of some cases are right."""
     seen, firsts = [row for row in rows if row.counts], [one for row in rows for one in row.first]
     none = [row for row in rows if row.complete]
     print(f"the law lacking is named first in {sum(row.right for row in seen)} of {len(seen)} that count")

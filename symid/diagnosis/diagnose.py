@@ -23,6 +23,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import is_contradicted, with_motion
+from symid.diagnosis.late_reading import lateness, with_late_reading
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.integrated_speed import with_positions
@@ -48,6 +49,8 @@ from symid.simulation.forward_dynamics import forward_dynamics
 _ELSEWHERE = 5.0
 """Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which
 on something acts there that does not act here."""
+_MOST_READINGS = 3
+"""Most steps to the time by which a reading is late: the errors that it makes hide a part of it."""
 _ONLY_IN_VALIDATION = (
     "The effect shows in the validation log and hardly in the other one. It was identified from two thirds of the "
     "former, and the gap measured on the rest."
@@ -168,7 +171,7 @@ def _either_way(
     axis: Axis, runs: Runs, nominal: Mapping[str, float] | None, recorded: Recorded, library: Sequence[Effect]
 ) -> Diagnosis:
     """Identified from the logs, or from the validation logs where these alone show the effect."""
-    found = _diagnosed(axis, runs, nominal, recorded, library)
+    found = _physically_read(axis, runs, nominal, recorded, library)
     validation = runs[1]
     if validation is None or not _shows_in_validation(found):
         return found
@@ -178,6 +181,22 @@ def _either_way(
     if found.verdict == "partly" and not other.gap.unexplained_share < found.gap.unexplained_share:
         return found
     return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
+
+
+def _physically_read(
+    axis: Axis, runs: Runs, nominal: Mapping[str, float] | None, recorded: Recorded, library: Sequence[Effect]
+) -> Diagnosis:
+    """Diagnosed with the reading of a load taken as late where friction would be negative without."""
+    found = late = _diagnosed(axis, runs, nominal, recorded, library)
+    times: dict[str, float] = {}
+    for _ in range(_MOST_READINGS):
+        if not (further := lateness(axis, late)):
+            break
+        delays = {sensor.signal: sensor.delay for sensor in axis.sensors} | dict(recorded.late) | times
+        times = {signal: delays[signal] + time for signal, time in further.items()}
+        read = replace(recorded, late={**recorded.late, **times})
+        late = _diagnosed(axis, runs, nominal, read, library)
+    return with_late_reading(found, late, times) if times else found
 
 
 def _shows_in_validation(found: Diagnosis) -> bool:

@@ -1,10 +1,13 @@
 """Values that no machine has speak against the effects beside them."""
 
+import sys
+
 import numpy as np
+import pytest
 
 from symid import load_axis
 from symid.data import Log
-from symid.diagnosis import diagnose
+from symid.diagnosis import Diagnosis, diagnose
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 SCREW = load_axis("ballscrew_2m1s")
@@ -29,9 +32,20 @@ def late_by_a_sample(seed: int) -> Log:
     return Log.from_arrays(columns, sampling_period=log.sampling_period)
 
 
-def test_a_cause_beside_impossible_damping_is_not_probable() -> None:
-    found = diagnose(SCREW, late_by_a_sample(1), validation=late_by_a_sample(2), nominal=VALUES)
+def late_load() -> Diagnosis:
+    return diagnose(SCREW, late_by_a_sample(1), validation=late_by_a_sample(2), nominal=VALUES)
+
+
+def test_a_cause_beside_impossible_damping_is_not_probable(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules["symid.diagnosis.diagnose"], "lateness", lambda axis, found: {})
+    found = late_load()
     first = found.effects[0]
     assert first.effect == "sensor_delay" or first.probability <= 0.5
     assert first.effect == "sensor_delay" or found.probabilities["unexplained"] >= 0.45
     assert first.effect == "sensor_delay" or any(own.is_far_from_physical for own in found.parameters)
+
+
+def test_the_reading_that_makes_it_impossible_is_named() -> None:
+    found = late_load()
+    assert found.faults[0].startswith("ql is read 1 ms late against qm")
+    assert {own.name: own.explained for own in found.parameters} == pytest.approx(VALUES, rel=0.03)
