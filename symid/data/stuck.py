@@ -22,6 +22,7 @@ _STUCK_SAMPLES: Final = 20  # shortest run of equal values that can be called st
 _CLIPPED_SAMPLES: Final = 5  # shortest run at an extreme value that can be called clipped
 _USUAL_RUNS: Final = 10  # times the median run: coarse encoders and slow controllers repeat values by nature
 _TRAVEL: Final = 0.05  # of its whole range, by which another position moves in a span that is not at rest
+_TOGETHER: Final = 0.9  # least correlation of two positions that move together
 _CLIPPED_SHARE: Final = 0.001  # of all samples: the least for a note on a clipped force
 _FEW_STEPS: Final = 10  # changes of a force that are a sequence of steps
 _SOME: Final = 1000  # samples that are looked at before all of them
@@ -157,7 +158,10 @@ def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:
 
 
 def _left_behind(x: FloatArray, runs: _Runs, others: list[FloatArray]) -> _Runs:
-    """Runs of a position during which another position travels, or at whose end it jumps."""
+    """Runs of a position during which another that moves with it travels, or at whose end it jumps.
+
+    A deflection, or a body that swings on a spring, moves also while the position rests.
+    """
     if not runs.start.size:
         return runs
     stop = runs.start + runs.length
@@ -167,7 +171,17 @@ def _left_behind(x: FloatArray, runs: _Runs, others: list[FloatArray]) -> _Runs:
     usual = step.copy()
     usual[inner] = 0.0
     jumps[stop < x.size] = step[inner] > 2.0 * float(usual.max())
-    return runs.only(jumps | _travels(runs, others, _TRAVEL))
+    outside = np.ones(x.size, dtype=np.bool_)
+    for start, end in zip(runs.start, stop, strict=True):
+        outside[start:end] = False
+    together = [y for y in others if _correlation(x[outside], y[outside]) > _TOGETHER]
+    return runs.only(jumps | _travels(runs, together, _TRAVEL))
+
+
+def _correlation(x: FloatArray, y: FloatArray) -> float:
+    """Absolute correlation of two signals; 0 where one does not change."""
+    changes = x.size > 1 and np.ptp(x) > 0.0 and np.ptp(y) > 0.0
+    return abs(float(np.corrcoef(x, y)[0, 1])) if changes else 0.0
 
 
 def _between_steps(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:

@@ -52,6 +52,16 @@ def test_a_position_that_dies_is_noted_by_the_reference():
     assert "from t = 4.5 s to 7.999 s" in note
 
 
+def test_a_deflection_that_swings_while_the_motor_rests_is_no_stuck_motor():
+    signals = machine()
+    del signals["reference"]
+    signals["d"] = 1e-3 * np.sin(40 * TIME)
+    assert inspect_spans(TIME, signals, ["q", "d"]) == ()
+    signals["q2"] = signals["q"] + signals["d"]  # an encoder of the load tells it
+    signals["q"][2300:2700] = signals["q"][2300]
+    assert inspect_spans(TIME, signals, ["q", "d", "q2"])[0].startswith("'q' keeps")
+
+
 def test_a_stuck_force_is_noted_while_the_machine_moves():
     signals = machine()
     signals["F"][300:600] = signals["F"][300]
