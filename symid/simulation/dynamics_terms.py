@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -29,6 +30,18 @@ class LawTerm:
         """The law of NumPy code; SymidError if the code is not in the law language."""
         program(code, ("q", "v"))  # refuses any other code before it is evaluated
         return cls(parameter, code, array_function(code))
+
+    def geared(self, ratio: float) -> LawTerm:
+        """The law in a joint that moves 1/ratio times as far: ratio f(ratio q, ratio v).
+
+        >>> term = LawTerm.of(Polynomial(((2.0, (1,)),)), "np.sign(v)").geared(-0.5)
+        >>> term.parameter.at([3.0]), term.forces(0.0, 1.0)
+        (-3.0, -1.0)
+        """
+        scaled = Polynomial(
+            tuple((ratio * coefficient, powers) for coefficient, powers in self.parameter.terms)
+        )
+        return LawTerm.of(scaled, re.sub(r"\b([qv])\b", rf"({ratio!r}*\1)", self.code))
 
 
 class SensorTerms(NamedTuple):

@@ -17,6 +17,8 @@ from symid.simulation.plant import Plant
 
 ORDER = 20
 """Terms of the Taylor series; within `Flow.reach` the next one is below 1/20! = 4e-19 of the first."""
+_DEPENDENT = 1e-10
+"""Relative eigenvalue of the mobility of stuck joints, each scaled to 1, below which they depend on each other."""
 
 
 class Flow:
@@ -44,7 +46,11 @@ class Flow:
         self.stuck = tuple(stuck)
         inverse = np.linalg.inv(plant.mass)
         directions = np.array([plant.laws[j].direction for j in stuck]).reshape(len(self.stuck), n)
-        holding = np.linalg.solve(directions @ inverse @ directions.T, directions @ inverse)
+        # Joints that depend on each other, such as two carriages and the turn of their beam, share what holds them.
+        felt = directions @ inverse @ directions.T
+        size = 1.0 / np.sqrt(np.diag(felt))
+        shared = np.linalg.pinv(felt * np.outer(size, size), rcond=_DEPENDENT, hermitian=True)
+        holding = np.outer(size, size) * shared @ directions @ inverse
         free = inverse - inverse @ directions.T @ holding
         motion = np.hstack([plant.stiffness, plant.damping])
         self.acceleration_rows = np.hstack([-free @ motion, free])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import compress
@@ -252,11 +252,12 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
 
         record = dynamics_record(axis)
 
+    read = {tuple(sensor["row"]) for sensor in record["sensors"].values() if sensor.get("law")}
     joints: dict[tuple[float, ...], list[LawTerm]] = {}
     for law in record["laws"]:
-        joints.setdefault(tuple(law["direction"]), []).append(
-            LawTerm.of(_polynomial(law["parameter"]), law["code"])
-        )
+        joint, ratio = _joint_of(tuple(law["direction"]), joints, read)
+        term = LawTerm.of(_polynomial(law["parameter"]), law["code"])
+        joints.setdefault(joint, []).append(term if ratio == 1.0 else term.geared(ratio))
     return ForwardDynamics(
         axis=axis,
         parameters=tuple(axis.physical_parameters),
@@ -281,6 +282,22 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
             }
         ),
     )
+
+
+def _joint_of(
+    direction: tuple[float, ...], joints: Iterable[tuple[float, ...]], read: Container[tuple[float, ...]]
+) -> tuple[tuple[float, ...], float]:
+    """The joint that moves with a direction, and by how much of it; the direction itself if there is none yet.
+
+    Two racks on one pinion slide and stick together: their laws act in one joint. A force sensor reads its own.
+    """
+    own = np.array(direction)
+    for joint in () if direction in read else joints:
+        other = np.array(joint)
+        ratio = float(own @ other / (other @ other))
+        if joint not in read and np.allclose(own, ratio * other, rtol=1e-12, atol=0.0):
+            return joint, ratio
+    return direction, 1.0
 
 
 def _polynomials(matrix: Sequence[Sequence[Any]]) -> tuple[tuple[Polynomial, ...], ...]:
