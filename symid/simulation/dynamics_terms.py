@@ -35,7 +35,7 @@ class LawTerm:
         """The law in a joint that moves 1/ratio times as far: ratio f(ratio q, ratio v).
 
         >>> term = LawTerm.of(Polynomial(((2.0, (1,)),)), "np.sign(v)").geared(-0.5)
-        >>> term.parameter.at([3.0]), term.forces(0.0, 1.0)
+        >>> term.parameter.at([3.0]), float(term.forces(0.0, 1.0))
         (-3.0, -1.0)
         """
         scaled = Polynomial(
