@@ -28,6 +28,8 @@ _DISAGREE = 3.0
 """Difference of two methods, in deviations, that is accepted: deviations do not cover all errors of a method."""
 _NOTICEABLE = 0.05
 """Relative difference of two methods below which it is not reported."""
+_SEEN = 1e-6
+"""Least part of a joint's motion, scaled to 1, that counts as unread."""
 _MUCH_CORRELATED = 8.0
 """Such a ratio that is a fault by itself. EMPS, whose friction deviates from the declared one, has 3 to 5."""
 
@@ -78,6 +80,7 @@ def verdict_of(
         or _change_remark(found, criteria)
         or _apart_remark(found, alone)
         or _regression_remark(found, regression)
+        or _hidden_friction_remark(found)
     ):
         return "poor_fit", doubt
     if _inflation(found) > _CORRELATED:
@@ -186,6 +189,26 @@ def _regression_remark(found: OutputErrorIdentification, regression: Identificat
     ]
     cure = "one of them is biased; compare the logs' noise, timing and drive with what is declared"
     return f"least squares and output error differ in {', '.join(far)}: {cure}" if far else ""
+
+
+def _hidden_friction_remark(found: OutputErrorIdentification) -> str:
+    """Remark on dry friction that no sensor of motion reads, where predictions from the force do not follow it.
+
+    A predictor does not know whether such a joint sticks; masses on both sides of a spring were exchanged beside "ok".
+    """
+    fit = found.fit
+    if fit is None or found.comparison.force == "simulated" or _inflation(found) <= _CORRELATED:
+        return ""
+    plant = fit.search.dynamics.at(fit.search.parameters)
+    sensors = (plant.sensors[signal] for signal in found.model.measured)
+    seen = [sensor.row / np.linalg.norm(sensor.row) for sensor in sensors if sensor.order in (0, 1)]
+    dry = [law.direction / np.linalg.norm(law.direction) for law in plant.laws if law.can_hold]
+    if not any(np.linalg.matrix_rank([*seen, row], tol=_SEEN) > len(seen) for row in dry):
+        return ""
+    return (
+        f"{_correlated_remark(found)}: dry friction acts where no sensor reads the motion; give `controller`, so that "
+        "the closed loop is simulated, or add a sensor there"
+    )
 
 
 def _inflation(found: OutputErrorIdentification) -> float:

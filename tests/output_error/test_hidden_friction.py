@@ -9,7 +9,7 @@ from symid import Axis, Between, Body, CoulombFriction, Drive, Position, Spring,
 from symid.errors import EliminationError
 from symid.output_error import identify_output_error
 from symid.output_error.hidden_laws import models_of
-from symid.simulation import Cascade, ClosedLoop, simulate, trapezoids
+from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids, tuned_cascade
 
 MOTOR, LOAD = Body("motor", mass="Mm"), Body("load", mass="Ml")
 SHAFT = Spring("shaft", Between(first=MOTOR, second=LOAD), stiffness="K", damping="D")
@@ -52,3 +52,20 @@ def test_names_and_maps_are_those_of_the_axis_without_the_hidden_law() -> None:
     assert np.array_equal(X[:-1], visible.minimal_parameters(*(v for n, v in TRUE.items() if n != "Fl")))
     seen = models_of(AXIS.without(LAWS[2]), ("qm",))
     assert seen.whole is seen.visible
+
+
+def test_without_the_controller_it_is_no_ok() -> None:
+    """Predictions from the force do not know whether the load sticks: both masses come out exchanged."""
+    elements = (MOTOR, LOAD, ViscousFriction(MOTOR, "Fv"), CoulombFriction(LOAD, "Fl"), SHAFT)
+    sensors = (Position("qm", MOTOR, noise=1e-7),)
+    axis = Axis("hidden_load", elements, Drive("F", MOTOR, held=True, noise=0.3), sensors)
+    values = {"Mm": 10.0, "Ml": 20.0, "Fv": 50.0, "Fl": 8.0, "K": 2e5, "D": 100.0}
+    path = trapezoids(
+        [0.18, 0.06], [0.15, 0.5], acceleration=4.0, jerk=160.0, dwell=0.15, sampling_period=1e-3
+    )
+    loop = tuned_cascade(plant_of(axis, values), "qm", 10.0)
+    log = simulate(axis, values, path, loop, seed=3).log
+    near = {name: 1.2 * value for name, value in values.items()}
+    found = identify_output_error(axis, ("qm",), log, nominal=near)
+    assert found.status == "poor_fit"
+    assert "give `controller`" in found.message
