@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.effects.effect import JointEffect, Shape, joint_units, sampled
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
@@ -32,9 +32,14 @@ class NonparametricLaw(JointEffect):
         # Inertia and friction of the axis are such functions too. They are taken out, or a large mass and its opposite
         # here would fit with the small difference of how the two are computed.
         of_axis = np.stack([joint.a, joint.v, np.sign(joint.v)])
-        inside = prediction.record.in_log
-        shares = np.linalg.lstsq(of_axis[:, inside].T, functions[:, inside].T, rcond=None)[0]
-        return sampled(prediction, *_independent(functions - shares.T @ of_axis, inside), joint=joint)
+        inside = slice(
+            np.count_nonzero(prediction.record.in_log)
+        )  # the log stands at the beginning of its period
+        shares = functions[:, inside] @ np.linalg.pinv(of_axis[:, inside])
+        for i, share in enumerate(shares):
+            functions[i] -= share @ of_axis
+        combined = _independent(functions, inside)
+        return np.concatenate([sampled(prediction, function, joint=joint) for function in combined])
 
     def _hats(self, prediction: Prediction, x: FloatArray) -> FloatArray:
         """Functions of a quantity on the fine grid that are 1 at a knot and 0 at the others, of shape (n_knots, n)."""
@@ -46,8 +51,8 @@ class NonparametricLaw(JointEffect):
         return (str(joint_units(prediction, place)[0]),) * len(self.amplitudes)
 
 
-def _independent(functions: FloatArray, inside: BoolArray) -> FloatArray:
+def _independent(functions: FloatArray, inside: slice) -> FloatArray:
     """Combinations of functions that are orthogonal within the log; zero in place of dependent ones."""
-    left, sizes, _ = np.linalg.svd(functions[:, inside], full_matrices=False)
+    left, sizes, _ = np.linalg.svd(np.asarray(np.linalg.qr(functions[:, inside].T, mode="r")).T)
     weights = np.divide(1.0, sizes, out=np.zeros_like(sizes), where=sizes > _RANK * sizes[0])
     return np.asarray((left * weights).T @ functions)

@@ -22,7 +22,7 @@ from symid.diagnosis.effects import JointEffect, Key
 from symid.diagnosis.experiment.candidates import Envelope, candidate_motions
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit, fitted
-from symid.diagnosis.fitting.state import State
+from symid.diagnosis.fitting.state import State, with_errors
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.priors import temperature
@@ -243,8 +243,8 @@ def _rows(weighting: Weighting) -> float:
 
 def _linear(model: State, truth: State, weighting: Weighting) -> float:
     """Logarithm of the increase of the noise's mean square by the part of the truth outside the model's columns."""
-    rows = weighting.rows(model.errors - truth.errors)
-    return math.log1p(Fit(replace(model, rows=rows), weighting).mean_square)
+    apart = with_errors(model.weighted(weighting), model.errors - truth.errors)
+    return math.log1p(Fit(apart, weighting).mean_square)
 
 
 def _fitted(model: State, truth: State, weighting: Weighting) -> float:

@@ -60,7 +60,7 @@ class Blocks:
     def squares(self) -> FloatArray:
         """Sum of squared errors of each block when it is left out, of shape (n_outputs, n_blocks)."""
         whole, free = self._normal.sum(axis=0), np.flatnonzero(self.free)
-        columns = self.columns[free]
+        columns = self.columns if self.free.all() else self.columns[free]
         found = np.zeros((len(self.errors), len(self.members)))
         for b, rows in enumerate(self.members):
             left = (whole - _LEFT_OUT * self._normal[b])[np.ix_(free, free)]
@@ -103,8 +103,9 @@ def cross_validation_blocks(state: State, weighting: Weighting, columns: FloatAr
     n_outputs, n_kept = len(state.rows), int(weighting.kept.sum())
     scale = np.linalg.norm(known, axis=1)
     scale = np.where(scale > 0, scale, 1.0)
+    known /= scale[:, None]
     return Blocks(
-        (known / scale[:, None]).reshape(len(known), n_outputs, n_kept),
+        known.reshape(len(known), n_outputs, n_kept),
         scale,
         errors.reshape(n_outputs, n_kept),
         _blocks(n_kept),

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis, Spring
 from symid.diagnosis.effects import Key, Placed
 from symid.diagnosis.fitting.bounds import beyond_bounds, moved_to_bounds
@@ -58,20 +58,15 @@ class Fit:
 
         Only `squares` stay cached, as every fit is asked for them.
         """
-        state = replace(self.state, prediction=replace(self.state.prediction))
-        kept = replace(self, state=state, weighting=self.weighting.released())
+        weighting = self.weighting.released()
+        kept = replace(self, state=self.state.released(weighting), weighting=weighting)
         vars(kept)["squares"] = self.squares
         return kept
 
     @cached_property
-    def spectra(self) -> ComplexArray:
-        """Derivatives of the prediction by parameters and effects' values, of shape (n_columns, n_outputs, n_bins)."""
-        return prediction_jacobian(self.state)
-
-    @cached_property
     def columns(self) -> FloatArray:
-        """Weighted rows of `spectra`, of shape (n_columns, n_outputs, n_rows)."""
-        return self.weighting.rows(self.spectra)
+        """Weighted rows of the derivatives of the prediction by all values, of shape (n_columns, n_outputs, n_rows)."""
+        return self.weighting.rows(prediction_jacobian(self.state))
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -155,8 +150,8 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolAr
         found = _step_within_bounds(fit, free)
         if found is None:
             break
-        before, fit = fit, found
-        if fit.cost > before.cost * (1 - _SETTLED):
+        before, fit = fit.cost, found
+        if fit.cost > before * (1 - _SETTLED):
             break
     return fit
 
@@ -273,14 +268,14 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
         return None
     scale = np.linalg.norm(flat, axis=1)
     scale = np.where(scale > 0, scale, 1.0)
-    unit = flat / scale[:, None]
-    normal, gradient = unit @ unit.T, unit @ error
+    flat /= scale[:, None]
+    normal, gradient = flat @ flat.T, flat @ error
     try:
-        undamped = solved(flat.T, error)
+        undamped = np.linalg.lstsq(flat.T, error, rcond=_RANK)[0] / scale
     except np.linalg.LinAlgError:
         undamped = np.zeros(len(flat))
     # The Gauss-Newton step predicts by how much the cost can fall at best.
-    if (flat @ error) @ undamped < _SETTLED * fit.cost:
+    if (gradient * scale) @ undamped < _SETTLED * fit.cost:
         return None
     for damping in _DAMPINGS:
         try:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import chain
 
 import numpy as np
@@ -36,10 +37,7 @@ class State:
 
     prediction: Prediction  # motion and prediction
     placed: tuple[Placed, ...]  # effects with values
-    errors: ComplexArray  # shape (n_outputs, n_bins): measured less predicted outputs
-    rows: FloatArray  # shape (n_outputs, n_rows): weighted errors
-    # shape (n_starts, n_outputs, n_rows): contribution of an unknown state at the beginning of the log to the rows
-    beginning: FloatArray
+    weighting: Weighting  # of the errors
     # least and largest values of masses and stiffnesses that a fit may take, SI
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
@@ -64,11 +62,29 @@ class State:
 
     def weighted(self, weighting: Weighting) -> State:
         """The state with other weights."""
+        return with_errors(replace(self, weighting=weighting), self.errors)
+
+    def released(self, weighting: Weighting) -> State:
+        """The state without cached arrays, which are recomputed on demand, and with weights that have none."""
+        return replace(self, prediction=self.prediction.released(), weighting=weighting)
+
+    @cached_property
+    def errors(self) -> ComplexArray:
+        """Measured less predicted outputs, of shape (n_outputs, n_bins)."""
+        return output_errors(self.prediction, self.placed)
+
+    @cached_property
+    def rows(self) -> FloatArray:
+        """Weighted errors, of shape (n_outputs, n_rows)."""
+        return self.weighting.rows(self.errors)
+
+    @cached_property
+    def beginning(self) -> FloatArray:
+        """Contribution of an unknown state at the beginning of the log to the rows, (n_starts, n_outputs, n_rows)."""
         prediction = self.prediction
         of_effects = (item.effect.free_motion(prediction, item) for item in self.placed)
         free = (*prediction.hidden, *chain.from_iterable(of_effects))
-        beginning = weighting.rows(starting_pulses(prediction.record, free))
-        return replace(self, rows=weighting.rows(self.errors), beginning=beginning)
+        return self.weighting.rows(starting_pulses(prediction.record, free))
 
 
 def first_state(
@@ -93,7 +109,7 @@ def first_state(
             "rests are left out; take a longer log, one that moves more or is read finer, or a second one for the "
             "validation"
         )
-    first = _state(prediction, (), record.measured - prediction.outputs, weighting)
+    first = State(prediction, (), weighting)
     declared = tuple(
         replace(item, integrated=can_integrate(prediction, item)) for item in declared_effects(prediction)
     )
@@ -107,14 +123,15 @@ def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) ->
     """
     prediction = state.prediction.leveled(levels)
     weighting = weighting_in(prediction, allowed)
-    return replace(state, prediction=prediction).weighted(weighting), weighting
+    found = replace(state, prediction=prediction, weighting=weighting)
+    return with_errors(found, state.errors), weighting
 
 
-def _state(
-    prediction: Prediction, placed: tuple[Placed, ...], errors: ComplexArray, weighting: Weighting
-) -> State:
-    nothing = np.zeros((0, 0, 0))
-    return State(prediction, placed, errors, nothing, nothing).weighted(weighting)
+def with_errors(state: State, errors: ComplexArray) -> State:
+    """The state with errors that are known already, or with others."""
+    found = replace(state)
+    vars(found)["errors"] = errors
+    return found
 
 
 def weighting_in(prediction: Prediction, allowed: BoolArray | None) -> Weighting:
@@ -135,7 +152,7 @@ def evaluated(
 ) -> State:
     """The state with other parameters and effects, whose forces are computed from the motion of the given state."""
     prediction, errors = predicted(state, parameters, placed)
-    return replace(_state(prediction, placed, errors, weighting), bounds=state.bounds)
+    return with_errors(State(prediction, placed, weighting, state.bounds), errors)
 
 
 def predicted(
@@ -149,11 +166,16 @@ def predicted(
     if any(item.effect.implicit and not item.integrated for item in placed):
         for _ in range(_BALANCED):
             prediction = _acted_on(prediction, parameters, placed, nearby=nearby)
+    return prediction, output_errors(prediction, placed)
+
+
+def output_errors(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
+    """Measured less predicted outputs with effects, of shape (n_outputs, n_bins)."""
     outputs = passed_on(prediction, placed, as_read(prediction, placed))
     for item in placed:
         if item.effect.is_of_command:
             outputs = outputs + item.change(prediction)
-    return prediction, prediction.record.measured - outputs
+    return prediction.record.measured - outputs
 
 
 def as_read(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:

@@ -17,11 +17,8 @@ from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motio
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.prediction.response import Response, noise_weights, response_of
+from symid.diagnosis.prediction.response import Impedance, Response, noise_weights, response_of
 from symid.simulation.plant import direction_of
-
-Impedance = tuple[FloatArray, ComplexArray]
-"""Direction over the bodies and dynamic stiffness."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +39,6 @@ class Prediction:
         Motion of the bodies corrected to the readings of further position sensors; laws are evaluated at it.
     forces : array of shape (n_bins, n_bodies)
         Forces of effects on the bodies.
-    density : array of shape (n_outputs, n_bins)
-        Weights of the outputs over frequency.
     of_integrated : array of shape (n_bins, n_bodies), optional
         Forces of effects that were integrated with the hidden motion; `displacements` are then the integrated ones,
         and the response has equivalent springs and dampers in place of these effects.
@@ -61,7 +56,6 @@ class Prediction:
     displacements: ComplexArray
     observed: ComplexArray
     forces: ComplexArray
-    density: FloatArray
     of_integrated: ComplexArray | None = None
     impedances: tuple[Impedance, ...] = ()
     levels: tuple[float, ...] = ()
@@ -69,8 +63,16 @@ class Prediction:
 
     def leveled(self, levels: Sequence[float]) -> Prediction:
         """The prediction with weights that allow for other errors of the model."""
-        density = noise_weights(self.record, self.response, levels)
-        return replace(self, density=density, levels=tuple(levels))
+        return replace(self, levels=tuple(levels))
+
+    def released(self) -> Prediction:
+        """The prediction without cached arrays, which are recomputed on demand."""
+        return replace(self, response=self.response.released())
+
+    @cached_property
+    def density(self) -> FloatArray:
+        """Weights of the outputs over frequency, of shape (n_outputs, n_bins)."""
+        return noise_weights(self.record, self.response, self.levels)
 
     @cached_property
     def noise_density(self) -> FloatArray:
@@ -264,7 +266,7 @@ def prediction_of(
     before : Prediction, optional
         An earlier prediction, whose law forces move hidden joints; without it, only the linear part moves them.
     like : Prediction, optional
-        A prediction whose frequency response, impedances and weights are reused.
+        A prediction whose frequency response and impedances are reused.
     forces : array of shape (n_bins, n_bodies), optional
         Forces of effects on the bodies.
     impedances : sequence of Impedance
@@ -280,10 +282,9 @@ def prediction_of(
     if before is not None and before.parameters == parameters and not (impedances or before.impedances):
         like = before  # an implicit force iterates at the same parameters
     if like is not None:
-        response, weights, impedances = like.response, like.density, like.impedances
+        response, impedances = like.response, like.impedances
     else:
         response = response_of(record, parameters, impedances)
-        weights = noise_weights(record, response, levels)
     n = len(response.plant.bodies)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
     if integrated:
@@ -299,7 +300,6 @@ def prediction_of(
             moved,
             moved,
             of_effects,
-            weights,
             np.asarray(own),
             tuple(impedances),
             levels,
@@ -309,7 +309,7 @@ def prediction_of(
     moved = response.displacements(record.motions, acting)
     observed = _as_measured(record, response, moved)
     return Prediction(
-        record, parameters, response, moved, observed, of_effects, weights, None, tuple(impedances), levels
+        record, parameters, response, moved, observed, of_effects, None, tuple(impedances), levels
     )
 
 

@@ -13,7 +13,8 @@ as Z has their springs.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -22,19 +23,72 @@ from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Plant
 
+Impedance = tuple[FloatArray, ComplexArray]
+"""Direction over the bodies and dynamic stiffness."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The equations of an axis solved at each frequency of a record, when first asked for."""
+
+    record: Record
+    plant: Plant
+    impedances: tuple[Impedance, ...] = ()  # further ones on the axis
+
+    @cached_property
+    def motion(self) -> ComplexArray:
+        """Displacements for forces on the bodies and driven positions, (n_bins, n_bodies, n_bodies + n_drives)."""
+        return np.moveaxis(self._inverse[: len(self.plant.bodies)], -1, 0)
+
+    @cached_property
+    def outputs(self) -> ComplexArray:
+        """Drive forces and further readings for these inputs, (n_outputs, n_bins, n_bodies + n_drives)."""
+        n, s = len(self.plant.bodies), 1j * self.record.omega
+        moved, forces = self._inverse[:n], self._inverse[n:]
+        outputs = list(forces)
+        for name in self.record.readings:
+            reading = self.plant.sensors[name]
+            outputs.append(
+                np.sum(reading.at(s)[:, None] * moved, axis=0) + np.tensordot(reading.drives, forces, 1)
+            )
+        return np.stack(outputs).swapaxes(1, 2)
+
+    @cached_property
+    def _inverse(self) -> ComplexArray:
+        record, plant, s = self.record, self.plant, 1j * self.record.omega
+        n = len(plant.bodies)
+        matrix = np.zeros((n + record.n_drives, n + record.n_drives, record.n_bins), dtype=complex)
+        matrix[:n, :n] = sum(np.multiply.outer(m, s**k) for m, k in ((plant.mass, 2), (plant.damping, 1)))
+        matrix[:n, :n] += plant.stiffness[..., None]
+        for direction, stiffness in self.impedances:
+            matrix[:n, :n] += np.multiply.outer(np.outer(direction, direction), stiffness)
+        matrix[:n, n:] = -plant.drives[..., None]
+        matrix[n:, :n] = np.stack([plant.sensors[name][0] for name in record.driven])[..., None]
+        return _inverse(matrix)
+
 
 @dataclass(frozen=True, eq=False)
 class Response:
     """Frequency responses of an axis at parameter values."""
 
     plant: Plant  # the axis
-    # shape (n_bins, n_bodies, n_bodies + n_drives): displacements for forces on the bodies and for the driven
-    # positions
-    motion: ComplexArray
-    # shape (n_outputs, n_bins, n_bodies + n_drives): drive forces and further readings for these inputs
-    outputs: ComplexArray
-    # cache of values that follow from motion and outputs alone
+    solution: Solution  # of it, or of the axis at values nearby
+    # cache of values that follow from the solution alone
     memory: LastValues = field(default_factory=LastValues, repr=False)
+
+    def released(self) -> Response:
+        """The response without its arrays, which are recomputed on demand."""
+        return Response(self.plant, replace(self.solution))
+
+    @property
+    def motion(self) -> ComplexArray:
+        """As `Solution.motion`."""
+        return self.solution.motion
+
+    @property
+    def outputs(self) -> ComplexArray:
+        """As `Solution.outputs`."""
+        return self.solution.outputs
 
     @property
     def inertia(self) -> float:
@@ -85,27 +139,11 @@ class Response:
 def response_of(
     record: Record,
     parameters: Mapping[str, float],
-    impedances: Sequence[tuple[FloatArray, ComplexArray]] = (),
+    impedances: Sequence[Impedance] = (),
 ) -> Response:
     """Frequency responses at parameter values, with further impedances on the axis."""
     plant = record.dynamics.with_nodes(parameters)
-    n, s = len(plant.bodies), 1j * record.omega
-    matrix = np.zeros((n + record.n_drives, n + record.n_drives, record.n_bins), dtype=complex)
-    matrix[:n, :n] = sum(np.multiply.outer(m, s**k) for m, k in ((plant.mass, 2), (plant.damping, 1)))
-    matrix[:n, :n] += plant.stiffness[..., None]
-    for direction, stiffness in impedances:
-        matrix[:n, :n] += np.multiply.outer(np.outer(direction, direction), stiffness)
-    matrix[:n, n:] = -plant.drives[..., None]
-    matrix[n:, :n] = np.stack([plant.sensors[name][0] for name in record.driven])[..., None]
-    inverse = _inverse(matrix)
-    outputs = list(inverse[n:])
-    for name in record.readings:
-        reading = plant.sensors[name]
-        outputs.append(
-            np.sum(reading.at(s)[:, None] * inverse[:n], axis=0)
-            + np.tensordot(reading.drives, inverse[n:], 1)
-        )
-    return Response(plant, np.moveaxis(inverse[:n], -1, 0), np.stack(outputs).swapaxes(1, 2))
+    return Response(plant, Solution(record, plant, tuple(impedances)))
 
 
 def _inverse(matrix: ComplexArray) -> ComplexArray:

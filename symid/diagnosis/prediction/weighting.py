@@ -27,6 +27,8 @@ _END = 0.02
 _UNSEEN = 1e-9
 _MOST_STARTS = 40
 _ROWS_PER_COEFFICIENT = 2
+_TOGETHER = 16
+"""Columns that are projected together, which need as much memory again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +48,20 @@ class Weighting:
 
     def rows(self, errors: ComplexArray) -> FloatArray:
         """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
+        if errors.ndim == 2:
+            return self._rows(errors)
+        found = np.empty((*errors.shape[:-1], self.record.n_rows))
+        for at in np.ndindex(
+            errors.shape[:-2]
+        ):  # one after the other: the transforms stay in the processor's cache
+            found[at] = self._rows(errors[at])
+        return found
+
+    def _rows(self, errors: ComplexArray) -> FloatArray:
         n, n_bins = self.record.n_rows, self.record.n_bins
         # Arrays have the length of the transforms, so that none is copied.
-        spectra = np.zeros((*errors.shape[:-1], n // 2 + 1), dtype=complex)
-        np.multiply(errors, self.record.taper, out=spectra[..., :n_bins])
+        spectra = np.zeros((len(errors), n // 2 + 1), dtype=complex)
+        np.multiply(errors, self.record.taper, out=spectra[:, :n_bins])
         rows = scipy.fft.irfft(spectra, n, norm="forward")
         rows *= self.window
         spectra = scipy.fft.rfft(rows)
@@ -81,7 +93,13 @@ class Weighting:
         if self._begun.get("rows") is not beginning:  # one step of a fit asks several times
             basis = _orthonormal(_without(self.flat(beginning), self._basis))
             self._begun.update(rows=beginning, basis=basis)
-        return _without(_without(self.flat(rows), self._basis), self._begun["basis"])
+        found = self.flat(rows)
+        several = np.atleast_2d(found)
+        for first in range(0, len(several), _TOGETHER):
+            some = several[first : first + _TOGETHER]
+            for basis in (self._basis, self._begun["basis"]):
+                some -= (some @ basis) @ basis.T
+        return found
 
     def flat(self, rows: FloatArray) -> FloatArray:
         """Kept rows, concatenated over the outputs, of shape (..., n_outputs * n_kept)."""

@@ -102,7 +102,7 @@ def _is_certain(fit: Fit) -> bool:
     """Whether each shape of the last effect exceeds its standard deviation."""
     item = fit.state.placed[-1]
     shapes = range(-len(item.shape), 0)
-    deviations = standard_deviations(fit)
+    deviations = standard_deviations(fit.released())  # what they are computed from is not kept
     names = item.effect.shape_names
     return all(deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.in_doubt)
 

@@ -77,11 +77,12 @@ class _Projection:
         self.noise = noise
         base = noise.apply(fit.base)
         norms = np.linalg.norm(base, axis=1, keepdims=True)
-        unit = np.linalg.qr((base / np.where(norms > 0, norms, 1.0)).T)[0].T
+        base /= np.where(norms > 0, norms, 1.0)
+        unit = np.linalg.qr(base.T)[0].T
         error = noise.apply(fit.state.rows)
         left = error - (unit @ error) @ unit
         self.n_rows, self.square = left.size, float(left @ left)
-        self._base_and_left = noise.back(np.vstack([unit, left])).reshape(len(unit) + 1, -1).T
+        self._base_and_left = np.stack([noise.back(row).ravel() for row in (*unit, left)]).T
 
     def gains(self, rows: FloatArray, *, fixed: bool) -> list[tuple[float, FloatArray]]:
         """Gain and amplitudes for groups of columns of shape (n_groups, n_amplitudes, n_outputs, n_rows)."""
