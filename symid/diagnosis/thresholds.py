@@ -83,6 +83,9 @@ class Thresholds:
     # real; drawn cases of a force of position times velocity)
     pushes: float = 0.1
     pushed: float = 0.02
+    # least fall of the error in a block, relative to the median of the blocks, of a disturbance at a mode of the axis: a
+    # mode rings with another phase after each move (drawn pairs: disturbances 0.3 or more)
+    steady_fall: float = 0.2
     # share of the logged force that must act on the axis: with less, the drive has been explained away
     least_acting: float = 0.5
     # share of what a limit or a bent gain makes of the force that must differ from the course of the force: of a

@@ -73,9 +73,9 @@ class PeriodicDisturbanceEffect(JointEffect):
     per_log = True
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """Neither a line of the motion, which repeats, nor a mode of the axis, which rings, is a disturbance."""
+        """It has several cycles, and is not a line of the motion, which repeats."""
         frequency = placed.shape[0]
-        if frequency * prediction.record.duration < _FEWEST_CYCLES or is_mode(prediction, frequency):
+        if frequency * prediction.record.duration < _FEWEST_CYCLES:
             return False
         return not is_line_of_motion(prediction, frequency, math.hypot(*placed.amplitudes))
 

@@ -141,6 +141,18 @@ def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:
     return float(np.mean(gains > 0))
 
 
+def least_fall(before: FloatArray, after: FloatArray) -> float:
+    """Least fall of the error in a block, relative to the median of the blocks, of the output whose error falls most.
+
+    >>> least_fall(np.array([[4.0, 4.0, 4.0]]), np.array([[2.0, 2.0, 3.0]]))
+    0.5
+    """
+    falls = before - after
+    of_output = falls[np.argmax(falls.sum(axis=1) / before.sum(axis=1))]
+    median = float(np.median(of_output))
+    return float(of_output.min()) / median if median > 0 else -np.inf
+
+
 def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
     """Standard deviation of the gain of one model over another, from the scatter of the blocks; as `certainty`."""
     mean = (one.sum(axis=1) + other.sum(axis=1)) / 2

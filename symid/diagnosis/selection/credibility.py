@@ -10,8 +10,9 @@ import numpy as np
 from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
 from symid.diagnosis.effects.friction_effects import declared_level, moving_along
+from symid.diagnosis.effects.forces import PeriodicDisturbanceEffect, is_mode
 from symid.diagnosis.effects.from_law import joints_with
-from symid.diagnosis.fitting.cross_validation import Blocks
+from symid.diagnosis.fitting.cross_validation import Blocks, least_fall
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -38,7 +39,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
         return False
     if item.effect.name in _DIFFERS and friction_drives(found.state, item.at, beside):
         return False
-    if _is_a_gain(found) or _is_coulomb_friction(found.state, beside):
+    if _is_a_gain(found) or _is_coulomb_friction(found.state, beside) or _is_ringing(fit, found, blocks):
         return False
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
@@ -83,6 +84,18 @@ def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> boo
             force = force + item.amplitudes[0] * along[item.at] * np.sign(v)
     pushing = force * np.sign(v) < -THRESHOLDS.pushes * np.sqrt(np.mean(force**2))
     return bool(np.mean(pushing) > THRESHOLDS.pushed)
+
+
+def _is_ringing(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+    """Whether the last effect is a disturbance at a mode of the axis and does not lower the error of all blocks alike.
+
+    A mode that is excited again and again has another phase each time; a disturbance keeps its phase.
+    """
+    item = found.state.placed[-1]
+    if not isinstance(item.effect, PeriodicDisturbanceEffect):
+        return False
+    rings = least_fall(fit.blocks.squares, blocks.squares) < THRESHOLDS.steady_fall
+    return rings and is_mode(found.state.prediction, item.shape[0])
 
 
 def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:

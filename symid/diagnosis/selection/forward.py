@@ -16,7 +16,7 @@ from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulom
 from symid.diagnosis.selection.late_forces import in_band_of_forces
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
-from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, is_clear
+from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, is_more_than_noise
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _INTEGRATED = 2
@@ -78,7 +78,7 @@ def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tup
     while last.accepts and len(steps) < THRESHOLDS.most_effects:
         current = refitted(settled(last.confirmed[0].fit)).after(fit)
         counts = max(THRESHOLDS.least_power, THRESHOLDS.least_of_first * float(fit.squares.min()))
-        if current.mean_square - counts < THRESHOLDS.noise and not is_clear(current):
+        if current.mean_square - counts < THRESHOLDS.noise and not is_more_than_noise(current):
             break
         last = _selection_step(current, library, None)
         if not last.justifies_another(fit):

@@ -140,13 +140,26 @@ def takes(before: Fit, after: Fit, first: Fit) -> bool:
     """Whether an effect besides others removes enough error; `first` is the model that all effects explain."""
     most = float(np.max(before.squares - after.squares)) / before.squares.size
     of_first, of_rest = _taken(before, after, first), _taken(before, after, before)
-    counts = of_first > THRESHOLDS.least_of_first or (is_clear(before) and of_rest > THRESHOLDS.least_of_rest)
-    return most > THRESHOLDS.least_power and counts
+    if is_clear(before):
+        counts = of_rest > THRESHOLDS.least_of_rest
+    else:
+        counts = is_more_than_noise(before) and _excess(after) < (1 - THRESHOLDS.nearly_all) * _excess(before)
+    return most > THRESHOLDS.least_power and (counts or of_first > THRESHOLDS.least_of_first)
 
 
 def is_clear(left: Fit) -> bool:
     """Whether a model leaves much more than noise."""
     return left.mean_square > THRESHOLDS.clear_gap
+
+
+def is_more_than_noise(left: Fit) -> bool:
+    """Whether a model leaves more than noise, but perhaps little more."""
+    return left.mean_square > THRESHOLDS.fit_of_noise
+
+
+def _excess(fit: Fit) -> float:
+    """Mean square above that of noise."""
+    return max(fit.mean_square - 1, 0.0)
 
 
 def _taken(before: Fit, after: Fit, first: Fit) -> float:
