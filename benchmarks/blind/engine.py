@@ -19,7 +19,7 @@ ROW = 7  # law, joint and five numbers
 # Laws along a joint; the five numbers p of each stand in `laws.ENTRIES`.
 (COULOMB, STRIBECK, LOAD_DEPENDENT, POSITION_DEPENDENT, DRIFT, STICKY_ZONE) = range(6)
 (VISCOUS, DRAG, OFFSET, STIFFNESS, COGGING, PERIODIC, PRESLIDING) = range(10, 17)
-(OUTSIDE, COUPLING, ACCELERATION, FORCE_CONSTANT) = range(20, 24)
+(OUTSIDE, COUPLED, ACCELERATION, FORCE_CONSTANT, CUBIC, ROOT) = range(20, 26)
 
 # Without counting references to the arrays that are handed on: three times as fast.
 _inner = njit(cache=True, error_model="numpy", _nrt=False)
@@ -100,8 +100,12 @@ def _law(law, rows, i, x, w, a, t, F, z, viscous, outside):
         place = t * CONTROL_HZ / LOG_TICKS
         k = min(int(place), outside.size - 2)
         return rows[i, 2] * (outside[k] + (place - k) * (outside[k + 1] - outside[k]))
-    if law == COUPLING:
-        return -rows[i, 2] * x * w
+    if law == COUPLED:
+        return -rows[i, 2] * x * a
+    if law == CUBIC:
+        return -rows[i, 2] * x**3
+    if law == ROOT:
+        return -rows[i, 2] * np.sign(w) * np.sqrt(abs(w))
     if law == FORCE_CONSTANT:
         return -rows[i, 2] * F * np.sin(2 * np.pi * x / rows[i, 3] + rows[i, 4])
     if law == ACCELERATION:

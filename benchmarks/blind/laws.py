@@ -101,7 +101,9 @@ FOREIGN = {
     "sticky_zone": Law(
         "force", 20.0, 200, lambda r: {"place": float(r.uniform(-0.06, 0.06)), "half": _log(r, 0.01, 0.05)}
     ),
-    "quadratic_coupling": Law("force", 100.0, 5000, lambda r: {"side": float(r.choice([-1, 1]))}),
+    "coupled_inertia": Law("mass", 30.0, 200, lambda r: {"side": float(r.choice([-1, 1]))}),
+    "cubic_stiffness": Law("force", 1e4, 5e5, _none),
+    "root_friction": Law("force", 20.0, 300, _none),
     "acceleration_squared": Law("force", 0.5, 12, lambda r: {"side": float(r.choice([-1, 1]))}),
 }
 
@@ -258,7 +260,9 @@ def _along_joint(plant: Machine, effect: Effect, joint: int) -> Machine:
         "relay_chatter": (engine.OUTSIDE, size),
         "random_walk_force": (engine.OUTSIDE, size),
         "sticky_zone": (engine.STICKY_ZONE, size, n.get("place", 0), n.get("half", 0)),
-        "quadratic_coupling": (engine.COUPLING, size * side),
+        "coupled_inertia": (engine.COUPLED, size * side),
+        "cubic_stiffness": (engine.CUBIC, size),
+        "root_friction": (engine.ROOT, size),
         "acceleration_squared": (engine.ACCELERATION, size * side),
     }
     if name != "presliding_friction":

@@ -83,7 +83,7 @@ class Thresholds:
     # real; drawn cases of a force of position times velocity)
     pushes: float = 0.1
     pushed: float = 0.02
-    # least fall of the error in a block, relative to the median of the blocks, of a disturbance at a mode of the axis: a
+    # least fall of the error in a block, relative to the median one, of a disturbance at a mode of the axis: a
     # mode rings with another phase after each move (drawn pairs: disturbances 0.3 or more)
     steady_fall: float = 0.2
     # share of the logged force that must act on the axis: with less, the drive has been explained away

@@ -163,8 +163,9 @@ def test_forces_of_time_and_motion_by_momentum():
     assert 10 * v == pytest.approx(50 * t + 20 / w * (np.cos(0.4) - np.cos(w * t + 0.4)), rel=1e-5)
     t, x, v = end(with_effect(rigid(Fs=20), "friction_drift", relative=0.8, time=0.3))
     assert 10 * v == pytest.approx(50 * t - 20 * t - 16 * (t - 0.3 * (1 - np.exp(-t / 0.3))), rel=1e-6)
-    t, x, v = end(with_effect(rigid(), "quadratic_coupling", force=100.0))
-    assert 10 * v == pytest.approx(50 * t - 50 * x**2, rel=1e-6)
+    # An inertia M + c x: (M + c x) a = F.
+    t, x, v = end(with_effect(rigid(), "coupled_inertia", mass=4.0))
+    assert 10 * v**2 / 2 == pytest.approx(50 * 10 / 4 * np.log(1 + 4 * x / 10), rel=1e-4)
     t, x, v = end(with_row(replace(rigid(), outside=np.arange(4001.0)), engine.OUTSIDE, 0, 0.01))
     assert 10 * v == pytest.approx(50 * t + 0.01 * 4000 * t**2 / 2, rel=1e-6)
     t, x, v = end(with_effect(rigid(), "payload_change", mass=0.5, time=0.25))

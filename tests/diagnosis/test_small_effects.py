@@ -1,6 +1,8 @@
 """A small effect beside a large one is found where it takes away much of what is left."""
 
 import math
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -8,8 +10,10 @@ import pytest
 from symid import Cogging, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import Diagnosis, diagnose
+from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection.backward import _chain, _members, _with_values_of
 from symid.diagnosis.selection.lack_of_fit import lack_of_fit
+from symid.diagnosis.selection.step import takes
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = load_axis("rigid_1m")
@@ -42,6 +46,20 @@ def test_a_small_effect_that_takes_away_most_of_a_clear_rest_is_found(found: Dia
     assert taken < 0.006 * first.before.mean_square
     amplitudes = found.effects[1].parameters
     assert np.hypot(amplitudes["As"].value, amplitudes["Ac"].value) == pytest.approx(2.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "counts"),
+    [(20.0, 5.0, True), (20.0, 15.0, False), (3.0, 1.2, True), (3.0, 1.6, False), (1.4, 1.0, False)],
+)
+def test_what_takes_nearly_all_of_a_rest_near_the_noise_counts(
+    before: float, after: float, counts: bool
+) -> None:
+    first, *fits = (
+        cast(Fit, SimpleNamespace(squares=np.array([square]), mean_square=square))
+        for square in (1e5, before, after)
+    )
+    assert takes(fits[0], fits[1], first) is counts
 
 
 def test_beside_the_first_effect_the_second_is_left(found: Diagnosis) -> None:

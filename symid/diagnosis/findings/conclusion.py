@@ -106,7 +106,7 @@ def _nonparametric_fit(gaps: Sequence[Gap], share: float, fits: Sequence[Fit]) -
 
     None either where the motion repeats: what repeats with it is then a law of the position, whatever it is.
     """
-    clear = any(gap.explained.rms > THRESHOLDS.white * gap.noise_floor.rms for gap in gaps)
+    clear = any(gap.explained.rms > THRESHOLDS.noise_alone * gap.noise_floor.rms for gap in gaps)
     repeats = any(gap.not_repeated is not None for gap in gaps)
     tested = clear and share > THRESHOLDS.hardly_left and len(fits) > 1 and not repeats
     return lack_of_fit(fits[0], fits[-1]) if tested else LackOfFit()

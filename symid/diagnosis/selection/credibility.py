@@ -9,8 +9,8 @@ import numpy as np
 
 from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
-from symid.diagnosis.effects.friction_effects import declared_level, moving_along
 from symid.diagnosis.effects.forces import PeriodicDisturbanceEffect, is_mode
+from symid.diagnosis.effects.friction_effects import declared_level, moving_along
 from symid.diagnosis.effects.from_law import joints_with
 from symid.diagnosis.fitting.cross_validation import Blocks, least_fall
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
