@@ -21,7 +21,7 @@ from symid import (
 )
 from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
-from symid.diagnosis.effects import FlexibleModeEffect, PayloadChangeEffect, Placed, SaturationEffect
+from symid.diagnosis.effects import LIBRARY, FlexibleModeEffect, PayloadChangeEffect, Placed, SaturationEffect
 from symid.diagnosis.effects.forces import PeriodicDisturbanceEffect
 from symid.diagnosis.fitting.cross_validation import Blocks
 from symid.diagnosis.fitting.fit import Fit
@@ -74,6 +74,18 @@ def test_a_mode_that_rings_is_no_disturbance(hertz: float, least: float, rings: 
     )
     after.squares[0, [0, 1, 3]] -= 1.0
     assert _is_ringing(cast(Fit, SimpleNamespace(blocks=before)), found, after) is rings
+
+
+@pytest.mark.parametrize("name", ["cogging", "force_constant_ripple", "encoder_ripple"])
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_wave_has_a_whole_period_within_the_stroke(name: str, share: float) -> None:
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    state, _ = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
+    pitch = share * float(np.ptp(rigid_log()["q"]))
+    effect = next(effect for effect in LIBRARY if effect.name == name)
+    place = next(iter(effect.places(state.prediction)))
+    placed = Placed(effect, place, (pitch,), (0.01, 0.01))
+    assert effect.is_possible(state.prediction, placed) is (share < 1.0)
 
 
 def test_a_mode_of_any_frequency_is_among_those_that_are_tried() -> None:

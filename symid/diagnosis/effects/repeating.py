@@ -35,6 +35,9 @@ _MOST_OF_CONSTANT = 0.5  # ripple of a force constant relative to its mean; that
 class CoggingEffect(LawEffect):
     """Force ripple along the stroke."""
 
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        return _repeats(prediction.joints[placed.at], placed.shape[0])
+
     def places(self, prediction: Prediction) -> Iterable[str]:
         return [name for name, joint in prediction.joints.items() if joint.stroke > _LEAST_STROKE]
 
@@ -70,6 +73,9 @@ class ForceConstantRippleEffect(DriveEffect):
         """The motor acts on its current, after any delay or lag."""
         return False
 
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        return _repeats(_joint_of(prediction, placed.at), placed.shape[0])
+
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         return math.hypot(*placed.amplitudes) < _MOST_OF_CONSTANT
 
@@ -97,6 +103,9 @@ class EncoderRippleEffect(Effect):
     name = "encoder_ripple"
     amplitudes = ("As", "Ac")
     shape_names = ("pitch",)
+
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        return _repeats(_reading(prediction, placed.at), placed.shape[0])
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """The slope of the reading remains close to 1."""
@@ -136,6 +145,11 @@ class EncoderRippleEffect(Effect):
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return (str(prediction.axis.signal_units[place]),) * 3
+
+
+def _repeats(joint: Joint, pitch: float) -> bool:
+    """Whether the stroke contains a whole period; a part of one is any smooth course along the stroke."""
+    return pitch < joint.stroke
 
 
 def ripple(joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
