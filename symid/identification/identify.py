@@ -240,7 +240,7 @@ def with_checks(
     examined = replace(found, timing=likeliest(delays), bias=bias, scatter=spread)
     drift = (
         drift_by_rows(parts, fit, model.forces)
-        or lag_of(model, parts, fit, examined.timing)
+        or lag_of(examined, parts, fit)
         or drift_within_a_row(parts, fit, delays)
     )
     return with_constraint_check(with_faults(examined, faults_of(examined, fit, parts, sums, drift)))

@@ -23,7 +23,6 @@ from symid.identification.lag_scan import shiftable
 from symid.identification.observation import SignalRows
 from symid.identification.redundancy import high_pass_of
 from symid.identification.reliability import is_beyond_intervals
-from symid.identification.timing import Timing
 
 _Rows = tuple[FloatArray, FloatArray]
 """Rows of W and y that a signal makes."""
@@ -33,21 +32,30 @@ _SETTLED = 0.01
 
 
 def lag_of(
-    model: GeneratedModel,
-    parts: Sequence[Excerpt],
-    fit: LeastSquares,
-    timing: Timing | None = None,
-    criteria: Criteria = CRITERIA,
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
-    """Statement on a signal that lags; empty without one, or if a delay explains as much."""
+    """Statement on a signal that lags; empty without one, or if a delay explains as much.
+
+    A lag that leaves much of the residual, as noise of the derivative of its signal does, must be certain and move
+    parameters out of their intervals.
+    """
+    timing = found.timing
     by_delay = timing.remaining if timing is not None and timing.is_significant else 1.0
     every = [
         (_filtered_before(parts, fit, [part.moved(name).slope for part in parts]), name)
-        for name in shiftable(model)
+        for name in shiftable(found.model)
     ]
-    found = [(lag.remaining, lag.factor, name) for lag, name in every if lag is not None]
-    remaining, lag, name = min(found, default=(1.0, 0.0, ""))
-    if remaining > criteria.lagging * by_delay or lag < parts[0].log.sampling_period:
+    lags = [(lag.remaining, name, lag) for lag, name in every if lag is not None]
+    if not lags:
+        return ""
+    remaining, name, best = min(lags, key=lambda one: one[:2])
+    lag = best.factor
+    if remaining > criteria.lag_leaves * by_delay or lag < parts[0].log.sampling_period:
+        return ""
+    explains = remaining <= criteria.lagging * by_delay
+    if not explains and not (
+        is_beyond_intervals(found, best.parameters) and lag > criteria.ac_coupling * best.deviation()
+    ):
         return ""
     return (
         f"{name} lags with a time constant of {1e3 * lag:.3g} ms (without it, {100 * remaining:.3g} % of the residual "

@@ -28,8 +28,8 @@ _STRAIGHT = 0.01
 """Second difference between knots, over the median one at the knots of an interpolation, that counts as straight."""
 _LEAST_STRAIGHT = 0.4
 """Least share of such small second differences in an interpolated signal; 0.45 with every second sample."""
-_DIFFERENCES = 6
-"""Order of the differences; lower orders leave more motion than noise of an averaged force."""
+_DIFFERENCES = (6, 10)
+"""Orders of the differences: lower ones leave more motion than noise of a force, or than that of a fine encoder."""
 _USUAL = 3.0
 """Multiple of the median difference at which larger differences are clipped."""
 _SEEN = 16_384
@@ -147,9 +147,18 @@ def averaged_over(x: FloatArray) -> int:
     >>> x = np.random.default_rng(0).standard_normal(4000)
     >>> averaged_over(np.convolve(x, np.full(21, 1 / 21), mode="valid")), averaged_over(x)
     (21, 0)
+    >>> motion = 1e4 * np.sin(0.08 * np.arange(6000))  # beside which noise shows in high differences only
+    >>> x = motion + 1e-3 * np.random.default_rng(0).standard_normal(6000)
+    >>> averaged_over(np.convolve(x, np.full(51, 1 / 51), mode="valid")), averaged_over(x)
+    (51, 0)
     """
     first = max(0, (x.size - _SEEN) // 2)
-    z = np.diff(x[first : first + _SEEN], _DIFFERENCES)
+    return next(filter(None, (_echo(x[first : first + _SEEN], order) for order in _DIFFERENCES)), 0)
+
+
+def _echo(x: FloatArray, order: int) -> int:
+    """Samples after which the differences of some order recur with the opposite sign; 0 without such an echo."""
+    z = np.diff(x, order)
     usual = _USUAL * float(np.median(np.abs(z)))
     z = np.clip(z, -usual, usual)  # a force that is switched on and off comes back too
     n_lags = min(_FARTHEST + _NEAREST + 1, z.size // 4)
@@ -160,7 +169,7 @@ def averaged_over(x: FloatArray) -> int:
         return 0
     lags /= lags[0]
     n = _NEAREST + int(np.argmin(lags[_NEAREST:-_NEAREST]))
-    others = np.abs(lags[_DIFFERENCES + 1 :])
-    others[max(n - 2 * _DIFFERENCES - 1, 0) : n] = 0.0  # the echo and its neighbours
+    others = np.abs(lags[order + 1 :])
+    others[max(n - 2 * order - 1, 0) : n] = 0.0  # the echo and its neighbours
     is_echo = lags[n] < _ECHO and min(lags[n - 1], lags[n + 1]) > 0.5 * abs(lags[n])
     return n if is_echo and lags[1] < 0.0 and np.max(others) < _ALONE * abs(lags[n]) else 0
