@@ -63,3 +63,22 @@ def test_the_least_gain_grows_with_the_rows_of_usual_laws_only() -> None:
     assert gains[0] < 13
     assert gains[-2:] == [30, 30]
     assert {least_gain("flexible_mode", n) for n in (36, 300, 1000, 1e5)} == {30}
+
+
+def test_a_move_in_one_direction_shows_no_friction_by_direction() -> None:
+    period, rng = 1e-3, np.random.default_rng(2)
+    time = period * np.arange(540)
+    phase = np.clip((time - 0.04) / 0.46, 0.0, 1.0)
+    inside = (phase > 0.0) & (phase < 1.0)
+    q = 0.3 * (phase - np.sin(2 * np.pi * phase) / (2 * np.pi))
+    v = np.where(inside, 0.3 / 0.46 * (1 - np.cos(2 * np.pi * phase)), 0.0)
+    a = np.where(inside, 0.3 / 0.46**2 * 2 * np.pi * np.sin(2 * np.pi * phase), 0.0)
+    force = 43.0 * a + 90.0 * v + 35.0 * np.sign(v)
+    signals = {"q": q + 1e-6 * rng.standard_normal(540), "F": force + rng.standard_normal(540)}
+    table = Body("table", mass="M")
+    rack = Axis("rack", (table, ViscousFriction(table, "Fv")), Drive("F", table), (Position("q", table),))
+    found = diagnose(rack, Log.from_arrays(signals, sampling_period=period), nominal={"M": 48.0, "Fv": 80.0})
+    first = found.effects[0]
+    assert first.effect == "coulomb_friction"  # a constant force is the same here
+    assert {effect for effect, _ in first.indistinguishable_from} <= {"offset_force"}
+    assert first.parameters["Fs"].value == pytest.approx(35.0, rel=0.1)

@@ -105,6 +105,7 @@ class FrictionAsymmetry(Law):
         Hypothesis("asymmetric_friction", ("dFs", "dFv"), without=(OffsetForce,)),
         Hypothesis("asymmetric_friction", ("dFs",), without=(OffsetForce,)),
     )
+    by_direction: ClassVar = True
     imitates: ClassVar = (OffsetForce,)
     advice: ClassVar = "move over the same stroke at the same speeds in both directions"
 

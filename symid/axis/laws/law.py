@@ -140,6 +140,8 @@ class Law(ABC):
     """Forms in which a diagnosis considers the law; the first names all its parameters."""
     once: ClassVar[bool] = False
     """Whether a diagnosis considers it only in joints without such a law."""
+    by_direction: ClassVar[bool] = False
+    """Whether it is other friction where an axis moves in one direction only, so that a diagnosis needs both."""
     in_spring: ClassVar[bool] = False
     """Whether it belongs to a spring, with q as the deflection of the spring."""
     moves_hidden: ClassVar[bool] = True

@@ -85,7 +85,9 @@ class LawEffect(JointEffect):
         taken = taken.union(*(joints_with(prediction, each) for each in self.laws if each.once))
         taken = taken.union(*(joints_with(prediction, each) for each in self.hypothesis.without))
         beside = [joints_with(prediction, each) for each in self.hypothesis.beside]
-        free = (name for name in prediction.joints if name not in taken)
+        joints = prediction.joints.items()
+        seen = (name for name, joint in joints if joint.moves_both_ways or not self.law.by_direction)
+        free = (name for name in seen if name not in taken)
         return [
             name
             for name in free

@@ -12,6 +12,10 @@ from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.record import SLOW_SHARE, Record
 from symid.simulation.dynamics_terms import LawTerm
 
+_BACK = 0.02
+"""Share of the way against the usual direction up to which a joint moves in one direction (single moves of drawn racks
+and spindles, whose missing friction was called one of direction)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Joint:
@@ -94,6 +98,13 @@ class Joint:
     def stroke(self) -> float:
         """Highest less lowest displacement within the log, m or rad."""
         return self.range[1] - self.range[0]
+
+    @cached_property
+    def moves_both_ways(self) -> bool:
+        """Whether more than a small part of the way within the log is against the usual direction."""
+        speed = self.v[self.record.in_log]
+        forward, way = float(np.sum(speed[speed > 0])), float(np.sum(np.abs(speed)))
+        return min(forward, way - forward) > _BACK * way
 
     @cached_property
     def top_speed(self) -> float:
