@@ -47,6 +47,8 @@ class Criteria:
     gain_drift: float = 0.15
     # relative error of a sensor's gain: far above what noise in W makes of it, below g for m/s^2
     sensor_gain: float = 0.3
+    # standard deviations by which it must exceed what noise makes of it: right gains reach 2.4
+    gain_beyond_noise: float = 3.0
     clock_drift: float = 0.5  # samples by which a delay grows over a log
     # clock_certain, clock_explains: standard deviations of that growth by the scatter of few blocks, and part of the
     # residual's power that it takes away: a drift that is less is within the interval. Clean logs with a constant delay

@@ -22,6 +22,7 @@ from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import shiftable
+from symid.identification.noise import noise_of_rows
 from symid.identification.observation import SignalRows
 from symid.identification.poor_fit import unexplained
 from symid.identification.whitened import WhitenedRows
@@ -149,12 +150,38 @@ class ColumnTests:
             certain = self._certain(rest, self.criteria.gain_certain)
             if abs(gain.factor - 1.0) < _FREE:
                 continue  # free parameters multiply all of its terms, and absorb its gain
-            if gain.share > certain and abs(gain.factor) > self.criteria.sensor_gain:
+            is_wrong = gain.share > certain and abs(gain.factor) > self.criteria.sensor_gain
+            if is_wrong and not self._is_noise(name, np.concatenate(own), Z, rest):
                 return (
                     f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
                     "correct its unit, sign or gain (`units`, `gains`)"
                 )
         return ""
+
+    def _is_noise(self, name: str, column: FloatArray, Z: FloatArray, residual: FloatArray) -> bool:
+        """Whether the column of a sensor's gain explains no more of the residual than noise of the signals does.
+
+        The noise e of the sensor is in its column and in the residual. Their product has the expectation E[e^2], so
+        that the sensor seems too large where its column holds little else (errors in variables).
+        """
+        along = np.linalg.lstsq(Z, column, rcond=None)[0]
+        own = column - Z @ along
+        error = np.append(self.fit.solution, -1.0)  # the residual is -[W, y] error
+        of_model = np.append(self.fit.rank.inverse_root @ along, 0.0)
+        in_column, in_both = 0.0, 0.0
+        for part in self.parts:
+            n_equations = len(part.observation.valid)
+            weights = self.fit.weights[part.of * n_equations : (part.of + 1) * n_equations]
+            rows = weights**2 * part.observation.valid.sum(axis=1)
+            for signal, level in part.levels.items():
+                noise = noise_of_rows(self.model, part.log, part.observation.preparation, {signal: level})
+                kept = of_model + (error if signal == name else 0.0)  # own is -[W, y] kept
+                in_column += float(np.einsum("j,a,jab,b->", rows, kept, noise, kept))
+                in_both += float(np.einsum("j,a,jab,b->", rows, kept, noise, error))
+        power, taken = float(own @ own), float(own @ residual) - in_both
+        certain = self._certain(residual, self.criteria.gain_beyond_noise)
+        is_small = abs(taken) <= self.criteria.sensor_gain * (power - in_column)
+        return is_small or taken**2 <= certain * power * float(residual @ residual)
 
     def _certain(self, residual: FloatArray, deviations: float) -> float:
         """Part of the residual's power that a column takes away whose parameter is a number of deviations from 0."""

@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 import pytest
 from axes.force_sensors import CELL, ELEMENTS, LOAD, LOAD_SCALE, MOTOR, MOTOR_SCALE, SHAFT, VALUES, celled
 
 import symid
-from symid import Axis, Backlash, Drive, Force, Law, Log, Position, StiffnessNonlinearity
-from symid.simulation import chirp, plant_of, simulate, tuned_cascade
+from symid import (
+    Axis,
+    Backlash,
+    Body,
+    CoulombFriction,
+    Drive,
+    Force,
+    Law,
+    Log,
+    Position,
+    Spring,
+    StiffnessNonlinearity,
+    ViscousFriction,
+)
+from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
 
 REFERENCE = chirp(0.5, 20.0, 2.5, 0.002, sampling_period=5e-4)
 SCALES = {"cq": 1.02, "oq": 0.003, "cf": 2000.0, "of": 5.0, "Kt": 40.0}
@@ -80,3 +94,27 @@ def test_a_scale_that_nothing_determines_is_named() -> None:
     found = symid.identify(axis, logged(axis))
     assert found.status == "no_physical_parameters"
     assert "give what is known with `fixed`" in found.message
+
+
+@pytest.mark.parametrize(("wrong", "noise"), [(1.0, 1.0), (1.0, 3.0), (0.5, 1.0), (2.0, 0.3)])
+def test_noise_of_a_load_cell_is_no_wrong_gain(wrong: float, noise: float) -> None:
+    moves = trapezoids(0.2, [0.5, 0.1], acceleration=5.0, jerk=500.0, dwell=0.1, sampling_period=5e-4)
+    axis, values = on_feet(noise)
+    log = simulate(axis, values, moves, tuned_cascade(plant_of(axis, values), "q"), seed=1).log
+    found = symid.identify(axis, replace(log, signals={**log.signals, "cell": wrong * log["cell"]}))
+    if wrong == 1.0:
+        assert found.status == "ok", found.message
+        assert found.physical_parameters == pytest.approx(values, rel=0.02)
+    else:
+        assert found.status == "recording"
+        assert "cell would have to be" in found.message
+
+
+def on_feet(noise: float) -> tuple[Axis, dict[str, float]]:
+    """A motor on a base whose feet hold a load cell, and values."""
+    base = Body("base", mass="Mb")
+    motor, feet = Body("motor", mass="Mm", on=base), Spring("feet", base, stiffness="Kb", damping="Db")
+    elements = (base, feet, motor, ViscousFriction(motor, "Fv"), CoulombFriction(motor, "Fc"))
+    sensors = (Position("q", motor, noise=1e-9), Force("cell", feet, noise=noise))
+    values = {"Mb": 150.0, "Mm": 40.0, "Kb": 2e6, "Db": 1500.0, "Fv": 80.0, "Fc": 12.0}
+    return Axis("on_feet", elements, Drive("F", motor, held=True), sensors), values
