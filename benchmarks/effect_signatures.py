@@ -26,12 +26,12 @@ import symid
 from symid import Axis, Body, CoulombFriction, Drive, Log, Position, Spring, ViscousFriction
 from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
-from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.curves import signal_curves, spectrum_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.report.figures.colours import MEASURED, MODEL, NOISE
 from symid.report.figures.identification_figure import PLOT_STYLE

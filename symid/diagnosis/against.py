@@ -17,7 +17,7 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.data import Log
-from symid.diagnosis.diagnose import Recorded, data_of, fits_of
+from symid.diagnosis.diagnose import fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed, declared_effects
 from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.findings.conclusion import concluded
@@ -36,6 +36,7 @@ from symid.diagnosis.fitting.fit import ITERATIONS, Fit, converged, fitted
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.in_motion.motion import with_motion
+from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.recorder import recovered

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from symid.arrays import BoolArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.effects import LIBRARY, Effect
@@ -24,11 +23,8 @@ from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import is_contradicted, with_motion
 from symid.diagnosis.late_reading import lateness, with_late_reading
-from symid.diagnosis.prediction.driven_positions import signals_of
-from symid.diagnosis.prediction.held_out import training_and_held_out
+from symid.diagnosis.prediction.data import Data, Recorded, Runs, data_of, one_run
 from symid.diagnosis.prediction.integrated_speed import with_positions
-from symid.diagnosis.prediction.joined_logs import Joined, joined, with_common_zeros
-from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.prediction.scaled_sensors import with_quantities
 from symid.diagnosis.selection.backward import (
@@ -42,9 +38,7 @@ from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, sh
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.identification.axis_logs import require_changing
-from symid.identification.settings import with_hold
 from symid.simulation import Cascade
-from symid.simulation.forward_dynamics import forward_dynamics
 
 _ELSEWHERE = 5.0
 """Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which
@@ -55,29 +49,6 @@ _ONLY_IN_VALIDATION = (
     "The effect shows in the validation log and hardly in the other one. It was identified from two thirds of the "
     "former, and the gap measured on the rest."
 )
-
-
-@dataclass(frozen=True)
-class Recorded:
-    """How the signals were recorded."""
-
-    late: Mapping[str, float]  # time by which signals were recorded late, s
-    held: bool | None  # whether the force is held from sample to sample; None if it is not known
-    # that of the machine, or one for each drive; None if it is not known
-    controller: Cascade | Sequence[Cascade] | None = None
-    thinned: int = 1  # samples recorded for one of the logs that are looked at
-
-    def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
-        """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the forces included."""
-        late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
-        for drive in axis.drives:
-            held = drive.held if self.held is None else self.held
-            late = with_hold(late, drive.signal, held=held, sampling_period=sampling_period / self.thinned)
-        return late
-
-    def may_be_held(self, axis: Axis) -> bool:
-        """Whether a hold of the forces is neither known nor excluded."""
-        return self.held is None and not any(d.held or d.signal in self.late for d in axis.drives)
 
 
 def diagnose(
@@ -145,26 +116,12 @@ def diagnose(
     plain = with_quantities(axis, whole.logs, nominal)
     moved, every, notes = with_positions(plain.axis, plain.logs)
     logs, others = every[: len(logs)], every[len(logs) :]
-    runs = _one_run(moved, logs), _one_run(moved, others) if others else None
+    runs = one_run(moved, logs), one_run(moved, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
         found = _either_way(moved, runs, nominal, recorded, library)
     assumed = (*found.assumptions, *plain.notes, *notes)
     return replace(found, axis=plain.declared, faults=(*whole.notes, *found.faults), assumptions=assumed)
-
-
-def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
-    """Logs one after the other; where the axis leaves zeros of encoders open, they are made the same."""
-    if axis.log_parameters and len(logs) > 1:
-        signals, n_drives = signals_of(forward_dynamics(axis), logs[0]), len(axis.drives)
-        orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
-        others = [name for name in signals[n_drives:] if orders[name] == 0]
-        logs = with_common_zeros(logs, signals[:n_drives], others)
-    return joined(logs)
-
-
-Runs = tuple[Joined, Joined | None]
-"""Logs for identification, and for validation if there are any."""
 
 
 def _either_way(
@@ -307,35 +264,3 @@ def _with_hold(
 def fits_of(base: Fit, steps: Sequence[SelectionStep]) -> list[Fit]:
     """The re-identified model, and those with effects accepted one by one."""
     return [base, *(step.confirmed[0].fit for step in steps if step.accepts)]
-
-
-@dataclass(frozen=True, eq=False)
-class Data:
-    """Data for the identification, and data on which the gap is measured."""
-
-    # record, validation: of the logs and of the validation logs; the same where there are none
-    record: Record
-    validation: Record
-    # training, held_out: shape (n_fine,): points for either purpose, where these are not all
-    training: BoolArray | None
-    held_out: BoolArray | None
-
-
-def data_of(axis: Axis, runs: Runs, recorded: Recorded) -> Data:
-    """Logs in the frequency domain, see `diagnose`."""
-    dynamics = forward_dynamics(axis)
-    run, validation = runs
-    record = record_of(dynamics, run.log, None, recorded.times(axis, run.log.sampling_period))
-    inside = _within(record, run)
-    if validation is None:
-        training, held_out = training_and_held_out(record)
-        return Data(record, record, training & inside, held_out & inside)
-    late = recorded.times(axis, validation.log.sampling_period)
-    other = record_of(dynamics, validation.log, record.motion_hz, late)
-    return Data(record, other, inside, _within(other, validation))
-
-
-def _within(record: Record, run: Joined) -> BoolArray:
-    """Points of the fine grid that belong to a log."""
-    at = np.rint(record.fine_time / run.log.sampling_period).astype(int)
-    return np.asarray(run.recorded[np.minimum(at, run.recorded.size - 1)])

@@ -20,12 +20,12 @@ from symid import (
     load_axis,
 )
 from symid.diagnosis import diagnose
-from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.effects import LIBRARY, FlexibleModeEffect, PayloadChangeEffect, Placed, SaturationEffect
 from symid.diagnosis.effects.forces import PeriodicDisturbanceEffect
 from symid.diagnosis.fitting.cross_validation import Blocks
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
+from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.credibility import _is_a_gain, _is_ringing
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade

@@ -3,10 +3,10 @@
 import pytest
 
 from symid import load_axis
-from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.held import nominal_shows_hold
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade

@@ -8,11 +8,11 @@ import pytest
 from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import diagnose
-from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.findings.strength import strengths_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import brought_first

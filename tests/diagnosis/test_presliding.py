@@ -7,9 +7,9 @@ import pytest
 
 from symid import CoulombFriction, Log, PreslidingFriction, load_axis
 from symid.diagnosis import LIBRARY, Diagnosis, diagnose, explained_axis
-from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.effects import Placed, with_parts
 from symid.diagnosis.fitting.state import first_state, with_effects
+from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 

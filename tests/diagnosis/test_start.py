@@ -20,10 +20,10 @@ from symid import (
 )
 from symid.axis import Between
 from symid.diagnosis import diagnose
-from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.fitting import start
 from symid.diagnosis.fitting.fit import converged
 from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError

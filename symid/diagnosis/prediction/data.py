@@ -1,0 +1,87 @@
+"""Logs of a diagnosis: how they were recorded, joined to runs, and in the frequency domain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import BoolArray
+from symid.axis import Axis
+from symid.data import Log
+from symid.diagnosis.prediction.driven_positions import signals_of
+from symid.diagnosis.prediction.held_out import training_and_held_out
+from symid.diagnosis.prediction.joined_logs import Joined, joined, with_common_zeros
+from symid.diagnosis.prediction.record import Record, record_of
+from symid.identification.settings import with_hold
+from symid.simulation import Cascade
+from symid.simulation.forward_dynamics import forward_dynamics
+
+Runs = tuple[Joined, Joined | None]
+"""Logs for identification, and for validation if there are any."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """How the signals were recorded."""
+
+    late: Mapping[str, float]  # time by which signals were recorded late, s
+    held: bool | None  # whether the force is held from sample to sample; None if it is not known
+    # that of the machine, or one for each drive; None if it is not known
+    controller: Cascade | Sequence[Cascade] | None = None
+    thinned: int = 1  # samples recorded for one of the logs that are looked at
+
+    def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
+        """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the forces included."""
+        late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
+        for drive in axis.drives:
+            held = drive.held if self.held is None else self.held
+            late = with_hold(late, drive.signal, held=held, sampling_period=sampling_period / self.thinned)
+        return late
+
+    def may_be_held(self, axis: Axis) -> bool:
+        """Whether a hold of the forces is neither known nor excluded."""
+        return self.held is None and not any(d.held or d.signal in self.late for d in axis.drives)
+
+
+def one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
+    """Logs one after the other; where the axis leaves zeros of encoders open, they are made the same."""
+    if axis.log_parameters and len(logs) > 1:
+        signals, n_drives = signals_of(forward_dynamics(axis), logs[0]), len(axis.drives)
+        orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
+        others = [name for name in signals[n_drives:] if orders[name] == 0]
+        logs = with_common_zeros(logs, signals[:n_drives], others)
+    return joined(logs)
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """Data for the identification, and data on which the gap is measured."""
+
+    # record, validation: of the logs and of the validation logs; the same where there are none
+    record: Record
+    validation: Record
+    # training, held_out: shape (n_fine,): points for either purpose, where these are not all
+    training: BoolArray | None
+    held_out: BoolArray | None
+
+
+def data_of(axis: Axis, runs: Runs, recorded: Recorded) -> Data:
+    """Logs in the frequency domain, see `diagnose`."""
+    dynamics = forward_dynamics(axis)
+    run, validation = runs
+    record = record_of(dynamics, run.log, None, recorded.times(axis, run.log.sampling_period))
+    inside = _within(record, run)
+    if validation is None:
+        training, held_out = training_and_held_out(record)
+        return Data(record, record, training & inside, held_out & inside)
+    late = recorded.times(axis, validation.log.sampling_period)
+    other = record_of(dynamics, validation.log, record.motion_hz, late)
+    return Data(record, other, inside, _within(other, validation))
+
+
+def _within(record: Record, run: Joined) -> BoolArray:
+    """Points of the fine grid that belong to a log."""
+    at = np.rint(record.fine_time / run.log.sampling_period).astype(int)
+    return np.asarray(run.recorded[np.minimum(at, run.recorded.size - 1)])
