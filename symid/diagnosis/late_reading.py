@@ -54,5 +54,5 @@ def with_late_reading(found: Diagnosis, late: Diagnosis, times: Mapping[str, flo
     if late.gap.explained.rms < _AS_GOOD * found.gap.explained.rms:
         text = _TEXT.format(f"{signal} is", *when) + ": it is accounted for."
         return replace(late, faults=(text, *late.faults))
-    text = _TEXT.format(f"{signal} may be", *when) + f": try --late {signal}={1e3 * time:.3g}ms."
+    text = _TEXT.format(f"{signal} may be", *when) + f": try `late` {signal}={1e3 * time:.3g}ms."
     return replace(found, faults=(text, *found.faults))
