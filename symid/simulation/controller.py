@@ -106,7 +106,7 @@ class Controller(ABC):
         """
         raise SettingError(
             f"{type(self).__name__} does not say how it holds {force:.4g} at the first sample: give it a method "
-            "holding(force), or give `start` as displacements and velocities"
+            "holding(force), or start from displacements and velocities"
         )
 
     def linear(self, period: float) -> LinearLaw | None:
