@@ -18,7 +18,8 @@ from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import scan
-from symid.identification.timing import WORTH_MOVING, Shifting, Timing
+from symid.identification.refined_delay import Shifting
+from symid.identification.timing import WORTH_MOVING, Timing
 
 _WORST_CLOCK = 0.02
 """Largest relative difference of two clocks; a delay that grows faster has another cause."""

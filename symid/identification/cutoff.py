@@ -77,7 +77,10 @@ class Estimation:
     def trial(self) -> CutoffTrial:
         """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
         first = self._at([self.preparation] * len(self.logs))
-        is_flexible = max(self.model.highest_derivatives.values()) > _RIGID
+        several = len(self.model.output_names) > len(
+            self.model.forces
+        )  # as a cell in a spring, with its rate
+        is_flexible = several or max(self.model.highest_derivatives.values()) > _RIGID
         is_open = self.preparation.cutoff_hz is None
         if not is_flexible or not is_open or self.left(first) < CRITERIA.cutoff_fit:
             return first

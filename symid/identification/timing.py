@@ -11,23 +11,18 @@ the residual.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
-from symid.identification.excerpts import Excerpt, blocks_of
+from symid.estimation import LeastSquares
+from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import delayed_together, scan
-from symid.identification.observation import Observation
 from symid.identification.physical import negative_parameters
+from symid.identification.refined_delay import Delay, Shifting, beyond_feedback, refined
 
-_SETTLED = 0.01
-"""Last step, in samples, below which the iterations end."""
-_MOST_ROUNDS = 8
-_FARTHEST = 0.25
-"""Periods of the cutoff frequency, beyond which a delay of filtered signals is not unique."""
 WORTH_MOVING = 0.7
 """Part of the residual's power that another lag must leave at most, for the search to begin there."""
 _AS_MUCH = 1.5
@@ -189,20 +184,22 @@ def _timing_of(
     scanned = scan(parts, fit, names)
     late, left, there = scanned.best
     shifting = [Shifting(part, names) for part in parts]
-    near = _refined(parts, shifting, fit, 0.0)
-    found: _Delay | None
+    near = refined(parts, shifting, fit, 0.0)
+    found: Delay | None
     # motion that repeats itself fits as well a period later: a delay near zero that explains as much comes first
     if left >= WORTH_MOVING or (near is not None and near.remaining**2 <= _AS_MUCH * left):
         found = near
     else:  # to a row, where it cannot be refined
         chosen = parts[0].observation.preparation
         row = parts[0].log.sampling_period * (chosen.decimation or 1)
-        found = _refined(parts, shifting, fit, late) or _Delay(
+        found = refined(parts, shifting, fit, late) or Delay(
             late, row / _ROWS_A_DEVIATION, float(np.sqrt(left)), there
         )
     found = next((one for one in (found, near) if one and _keeps_signs(model, one.parameters, fit)), None)
     if found is None:
         return None
+    if names[0] in model.forces and abs(found.late) > _SIGNIFICANT * found.deviation:
+        found = beyond_feedback(parts, fit, names, found)
     return Timing(
         signal=signal,
         late=found.late if signal in names else -found.late,
@@ -231,63 +228,3 @@ def _least_negative(model: GeneratedModel, minimal: FloatArray) -> int:
     with np.errstate(all="ignore"):
         branches = [model.physical_parameters(*minimal, branch=b) for b in range(model.branches)]
     return min(len(negative_parameters(model, physical)) for physical in branches)
-
-
-@dataclass(frozen=True, eq=False)
-class _Delay:
-    """Delay of signals, its deviation, and residual and parameters with it, as in `Timing`."""
-
-    late: float
-    deviation: float
-    remaining: float
-    parameters: FloatArray
-
-
-def _refined(
-    parts: Sequence[Excerpt], shifting: Sequence[Shifting], fit: LeastSquares, start: float
-) -> _Delay | None:
-    """The delay near a start, by Gauss-Newton iterations; None if they diverge."""
-    period = parts[0].log.sampling_period
-    cutoff = parts[0].observation.preparation.cutoff_hz
-    assert cutoff is not None
-    late, X = start, fit.solution
-    for _ in range(_MOST_ROUNDS):
-        # The derivative of the residual by the delay is one more column: its parameter is the Gauss-Newton step.
-        extended = [shifted.with_tangent(late, X) for shifted in shifting]
-        blocks = blocks_of(extended)
-        found = estimate([f for o in extended for f in triangular_factors(o.W, o.y, o.valid)], "wls")
-        if found.status != "ok":
-            return None
-        X, step = found.solution[:-1], float(found.solution[-1])
-        late += step
-        if abs(late - start) > max(_FARTHEST / cutoff, 5 * period):
-            return None
-        if abs(step) < _SETTLED * period:
-            break
-    else:
-        return None
-    correlated = corrected_covariance_of_blocks(lambda: blocks, found)
-    equations = len(parts[0].observation.y)
-    before = np.sum([part.observation.squares(fit.solution) for part in parts], axis=0)
-    after = np.sum(np.reshape(found.residual_norm**2, (-1, equations)), axis=0)
-    # each equation has its own unit: the mean of what is left of each
-    remaining = float(np.sqrt(np.mean(after / np.maximum(before, np.finfo(float).tiny))))
-    return _Delay(late, float(correlated.standard_deviations[-1]), remaining, X)
-
-
-class Shifting:
-    """Rows of a log with some signals moved in time."""
-
-    def __init__(self, part: Excerpt, names: tuple[str, ...]) -> None:
-        self.observation = part.observation
-        self._rows = part.moved(*names)
-        self._slope = self._rows.slope
-
-    def with_tangent(self, late: float, X: FloatArray) -> Observation:
-        """Rows of a delay, with the derivative of W X - y by the delay as one more column."""
-        W, y = self.observation.W, self.observation.y
-        if late:
-            changed = self._rows.change(late)
-            W, y = W + changed[0], y + changed[1]
-        tangent = self._slope[0] @ X - self._slope[1]
-        return replace(self.observation, W=np.concatenate([W, tangent[..., None]], axis=2), y=y)

@@ -6,9 +6,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symid import Log, Preparation, identify, load_axis, load_generated, read_axis_log
+from symid import (
+    ActuatorDelay,
+    Axis,
+    Body,
+    CoulombFriction,
+    Drive,
+    Log,
+    Position,
+    Preparation,
+    ViscousFriction,
+    identify,
+    load_axis,
+    load_generated,
+    read_axis_log,
+)
 from symid.identification import Identification, observe
 from symid.identification.observation import SignalRows
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RATE = 1000.0
 TRUTH = {"M": 95.0, "Fv": 200.0, "Fs": 20.0}
@@ -147,3 +162,17 @@ def test_rows_change_as_those_of_a_moved_force(
     step = 0.25 / RATE
     by_second = (rows.change(step)[1] - rows.change(-step)[1]) / (2 * step)
     assert rows.slope[1] == pytest.approx(by_second, abs=1e-9 * np.abs(by_second).max())
+
+
+@pytest.mark.parametrize("late", [0.0, 7e-4])
+def test_noise_that_a_controller_makes_force_of_is_no_delay(late: float) -> None:
+    table, values = Body("table", mass="M"), {"M": 95.0, "Fv": 200.0, "Fc": 20.0}
+    elements = (table, ViscousFriction(table, "Fv"), CoulombFriction(table, "Fc"))
+    axis = Axis("fed", elements, Drive("F", table, held=True), (Position("q", table, noise=1e-6),))
+    moves = trapezoids(0.2, [0.5, 0.25, 0.1], acceleration=5.0, jerk=500.0, dwell=0.2, sampling_period=2.5e-4)
+    machine = axis.with_effect(ActuatorDelay(late)) if late else axis
+    log = simulate(machine, values, moves, tuned_cascade(plant_of(axis, values), "q"), seed=1).log
+    found = identify(axis, log)
+    assert found.status == ("timing" if late else "ok"), found.message
+    assert found.timing is not None
+    assert found.timing.late == pytest.approx(-late, abs=1e-5)
