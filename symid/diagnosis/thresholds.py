@@ -167,6 +167,9 @@ class Thresholds:
     # leaves to them (11 drawn worldly cases: 0.07 with that of parts of a log, -0.12 to 0.09)
     taken_over: float = 0.05
     all_of_it: float = 0.1  # share of the gap that may stay where effects explain it and not a part of it
+    # most probability of an effect beside others: it may stand in for what they leave of each other (of 17 drawn ones
+    # with 0.9 and more, 1.00 among them, 13 to 15 were there)
+    further_effect: float = 0.95
     # impossible_deviations, impossible: deviations below zero from which on a value that cannot be negative speaks
     # against the effects beside it, and their probability at most then (an encoder of a load one sample late, called a
     # delay with 0.96: damping of -71 times its nominal value, 200 deviations; right effects of drawn cases had 3)

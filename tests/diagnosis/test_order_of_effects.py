@@ -18,7 +18,8 @@ from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import brought_first
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
-diagnose_module, comparison_module = (sys.modules[own.__module__] for own in (data_of, compared))
+comparison_module = sys.modules[compared.__module__]
+diagnose_module = sys.modules["symid.diagnosis.diagnose"]  # the package holds the function of that name
 RIGID = load_axis("rigid_1m")
 VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
 ELASTIC = load_axis("direct_2m1s")

@@ -167,7 +167,7 @@ def _effects(
         best = item.key
         chance = probabilities(step, named - {best})
         rivals = [k for k, p in chance.items() if p >= THRESHOLDS.indistinguishable and k != best]
-        there = chances.effect if i == 0 else is_there(step)
+        there = chances.effect if i == 0 else THRESHOLDS.further_effect * is_there(step)
         felt = comparison.felt_by(i + 2)
         found.append(
             FoundEffect(
