@@ -9,8 +9,9 @@ import numpy as np
 from symid.identification import Identification
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.noise import noise_deviations
-from symid.identification.physical import negative_parameters
+from symid.identification.physical import negative_parameters, open_by_structure
 from symid.identification.poor_fit import unexplained_statement
+from symid.identification.verdict import not_by_structure
 from symid.output_error.controller_check import controller_mismatch
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification, Status
@@ -67,6 +68,8 @@ def verdict_of(
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
         )
     if vague := _uncertain_parameters(found, criteria.undetermined):
+        if lost := open_by_structure(found.model):
+            return "undetermined", not_by_structure(lost)
         return (
             "undetermined",
             f"the log does not determine {', '.join(vague)}: excite it more, or record longer",

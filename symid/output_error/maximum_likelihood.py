@@ -195,7 +195,10 @@ def _starts(
     else:
         rough = rigid_start(model, dynamics, logs)
         found = regression.physical_parameters if regression is not None else {}
-        better = plausible(model, dynamics, found, rough)
+        is_sound = regression is not None and regression.status == "ok"
+        # accepted masses are not compared with rough ones, which do not know what a gear makes of a mass
+        masses = {name: found[name] for name in dynamics.parameters_of("mass") if is_sound and name in found}
+        better = plausible(model, dynamics, found, rough | masses)
         heavy = with_heavy_bodies(dynamics, rough)
         known = [
             values for i, values in enumerate((better, rough, heavy)) if values not in (better, rough)[:i]
