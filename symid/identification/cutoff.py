@@ -26,6 +26,7 @@ from symid.identification.identification_result import Identification
 from symid.identification.poor_fit import unexplained
 from symid.identification.row_blocks import Run, blocks_of_runs
 from symid.identification.settings import Preparation, cutoff_range
+from symid.identification.verdict import poorly_fitted
 
 _STEP, _LOWER_CUTOFFS = 1.6, 5
 """Ratio and number of the lower cutoffs that are tried: to a tenth, in steps that change columns by half at most."""
@@ -77,20 +78,20 @@ class Estimation:
     def trial(self) -> CutoffTrial:
         """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
         first = self._at([self.preparation] * len(self.logs))
-        several = len(self.model.output_names) > len(
-            self.model.forces
-        )  # as a cell in a spring, with its rate
+        # of several sensors, also second derivatives hold a mode, such as those of a cell in a spring
+        several = len(self.model.output_names) > len(self.model.forces)
         is_flexible = several or max(self.model.highest_derivatives.values()) > _RIGID
         is_open = self.preparation.cutoff_hz is None
-        if not is_flexible or not is_open or self.left(first) < CRITERIA.cutoff_fit:
+        is_described = self.left(first) < CRITERIA.cutoff_fit and not self._is_drowned(first)
+        if not is_flexible or not is_open or is_described:
             return first
-        tried, lefts = [first], [self.left(first)]
+        tried, lefts = [first], [math.inf if self._is_drowned(first) else self.left(first)]
         for k in range(1, _LOWER_CUTOFFS + 1):
             found = self.scaled(first, _STEP**-k)
             if found is None:
                 break
             tried.append(found)
-            lefts.append(self.left(found))
+            lefts.append(math.inf if self._is_drowned(found) else self.left(found))
         if min(lefts) > CRITERIA.cutoff_fit:  # no cutoff helps: something else is wrong
             return first
         good = _LITTLE_MORE * min(lefts)
@@ -122,6 +123,10 @@ class Estimation:
             Excerpt(self.model, log, run.observation, k) for k, (log, run) in pairs if isinstance(log, Log)
         ]
         return float(np.max(unexplained(self.model, seen, found.fit))) if seen else 0.0
+
+    def _is_drowned(self, found: CutoffTrial) -> bool:
+        """Whether so much of an equation is left that no estimate at this cutoff is accepted, be it noise."""
+        return found.fit.status == "ok" and bool(poorly_fitted(self.model, found.fit))
 
     def highest(self, first: CutoffTrial, *, is_coherent: bool = True) -> float:
         """Times the cutoffs of a trial that the logs allow, with forces and motion coherent or not."""

@@ -95,7 +95,7 @@ def verdict(
             "not_physical",
             f"{', '.join(negative)} came out negative{_cause(model, physical[0], deviations)}",
         )
-    if not model.known and (unexplained := _unexplained(model, fit)):
+    if not model.known and (unexplained := poorly_fitted(model, fit)):
         cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
     return "ok", ""
@@ -141,7 +141,7 @@ def _rows_needed(correlated: CorrelatedCovariance) -> int:
     return {"ok": 1, "correlation_persists": _FEWEST_ROWS, "too_few_samples": _FEW_ROWS}[correlated.status]
 
 
-def _unexplained(model: GeneratedModel, fit: LeastSquares) -> str:
+def poorly_fitted(model: GeneratedModel, fit: LeastSquares) -> str:
     """Outputs with a large residual, and its share; equations are ordered log by log."""
     names = model.output_names
     norms = np.reshape((fit.residual_norm, fit.y_norm), (2, -1, len(names)))

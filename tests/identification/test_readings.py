@@ -118,3 +118,12 @@ def on_feet(noise: float) -> tuple[Axis, dict[str, float]]:
     sensors = (Position("q", motor, noise=1e-9), Force("cell", feet, noise=noise))
     values = {"Mb": 150.0, "Mm": 40.0, "Kb": 2e6, "Db": 1500.0, "Fv": 80.0, "Fc": 12.0}
     return Axis("on_feet", elements, Drive("F", motor, held=True), sensors), values
+
+
+def test_a_cutoff_at_which_noise_drowns_the_cell_is_lowered() -> None:
+    moves = trapezoids(0.2, 0.5, acceleration=5.0, jerk=500.0, dwell=0.1, sampling_period=1.25e-4)
+    axis, values = on_feet(1.0)
+    log = simulate(axis, values, moves, tuned_cascade(plant_of(axis, values), "q"), seed=1).log
+    found = symid.identify(axis, log)
+    assert found.status == "ok", found.message
+    assert found.physical_parameters == pytest.approx(values, rel=0.02)
