@@ -121,7 +121,8 @@ def on_feet(noise: float) -> tuple[Axis, dict[str, float]]:
 
 
 def test_a_cutoff_at_which_noise_drowns_the_cell_is_lowered() -> None:
-    moves = trapezoids(0.2, 0.5, acceleration=5.0, jerk=500.0, dwell=0.1, sampling_period=1.25e-4)
+    speeds = [0.5, 0.25, 0.1]
+    moves = trapezoids(0.2, speeds, acceleration=5.0, jerk=500.0, dwell=0.2, sampling_period=1.25e-4)
     axis, values = on_feet(1.0)
     log = simulate(axis, values, moves, tuned_cascade(plant_of(axis, values), "q"), seed=1).log
     found = symid.identify(axis, log)
