@@ -16,6 +16,7 @@ from symid import Log, load_axis
 from symid.arrays import FloatArray
 from symid.data.lost_samples import restored
 from symid.diagnosis import diagnose
+from symid.diagnosis.prediction.quantisation import rounding_error
 from symid.diagnosis.prediction.recorder import recovered
 from symid.identification.smoothing import interpolated_from, updated_every
 
@@ -142,3 +143,11 @@ def test_a_file_with_lost_samples_is_read(
     assert run("diagnose", "rigid_1m", "run.csv", "--nominal", "nominal.json", "--json", "-") == 0
     found = json.loads(capsys.readouterr().out)
     assert found["effects"][0]["effect"] == "quadratic_drag"
+
+
+def test_noise_of_a_fine_encoder_that_turns_fast_is_no_rounding() -> None:
+    rng, step = np.random.default_rng(1), 1e-6
+    path = 0.3 * np.sin(2 * np.pi * 0.5 * np.arange(20000) / 4000)
+    quiet, noisy = (step * np.round((path + std * rng.standard_normal(20000)) / step) for std in (1e-8, 1e-6))
+    assert rounding_error(quiet) is not None
+    assert rounding_error(noisy) is None

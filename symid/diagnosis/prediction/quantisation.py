@@ -20,6 +20,11 @@ _SEGMENT, _SEGMENTS = 4096, 4
 _RETURNS = 0.1
 """Largest share of steps followed by a step back; with noise of the sensor it is a half."""
 _FEWEST_STEPS = 200
+_FINE, _BLURRED = 0.4, 1.5
+"""Share of the samples with values of their own, and third differences relative to those of rounding, beyond which a
+reading has noise of its sensor that blurs its steps."""
+_ROUGHNESS = (20 / 12) ** 0.5
+"""Root mean square of the third differences of rounding to steps of 1."""
 
 
 def quantisation_lines(
@@ -72,4 +77,8 @@ def rounding_error(x: FloatArray) -> FloatArray | None:
     moving = np.diff(x) != 0.0
     fast = np.concatenate([[False], moving]) & np.concatenate([moving, [False]])
     even = np.random.default_rng(0).uniform(-step / 2, step / 2, x.size)
+    # Values that hardly come again show noise of the sensor not by steps back, but by what no motion does.
+    roughness = float(np.sqrt(np.mean(np.diff(x, 3) ** 2)))
+    if np.unique(x).size > _FINE * x.size and roughness > _BLURRED * step * _ROUGHNESS:
+        return None
     return np.where(fast, even, x - course)
