@@ -111,7 +111,7 @@ def step_of(x: FloatArray) -> float:
     are all of them sorted. A short log of counts, or one of an encoder that turns fast, has few values that come again,
     but each is a whole number of steps from the others.
 
-    >>> counts, fast = np.round(200 * np.sin(np.arange(300) / 40)), np.floor(23.7 * np.arange(300))
+    >>> counts, fast = (np.round(x * np.sin(np.arange(300) / 40)) for x in (200, 2000))
     >>> step_of(counts), step_of(fast), step_of(fast + 1e-3 * np.random.default_rng(0).standard_normal(300))
     (1.0, 1.0, 0.0)
     """
