@@ -15,10 +15,9 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from benchmarks.diagnosis.machines import options
-from benchmarks.diagnosis.other_cases import Case, drawn
-from benchmarks.diagnosis.others import judged, print_sums
-from symid import Axis, CoulombFriction, Log, Position, SymidError, Velocity, ViscousFriction
+from benchmarks.diagnosis.other_cases import Case
+from benchmarks.diagnosis.others import Row, judged, print_cases
+from symid import Axis, CoulombFriction, Log, Position, Velocity, ViscousFriction
 from symid.arrays import FloatArray
 
 _FEWEST = 400
@@ -87,18 +86,12 @@ def _reading_speed(axis: Axis) -> Axis:
 
 def main() -> None:
     """Print each case, then how many are right."""
-    parser = options(__doc__, 40)
-    parser.add_argument("--short", action="store_true")
-    given = parser.parse_args()
-    rows = []
-    for seed in range(given.seed, given.seed + given.cases):
-        try:
-            case, also, aside = recorded(drawn(seed, short=given.short), seed)
-            rows.append(judged(case, seed, also, aside))
-            print(rows[-1].line, flush=True)
-        except SymidError as error:
-            print(f"{seed:6} refused: {error}", flush=True)
-    print_sums(rows)
+    print_cases(__doc__, _judged_as_recorded)
+
+
+def _judged_as_recorded(case: Case, seed: int) -> Row:
+    own, lacking, late = recorded(case, seed)
+    return judged(own, seed, lacking, late)
 
 
 if __name__ == "__main__":

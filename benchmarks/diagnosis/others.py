@@ -16,7 +16,7 @@ least a half.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,20 +91,25 @@ def judged(case: Case, seed: int, also: Collection[str] = (), aside: Collection[
 
 def main() -> None:
     """Print each case, then how many are right."""
-    parser = options(__doc__, 40)
+    print_cases(__doc__, judged)
+
+
+def print_cases(description: str | None, judge: Callable[[Case, int], Row]) -> None:
+    """Judge the drawn cases that the command line asks for, print each, then how many are right."""
+    parser = options(description, 40)
     parser.add_argument("--short", action="store_true")
     given = parser.parse_args()
     rows = []
     for seed in range(given.seed, given.seed + given.cases):
         try:
-            rows.append(judged(drawn(seed, short=given.short), seed))
+            rows.append(judge(drawn(seed, short=given.short), seed))
             print(rows[-1].line, flush=True)
         except SymidError as error:
             print(f"{seed:6} refused: {error}", flush=True)
-    print_sums(rows)
+    _print_sums(rows)
 
 
-def print_sums(rows: Sequence[Row]) -> None:
+def _print_sums(rows: Sequence[Row]) -> None:
     """How many of some cases are right."""
     seen, firsts = [row for row in rows if row.counts], [one for row in rows for one in row.first]
     none = [row for row in rows if row.complete]
