@@ -11,6 +11,7 @@ import pytest
 import scipy.io
 
 from symid.data import read_log
+from symid.data.formats import array_files
 from symid.errors import LogError
 from tests.log_formats import EXPECTED, PERIOD, F, N, Q, T
 
@@ -84,3 +85,36 @@ def test_vectors_beside_objects_that_cannot_be_read_are_read(tmp_path: Path) -> 
     data[116:124] = (len(data) - 64).to_bytes(8, "little")  # the data of objects, which are not there
     (tmp_path / "a.mat").write_bytes(bytes(data))
     np.testing.assert_array_equal(read_log(tmp_path / "a.mat", expected=EXPECTED)["q"], Q)
+
+
+def test_a_structure_with_time_of_several_signals_in_version_7_3(tmp_path: Path) -> None:
+    # an array of structs is stored by references
+    signals = np.empty((1, 2), dtype=[("values", object), ("label", object)])
+    for place, (label, values) in enumerate((("q", Q), ("F", F))):
+        signals[0, place] = (values[:, None], label)
+    save_to_mat(str(tmp_path / "a.mat"), {"out": {"t": T[:, None], "signals": signals}}, version="v7.3")
+    log = read_log(tmp_path / "a.mat", expected=EXPECTED)
+    np.testing.assert_array_equal(log["q"], Q)
+    np.testing.assert_array_equal(log["F"], F)
+
+
+BY_MATLAB = Path(scipy.__file__).parent / "io/matlab/tests/data"
+"""Files that MATLAB 4 to 8 wrote, for the tests of scipy."""
+
+
+@pytest.mark.skipif(not BY_MATLAB.is_dir(), reason="this scipy is installed without its tests")
+def test_files_by_matlab_are_read_or_refused_in_one_line() -> None:
+    files = sorted(BY_MATLAB.glob("test*.mat"))
+    assert len(files) > 80
+    messages = []
+    for file in files:  # in this process: none of them is damaged
+        try:
+            assert all(channel.values.size != 1 for channel in array_files._parsed(file, None))
+        except LogError as error:
+            messages.append(str(error))
+    assert all(message.startswith(str(BY_MATLAB)) and "\n" not in message for message in messages)
+
+
+@pytest.mark.skipif(not BY_MATLAB.is_dir(), reason="this scipy is installed without its tests")
+def test_a_handle_of_a_function_is_no_signal() -> None:
+    assert not array_files._parsed(next(BY_MATLAB.glob("testfunc*.mat")), None)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 import scipy
 
 from symid.data.formats.channels import Channel, columns_of, short_names, table_of_arrays, table_of_channels
-from symid.data.formats.hdf5 import MAGIC, open_hdf5, values_with_objects
+from symid.data.formats.hdf5 import MAGIC, open_hdf5, values_behind_references
 from symid.data.formats.matlab_objects import may_hold_objects, with_objects
 from symid.data.formats.separate import answer, channels_apart
 from symid.data.memory import require_memory
@@ -28,6 +28,8 @@ _VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name"
 _DEEPEST = 12
 _COMPRESSED = 15
 """Type of an element of a MATLAB file that is compressed."""
+_ADVICE = "save the Time and Data of a timeseries as vectors"
+_NOTHING = f"holds no vectors of numbers: {_ADVICE}"
 _Leaf: TypeAlias = "npt.NDArray[Any] | Channel"
 
 
@@ -39,11 +41,12 @@ def open_matlab(path: Path, memory: int | None = None) -> Table:
     with path.open("rb") as file:
         begin = file.read(520)
     if _is_hdf5(begin):
-        values = values_with_objects(path)
+        # the plain vectors of such a file are read one by one; what stands in cells only with the whole file
+        values = values_behind_references(path)
         if not values:
             return open_hdf5(path, memory)
-        require_memory(values, memory)
         try:
+            require_memory(values, memory)
             return table_of_channels(_channels_apart(path, memory))
         except LogError as error:
             return _otherwise(open_hdf5(path, memory), path, error)
@@ -72,7 +75,7 @@ def _parsed(path: Path, memory: int | None) -> list[Channel]:
         _require_memory_for(path, memory)
         found = _as_channels(with_objects(path))
         if not found:
-            raise LogError("no vectors of numbers in them")
+            raise LogError(_NOTHING)
         return found
     except Exception as error:  # noqa: BLE001  objects of an unknown kind; the vectors beside them are read
         return _otherwise([] if is_hdf5 else _channels(path, memory), path, error)
@@ -85,9 +88,11 @@ def _otherwise(vectors: _Found, path: Path, error: Exception) -> _Found:
     """Vectors of a file whose objects cannot be read; LogError if it has none."""
     if vectors if isinstance(vectors, list) else vectors.headers:
         return vectors
-    why = str(error).removeprefix(f"{path}: ") if isinstance(error, LogError) else first_line(error)
-    advice = "save the Time and Data of a timeseries as vectors"
-    raise LogError(f"{path}: holds objects only, which cannot be read ({why}): {advice}") from error
+    if isinstance(error, LogError):
+        raise LogError(f"{path}: {str(error).removeprefix(f'{path}: ')}") from error
+    raise LogError(
+        f"{path}: holds only objects that cannot be read ({first_line(error)}): {_ADVICE}"
+    ) from error
 
 
 def _channels(path: Path, memory: int | None) -> list[Channel]:
@@ -118,7 +123,7 @@ def _as_channels(variables: Mapping[str, object]) -> list[Channel]:
 
 def _leaves(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], _Leaf]]:
     """Arrays of numbers and time series in nested structs, with the names that lead to them."""
-    if len(names) > _DEEPEST:
+    if len(names) > _DEEPEST or isinstance(value, scipy.io.matlab.MatlabFunction):
         return
     if isinstance(value, Channel):
         yield names, value

@@ -39,15 +39,15 @@ def open_hdf5(path: Path, memory: int | None = None) -> Table:
     return Table(headers, read, n_rows=max((one.size for one in found), default=0))
 
 
-def values_with_objects(path: Path) -> int:
-    """Number of all values in a file of MATLAB 7.3 that holds objects, 0 if it holds none."""
+def values_behind_references(path: Path) -> int:
+    """Number of all values in a MATLAB 7.3 file with cells, arrays of structs or objects; 0 if it has none."""
     h5py, sizes = required("h5py", path), [0]
 
     def visit(_: str, item: Any) -> None:
         sizes.append(int(item.size or 0) if isinstance(item, h5py.Dataset) else 0)
 
     with parsing(path, "HDF5"), h5py.File(path, "r") as file:
-        if "#subsystem#" in file:
+        if "#refs#" in file or "#subsystem#" in file:
             file.visititems(visit)
     return sum(sizes)
 
