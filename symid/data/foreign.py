@@ -117,12 +117,18 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     return tuple(
         ForeignColumn(header, "time", "s", False, clocks[i], True)
         if i in clocks
-        else replace(
-            _guessed(header, column), doubt=_sign_and_magnitude(column), constant=bool(np.ptp(column) == 0)
-        )
+        else _described(header, column[np.isfinite(column)])
         for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header
     )
+
+
+def _described(header: str, values: FloatArray) -> ForeignColumn:
+    """What a column seems to be, by its header and its finite values, and what is odd about it."""
+    if not values.size:
+        return replace(_guessed(header, np.zeros(1)), constant=True)
+    guessed = _guessed(header, values)
+    return replace(guessed, doubt=_sign_and_magnitude(values), constant=bool(np.ptp(values) == 0))
 
 
 def _guessed(header: str, values: FloatArray) -> ForeignColumn:
@@ -177,7 +183,7 @@ def _sign_and_magnitude(values: FloatArray) -> str:
     >>> _sign_and_magnitude(np.arange(0.0, 2000.0, 50.0))
     ''
     """
-    if not values.size or np.any(values % 1 != 0) or values.min() < 0:
+    if np.any(values % 1 != 0) or values.min() < 0:
         return ""
     for bit in _SIGN_BITS:
         sign = values >= 2**bit

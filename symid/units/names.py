@@ -96,7 +96,9 @@ def _table() -> dict[str, tuple[float, Unit]]:
         known |= {prefix + symbol: (_PREFIXES[prefix] * factor, unit) for prefix in prefixes.split()}
     for name, factor, unit in _LONG:
         for prefix, size in (("", 1.0), *_LONG_PREFIXES.items()):
-            known |= {f"{prefix}{name}{end}": (size * factor, unit) for end in ("", "s")}
+            written = prefix + name
+            for spelled in (written, written.capitalize()):  # National Instruments writes Volts and Amps
+                known |= dict.fromkeys((spelled, f"{spelled}s"), (size * factor, unit))
     for names, factor, unit in _OTHERS:
         known |= dict.fromkeys(names.split(), (factor, unit))
     return known

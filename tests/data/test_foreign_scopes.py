@@ -57,6 +57,18 @@ def test_numbers_of_samples_are_not_taken_for_milliseconds(tmp_path: Path) -> No
     assert guessed(path)["column 1"] == ("time", None)
 
 
+def test_samples_that_are_no_numbers_do_not_hide_what_a_column_is(tmp_path: Path) -> None:
+    path = tmp_path / "daq.csv"
+    current = [*["inf"] * 3, *["nan"] * 3, *range(T.size - 6)]
+    rows = [f"{t:.6f},{q:.6f},{i}" for t, q, i in zip(T, Q, current, strict=True)]
+    path.write_text("\n".join(["Time,Position [Millimeters],Current [Amps]", *rows]) + "\n")
+    assert guessed(path) == {
+        "Time": ("time", "s"),
+        "Position [Millimeters]": ("position", "Millimeters"),
+        "Current [Amps]": ("current", "Amps"),
+    }
+
+
 def test_increments_are_a_position_of_unknown_length(tmp_path: Path) -> None:
     path = written(tmp_path / "s.csv", ["Zeit;r482", "ms;Inkr"], "{t:.6f};{i}")
     (column,) = (c for c in foreign_columns(open_table(path, guessed_layout(path))) if "r482" in c.header)

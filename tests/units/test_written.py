@@ -47,6 +47,8 @@ TURN = 2 * math.pi
         ("m/s²", "m/s^2", 1.0),
         ("m/min", "m/s", 1 / 60),
         ("kN", "N", 1e3),
+        ("Volts", "V", 1.0),
+        ("Millimeters", "m", 1e-3),
         ("min", "s", 60.0),
         ("in", "m", 0.0254),
         ("millimeters", "m", 1e-3),
