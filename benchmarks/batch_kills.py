@@ -28,7 +28,7 @@ from distributed import LocalCluster
 
 import symid
 from benchmarks.batch import write_logs
-from symid.fleet import read_journal
+from symid.fleet.journal import read_journal
 
 VOLATILE = ("seconds", "finished", "log")
 JOURNAL = "results.parquet.journal"

@@ -32,7 +32,7 @@ from symid.diagnosis.in_motion.replayed import without_noise
 from symid.errors import SymidError
 from symid.export import mjcf, write_fmu
 from symid.report.figures.schematic import schematic_svg
-from symid.report.pages.effect_catalogue import effect_catalogue
+from symid.report.pages.diagnosis_page import effect_catalogue
 from symid.simulation import OpenLoop, Trajectory, simulate
 
 from .effect_machines import KINDS, LOOP, PERIOD, Kind, machine, path

@@ -20,7 +20,7 @@ from numba import njit
 
 from benchmarks.paper_tables import CUTOFF, METHODS, NOMINAL, PHYSICAL, TABLE_5, TABLE_6, error, model
 from symid import Log, Preparation, identify
-from symid.tuning import lowest_within
+from symid.tuning.bound import lowest_within
 
 SECONDS, FROM_HZ, TO_HZ, SPEED = 10.0, 0.1, 100.0, 0.01
 ORDER, BANDWIDTH_HZ = 8, 30.0

@@ -15,7 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symid.fleet import TrendChange, control_chart, judge_spread, spread_between
+from symid.fleet import TrendChange
+from symid.fleet.control_chart import control_chart
+from symid.fleet.spread import judge_spread, spread_between
 
 FloatArray = np.ndarray
 

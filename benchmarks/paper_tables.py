@@ -30,7 +30,10 @@ import numpy as np
 from symid import Axis, Log, Preparation, compiled, derive, identify, load_axis, load_generated
 from symid.codegen import GeneratedModel
 from symid.simulation import Cascade, Trajectory, chirp, plant_of, simulate, trapezoids, tuned_cascade
-from symid.tuning import ExactRun, LowPassErrors, exact_run, lowest_within, standard_model, without_jumps
+from symid.tuning import exact_run, without_jumps
+from symid.tuning.bound import lowest_within
+from symid.tuning.exact_run import ExactRun
+from symid.tuning.low_pass import LowPassErrors, standard_model
 
 NOMINAL = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
 CUTOFF = 164.42

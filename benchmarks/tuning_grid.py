@@ -31,7 +31,8 @@ from symid import Axis, Log, Preparation, load_axis, load_generated
 from symid.arrays import FloatArray
 from symid.identification.settings import completed
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
-from symid.tuning import TotalErrors, identified_and_tuned, with_noise
+from symid.tuning import identified_and_tuned
+from symid.tuning.total_errors import TotalErrors, with_noise
 
 VALUES = {
     "rigid_1m": {"M": 100.0, "Fv": 80.0, "Fs": 40.0},

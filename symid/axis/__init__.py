@@ -5,14 +5,13 @@ from symid.axis.axis import Axis, Element
 from symid.axis.chain import chain
 from symid.axis.drive_imperfections import *  # noqa: F403
 from symid.axis.elements import *  # noqa: F403
-from symid.axis.given import AnyAxis, axis_of, of_any_axis
 from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws.along_stroke import *  # noqa: F403
 from symid.axis.laws.constant import *  # noqa: F403
 from symid.axis.laws.friction import *  # noqa: F403
 from symid.axis.laws.law import *  # noqa: F403
 from symid.axis.laws.spring import *  # noqa: F403
-from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
+from symid.axis.loading import AnyAxis, axis_file, axis_names, axis_of, load_axis, of_any_axis, shipped_folder
 from symid.axis.quantities import length_unit
 from symid.axis.sensors import *  # noqa: F403
 from symid.axis.sketch import sketch, sketch_source

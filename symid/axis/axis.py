@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from symid.axis.drive_imperfections import DriveImperfection
 from symid.axis.elements import Body, Damper, Drive, Joint, PendulumWeight, Spring, Weight
@@ -75,9 +75,8 @@ class Axis(Shown):
     def __post_init__(self) -> None:
         if isinstance(self.drive, tuple) and len(self.drive) == 1:
             object.__setattr__(self, "drive", self.drive[0])
-        drives = self.drive if isinstance(self.drive, tuple) else (self.drive,)
-        faults = declaration_faults(self.name, self.elements, drives, self.sensors, self.known)
-        faults = faults or tuple(unit_faults((*self.elements, *self.sensors), drives))
+        faults = declaration_faults(self.name, self.elements, self.drives, self.sensors, self.known)
+        faults = faults or tuple(unit_faults((*self.elements, *self.sensors), self.drives))
         if faults:
             raise DeclarationError(str(self.name), faults)
         object.__setattr__(self, "known", dict(self.known))
@@ -98,18 +97,14 @@ class Axis(Shown):
 
     @property
     def only_drive(self) -> Drive:
-        """The drive of an axis that has one; SettingError if there are several."""
-        self.require_one_drive()
-        return self.drives[0]
-
-    def require_one_drive(self) -> None:
-        """Raise SettingError if there are several drives, where that is not yet possible."""
+        """The drive of an axis that has one; SettingError if there are several, where that is not yet possible."""
         if isinstance(self.drive, tuple):
             signals = ", ".join(drive.signal for drive in self.drive)
             raise SettingError(
                 f"axis {self.name!r} has {len(self.drive)} drives ({signals}): feed-forward takes an axis "
                 "with one; identify, tune or diagnose it, or export it to C, an FMU or MJCF"
             )
+        return self.drive
 
     @cached_property
     def bodies(self) -> tuple[Body, ...]:
@@ -272,11 +267,6 @@ class Axis(Shown):
         >>> list(load_axis("rigid_1m").with_known({"M": 95.0}).physical_parameters)
         ['Fv', 'Fs']
         """
-        if unknown := [name for name in values if name not in self.parameter_units]:
-            raise SettingError(
-                f"axis {self.name!r} has no parameter {unknown[0]!r} whose value could be known: "
-                f"choose from {', '.join(self.parameter_units)}"
-            )
         try:
             return replace(self, known={**self.known, **values})
         except DeclarationError as error:
@@ -296,17 +286,13 @@ class Axis(Shown):
         >>> load_axis("rigid_1m").with_signal("q", noise=1e-7).sensors[0].noise
         1e-07
         """
-        if any(drive.signal == signal for drive in self.drives):
-            recorded = (
-                replace(drive, noise=noise, resolution=resolution) if drive.signal == signal else drive
-                for drive in self.drives
-            )
-            return replace(self, drive=tuple(recorded))
-        (changed,) = self.measured((signal,))
-        better = replace(changed, noise=noise, resolution=resolution, delay=delay)
-        return replace(
-            self, sensors=tuple(better if sensor is changed else sensor for sensor in self.sensors)
-        )
+        recorded: dict[str, Any] = {"noise": noise, "resolution": resolution}
+        if signal in [drive.signal for drive in self.drives]:
+            drives = (replace(d, **recorded) if d.signal == signal else d for d in self.drives)
+            return replace(self, drive=tuple(drives))
+        (read,) = self.measured((signal,))
+        sensors = (replace(s, **recorded, delay=delay) if s is read else s for s in self.sensors)
+        return replace(self, sensors=tuple(sensors))
 
     @property
     def signature(self) -> str:

@@ -1,12 +1,16 @@
-"""Finding and loading axis files: `models/` of the working folder, `models/` that ship with symid, or a path."""
+"""Axes by name, by file, or as given: each axis file defines `axis`."""
 
 from __future__ import annotations
 
+import os
 import runpy
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
+from typing import Concatenate, ParamSpec, Protocol, TypeAlias, TypeVar
 
 from symid.axis.axis import Axis
-from symid.errors import SymidError
+from symid.errors import SettingError, SymidError
 from symid.text import similar
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -90,3 +94,55 @@ def load_axis(name_or_path: str) -> Axis:
     if axis.name != path.stem:
         raise SymidError(f"axis file {path.name} declares the axis {axis.name!r}: name both alike")
     return axis
+
+
+class ModelOfAxis(Protocol):
+    """A derived or generated model, which knows its axis or the name of it."""
+
+    @property
+    def axis(self) -> Axis | str:
+        """The declaration, or its name."""
+        ...
+
+
+AnyAxis: TypeAlias = Axis | str | os.PathLike[str] | ModelOfAxis
+"""A declaration, the name or path of its file, or a model of it."""
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def axis_of(given: AnyAxis) -> Axis:
+    """The declaration of an axis given as such, by name or path, or by a model.
+
+    Raises
+    ------
+    SettingError
+        If it is anything else.
+
+    Examples
+    --------
+    >>> axis_of("rigid_1m").drives[0].signal
+    'F'
+    """
+    named = given if isinstance(given, (Axis, str, os.PathLike)) else getattr(given, "axis", None)
+    if isinstance(named, Axis):
+        return named
+    if isinstance(named, (str, os.PathLike)):
+        return load_axis(os.fspath(named))
+    raise SettingError(
+        f"{type(given).__name__} is not an axis: give an Axis, the name or path of its file, or a model of it"
+    )
+
+
+def of_any_axis(function: Callable[Concatenate[Axis, P], R]) -> Callable[Concatenate[AnyAxis, P], R]:
+    """Let a function of a declared axis also take a name, a path or a model.
+
+    >>> of_any_axis(lambda axis: axis.drives[0].signal)("rigid_1m")
+    'F'
+    """
+
+    @wraps(function)
+    def by_any(axis: AnyAxis, *args: P.args, **settings: P.kwargs) -> R:
+        return function(axis_of(axis), *args, **settings)
+
+    return by_any  # type: ignore[return-value]  # the first argument may still be named

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from symid.axis.axis import Axis
 from symid.axis.elements import Between, Body, Drive, Ground, Spring
-from symid.axis.given import of_any_axis
+from symid.axis.loading import of_any_axis
 from symid.errors import SettingError, SymidError
 from symid.files import write_whole
 from symid.signal_names import is_signal_name

@@ -28,11 +28,13 @@ from symid.axis.sensors import Sensor
 from symid.axis.signal_faults import (
     drive_faults,
     drive_imperfection_faults,
+    ends_of,
     force_ripple_faults,
     imperfection_faults,
+    label_of,
     sensor_faults,
+    type_faults,
 )
-from symid.axis.type_faults import ends_of, label_of, type_faults
 from symid.signal_names import is_signal_name
 
 RESERVED = ("t", "reference", "ground", "np", "n_samples", "branch")

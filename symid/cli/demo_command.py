@@ -8,8 +8,7 @@ from click import option
 from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
 from symid.cli.outputs import Output, SafeCommand
-from symid.cli.setting_options import with_options
-from symid.cli.terminal import say, working
+from symid.cli.terminal import say, with_options, working
 from symid.codegen import load_generated
 from symid.diagnosis import diagnose
 from symid.identification import Preparation, identify, predict, read_axis_log

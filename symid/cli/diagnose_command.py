@@ -31,8 +31,7 @@ from symid.cli.options import (
     write_json,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
-from symid.cli.setting_options import with_options
-from symid.cli.terminal import say, working
+from symid.cli.terminal import say, with_options, working
 from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError

@@ -48,8 +48,7 @@ from symid.cli.options import (
     signal_list,
 )
 from symid.cli.outputs import SafeCommand
-from symid.cli.setting_options import with_options
-from symid.cli.terminal import tracked, working
+from symid.cli.terminal import tracked, with_options, working
 from symid.data import AnyLog, first_block
 from symid.errors import SettingError
 from symid.identification import (

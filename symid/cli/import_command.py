@@ -14,7 +14,7 @@ from symid.axis import Axis, load_axis
 from symid.cli.asking import Known, asked, asked_file
 from symid.cli.options import POSITIVE, dark_option, give_result, json_option, number, plot_option, write_json
 from symid.cli.outputs import Output, SafeCommand
-from symid.cli.setting_options import with_options
+from symid.cli.terminal import with_options
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, open_table
 from symid.data.formats import layout_found
 from symid.errors import LogError, SettingError

@@ -13,8 +13,7 @@ from click import option
 
 from symid.axis import Axis
 from symid.cli.outputs import Output
-from symid.cli.setting_options import with_options
-from symid.cli.terminal import is_closed
+from symid.cli.terminal import is_closed, with_options
 from symid.errors import SettingError
 from symid.files import as_json, is_finite_number, read_json, shortened, write_whole
 from symid.units import Unit, to_si

@@ -1,7 +1,5 @@
 """Logs of machines: reading, checking, filtering and differentiating them."""
 
-from symid.data.checks import inspect_values
-from symid.data.clock import MINIMUM_SAMPLES, Clock, inspect_clock
 from symid.data.columns import REFERENCE, references_of
 from symid.data.differences import (
     central_difference,
@@ -10,7 +8,7 @@ from symid.data.differences import (
     difference_factors,
     differencing_bandwidth,
 )
-from symid.data.filtering import LowPass, decimate, decimation_filter, kept_indices
+from symid.data.filtering import LowPass, decimation_filter, kept_indices
 from symid.data.foreign import ForeignColumn, foreign_columns
 from symid.data.formats import open_table
 from symid.data.frames import Frame
@@ -19,17 +17,15 @@ from symid.data.log import Log
 from symid.data.long_log import AnyLog, LongLog, first_block, spans
 from symid.data.opening import MEMORY, ForeignColumns, columns_in, open_log, read_log
 from symid.data.spline import QuinticSpline
-from symid.data.stuck import cut_in_motion, inspect_spans
+from symid.data.stuck import cut_in_motion
 from symid.data.table import Table
 from symid.data.writing import write_frame, write_log
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
     "MEMORY",
-    "MINIMUM_SAMPLES",
     "REFERENCE",
     "AnyLog",
-    "Clock",
     "ForeignColumn",
     "ForeignColumns",
     "Frame",
@@ -45,7 +41,6 @@ __all__ = [
     "central_difference_gain",
     "columns_in",
     "cut_in_motion",
-    "decimate",
     "decimation_filter",
     "derivatives",
     "difference_factors",
@@ -54,9 +49,6 @@ __all__ = [
     "foreign_columns",
     "guessed_layout",
     "in_pieces",
-    "inspect_clock",
-    "inspect_spans",
-    "inspect_values",
     "kept_indices",
     "kept_of",
     "open_log",

@@ -20,22 +20,8 @@ _JUMP_RANGE: Final = 1e-3  # of the travel
 
 
 def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple[str, ...]:
-    """Faults of needed channels: values empty or not finite, and channels that never change.
+    """Faults of the needed channels: values empty or not finite, and channels that never change.
 
-    Parameters
-    ----------
-    time : array of shape (n_samples,)
-        Times, s.
-    signals : Mapping of str to array of shape (n_samples,)
-        The needed channels.
-
-    Returns
-    -------
-    tuple of str
-        One sentence a fault, naming the channel, the count and the first time.
-
-    Examples
-    --------
     >>> inspect_values(np.arange(3.0), {"q": np.full(3, 2.0)})
     ("'q' is constant (2) over the whole log: check its sensor or leave it out of the measured signals",)
     """

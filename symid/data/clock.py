@@ -27,24 +27,12 @@ _WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
 
 @dataclass(frozen=True)
 class Clock:
-    """Clock found in the written times.
+    """Clock found in the written times."""
 
-    Parameters
-    ----------
-    start : float
-        Time of the first sample, s.
-    period : float
-        Time between two samples, s; NaN if it could not be determined.
-    faults : tuple of str
-        Reasons why the times are not one uniform clock.
-    notes : tuple of str
-        Irregularities that are small enough to be ignored.
-    """
-
-    start: float
-    period: float
-    faults: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    start: float  # time of the first sample, s
+    period: float  # time between two samples, s; NaN if it could not be determined
+    faults: tuple[str, ...] = ()  # reasons why the times are not one uniform clock
+    notes: tuple[str, ...] = ()  # irregularities that are small enough to be ignored
 
 
 @dataclass(frozen=True)
@@ -77,27 +65,11 @@ def require_seconds(time: FloatArray) -> None:
 
 
 def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: int = 0) -> Clock:
-    """Find the sampling period and the faults of the times of a log.
+    """The sampling period and the faults of the written times of a log, s, with at least `minimum` samples.
 
-    The rounding of the written times is allowed for: 1.5 ms written with three decimals, or 32 bit numbers, do
-    not count as jitter.
+    The rounding of the written times is allowed for: 1.5 ms written with three decimals, or 32 bit numbers, do not
+    count as jitter. `before` counts the rows before the first of these times, in messages.
 
-    Parameters
-    ----------
-    time : array of shape (n_samples,)
-        Times as written, s.
-    minimum : int
-        Fewest samples accepted.
-    before : int
-        Rows before the first of these times, in messages.
-
-    Returns
-    -------
-    Clock
-        With all faults found; the caller decides whether to raise.
-
-    Examples
-    --------
     >>> inspect_clock(np.arange(100) / 250.0).period
     0.004
     """

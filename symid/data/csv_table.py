@@ -24,8 +24,16 @@ from symid.data.layout import (
     lines_of,
     uncommented,
 )
-from symid.data.memory import free_memory
-from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, parsing, source_of, values_of
+from symid.data.table import (
+    POLARS_FAILURES,
+    Slices,
+    Table,
+    damaged,
+    free_memory,
+    parsing,
+    source_of,
+    values_of,
+)
 from symid.data.time_stamps import is_stamp, seconds_of_stamps
 from symid.errors import LogError
 

@@ -96,7 +96,10 @@ class LowPass:
                 f"cutoff {self.cutoff_hz:g} Hz is not below half the sampling frequency of "
                 f"{sampling_frequency:g} Hz: choose a cutoff under {sampling_frequency / 2:g} Hz"
             )
-        _check_length(n_samples, self.padding, "low-pass filter")
+        if n_samples <= self.padding:
+            raise SettingError(
+                f"{n_samples} samples are too few for the low-pass filter: more than {self.padding} are required"
+            )
         return self.zero_phase(sampling_frequency)
 
     def by_spectrum(self, x: FloatArray, sampling_frequency: float) -> FloatArray:
@@ -165,58 +168,13 @@ def kept_indices(n_samples: int, factor: int) -> slice:
     return slice((n_samples - 1) % factor, n_samples, factor)
 
 
-def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
-    """Every `factor`-th sample of the signal after a zero-phase low-pass filter.
-
-    The filter is a Chebyshev filter of type I, order 8, 0.05 dB ripple, with its cutoff at 0.8 of the new
-    Nyquist frequency, run forward and backward. As in MATLAB its even order lowers slow signals by the ripple
-    of both passes (factor 0.9886), which a regression does not see if both of its sides are decimated.
-    Rows are filtered in pieces: a matrix needs little memory besides the result.
-
-    Parameters
-    ----------
-    x : array_like of shape (..., n_samples)
-        Signal, or one signal per row.
-    factor : int
-        Samples per kept sample; 1 returns the signal unchanged.
-    workers : int
-        Threads that share the signal.
-
-    Returns
-    -------
-    array of shape (..., ceil(n_samples / factor))
-
-    Raises
-    ------
-    SettingError
-        If the factor is below 1 or the signal has no more than 24 samples.
-
-    Examples
-    --------
-    >>> decimate(np.ones(100), 4).shape
-    (25,)
-    """
-    values = np.asarray(x, dtype=np.float64)
-    if factor < 1:
-        raise SettingError(f"decimation by {factor} is not possible: give a factor of 1 or more")
-    if factor == 1:
-        return values.copy()
-    _check_length(values.shape[-1] if values.ndim else 1, 3 * _DECIMATION_ORDER, "decimation")
-    kept = kept_indices(values.shape[-1], factor)
-    thinned = np.empty((*values.shape[:-1], -(-values.shape[-1] // factor)))
-    decimation_filter(factor).apply_rows(values, thinned, kept, workers)
-    return thinned
-
-
 @lru_cache(maxsize=64)
 def decimation_filter(factor: int) -> ZeroPhaseFilter:
-    """Filter that `decimate` runs over a signal before samples are left out; `factor` is 2 or more."""
+    """Low-pass that a signal passes before every `factor`-th sample is kept, 2 or more: that of MATLAB's ``decimate``.
+
+    It is a Chebyshev filter of type I, order 8, 0.05 dB ripple, with its cutoff at 0.8 of the new Nyquist frequency,
+    run forward and backward. Its even order lowers slow signals by the ripple of both passes (factor 0.9886), which a
+    regression does not see if both of its sides pass it.
+    """
     sections = chebyshev(_DECIMATION_ORDER, _DECIMATION_RIPPLE_DB, _DECIMATION_CUTOFF / factor)
     return ZeroPhaseFilter(sections, 3 * _DECIMATION_ORDER)
-
-
-def _check_length(n_samples: int, padding: int, what: str) -> None:
-    if n_samples <= padding:
-        raise SettingError(
-            f"{n_samples} samples are too few for the {what}: more than {padding} are required"
-        )

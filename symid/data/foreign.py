@@ -11,8 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.clock import PLAUSIBLE_PERIODS
-from symid.data.memory import require_memory
-from symid.data.table import Table
+from symid.data.table import Table, require_memory
 from symid.errors import LogError
 from symid.units import Unit, to_si
 

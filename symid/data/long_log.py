@@ -1,14 +1,36 @@
-"""A log that is longer than memory: only windows of it are ever read."""
+"""Logs that are longer than memory: one pass checks them, windows of them are read when they are needed.
+
+The pass reads all columns block by block and finds what `read_table` finds: values that are not finite numbers, a clock
+that is not uniform (in each block, and between them), channels that never change. It ends at the first block with a
+fault. Stuck and clipped spans, which are notes only, are looked for in evenly spread windows.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Final, TypeAlias
 
+import numpy as np
+
 from symid.arrays import FloatArray
+from symid.data.checks import constant_fault, inspect_finite, inspect_steps
+from symid.data.clock import (
+    CLOCK_DIFFERENCE,
+    MINIMUM_SAMPLES,
+    Clock,
+    inspect_clock,
+    require_seconds,
+    rounded_period,
+)
+from symid.data.columns import TIME, Source
 from symid.data.log import Log, check_window
-from symid.errors import SettingError
+from symid.data.reading import in_si, positions_of
+from symid.data.stuck import inspect_spans
+from symid.data.table import Slices, naming_file
+from symid.errors import LogError, SettingError
+from symid.units import Unit
 
 BLOCK: Final = 524_288
 """Default samples per block: its rows and their computation stay within about 100 MB."""
@@ -118,3 +140,129 @@ def spans(n_samples: int, size: int) -> Iterator[tuple[int, int]]:
     count = -(-n_samples // size)
     for block in range(count):
         yield block * n_samples // count, (block + 1) * n_samples // count
+
+
+_WINDOWS: Final = 8
+_WINDOW: Final = 131_072
+
+
+def scanned(
+    file: Path,
+    slices: Slices,
+    sources: Sequence[Source],
+    headers: Sequence[str],
+    expected: Mapping[str, Unit],
+    block: int,
+) -> LongLog:
+    """A long log, after a check of its rows in one pass; LogError for the first block that has a fault."""
+
+    def values_of(first: int, stop: int) -> dict[str, FloatArray]:
+        values: dict[str, FloatArray] = {}
+        faults = []
+        for source, header, column in zip(sources, headers, slices.read(first, stop), strict=True):
+            if isinstance(column, str):
+                faults.append(f"column {header!r} {column}")
+            else:
+                values[source.signal] = in_si(column, source.factor)
+        if faults:
+            raise LogError("; ".join(faults))
+        return values
+
+    def signals_of(first: int, stop: int) -> dict[str, FloatArray]:
+        with naming_file(file):
+            values = values_of(first, stop)
+        return {name: x for name, x in values.items() if name != TIME}
+
+    # One pass over the blocks: clock, finite values, jumps; the range of each channel shows a constant one at the end.
+    clock = _ClockOfBlocks()
+    lowest: dict[str, float] = {}
+    highest: dict[str, float] = {}
+    for first, stop in spans(slices.n_rows, max(block, MINIMUM_SAMPLES)):
+        values = values_of(first, stop)
+        time = values.pop(TIME)
+        if not first and not all(source.stated for source in sources if source.signal == TIME):
+            require_seconds(time)
+        faults = (*clock.add(time), *inspect_finite(time, values, first))
+        if not faults:
+            faults = inspect_steps(time, {n: values[n] for n in positions_of(expected, values)}, first)
+        if faults:
+            raise LogError("; ".join(faults))
+        for name, x in values.items():
+            lowest[name] = min(lowest.get(name, np.inf), float(x.min()))
+            highest[name] = max(highest.get(name, -np.inf), float(x.max()))
+    flat = [fault for name, x in lowest.items() if (fault := constant_fault(name, x, highest[name]))]
+    found = clock.found
+    if flat or found.faults:
+        raise LogError("; ".join(flat or found.faults))
+    log = LongLog(
+        source=str(file),
+        start=found.start,
+        sampling_period=found.period,
+        n_samples=slices.n_rows,
+        signals=tuple(lowest),
+        read=signals_of,
+        notes=(*found.notes, f"read in blocks of {block} samples at most"),
+        block=block,
+    )
+    return replace(log, notes=(*log.notes, *_stuck_or_clipped(log, positions_of(expected, lowest))))
+
+
+def _stuck_or_clipped(log: LongLog, positions: Sequence[str]) -> list[str]:
+    """The first note on each channel from evenly spread windows."""
+    size = min(_WINDOW, log.n_samples)
+    found: dict[str, str] = {}
+    for start in np.linspace(0, log.n_samples - size, _WINDOWS).astype(int).tolist():
+        window = log.window(start, start + size)
+        for note in inspect_spans(window.time, window.signals, positions):
+            found.setdefault(note.split("'")[1], note)
+    return list(found.values())
+
+
+class _ClockOfBlocks:
+    """The clock of times that come block by block, each found as `inspect_clock` does.
+
+    >>> clock = _ClockOfBlocks()
+    >>> clock.add(np.arange(60) / 250.0), clock.add(np.arange(60, 120) / 250.0)
+    ((), ())
+    >>> clock.found.period
+    0.004
+    """
+
+    def __init__(self) -> None:
+        self._seen = 0
+        self._first = self._last = 0.0
+        self._sums = np.zeros(2)
+        self._blocks: list[Clock] = []
+
+    def add(self, time: FloatArray) -> tuple[str, ...]:
+        """Faults of the next block, shape (n_samples,); after one of them no more blocks are possible."""
+        if self._seen == 0:
+            self._first = float(time[0])
+            found = inspect_clock(time)
+        else:
+            found = inspect_clock(np.append(self._last, time), before=self._seen - 1)
+        if found.faults:
+            return found.faults
+        late = time - self._first
+        index = np.arange(self._seen, self._seen + time.size, dtype=np.float64)
+        self._sums += np.dot(index, late), np.sum(late)
+        self._last, self._seen = float(time[-1]), self._seen + time.size
+        self._blocks.append(found)
+        return ()
+
+    @property
+    def found(self) -> Clock:
+        """Clock of all blocks together; none of them may have a fault."""
+        mean = 0.5 * (self._seen - 1)
+        moment = self._seen * (self._seen**2 - 1.0) / 12.0
+        period = float((self._sums[0] - mean * self._sums[1]) / moment)
+        periods = np.array([block.period for block in self._blocks])
+        worst = int(np.argmax(np.abs(periods - np.median(periods))))
+        faults: tuple[str, ...] = ()
+        if abs(periods[worst] - np.median(periods)) > CLOCK_DIFFERENCE * np.median(periods):
+            faults = (
+                f"t changes its sampling period: {np.median(periods):.6g} s in most of the log, {periods[worst]:.6g} s "
+                f"from t = {self._blocks[worst].start:.7g} s on: split the log there, or give `resample=own`",
+            )
+        notes = tuple(note for block in self._blocks for note in block.notes)
+        return Clock(self._first, rounded_period(period), faults, notes[:1])

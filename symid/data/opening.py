@@ -15,10 +15,9 @@ from symid.data.formats import open_table
 from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.layout import Layout
 from symid.data.log import Log
-from symid.data.long_log import BLOCK, AnyLog
+from symid.data.long_log import BLOCK, AnyLog, scanned
 from symid.data.reading import read_table
 from symid.data.resampling import Rate
-from symid.data.scanning import scanned
 from symid.data.table import Table, naming_file
 from symid.errors import LogError
 from symid.units import Unit

@@ -13,10 +13,9 @@ from symid.data.clock import inspect_clock, require_seconds
 from symid.data.columns import TIME, Source, references_of
 from symid.data.log import Log
 from symid.data.lost_samples import restored
-from symid.data.memory import require_memory
 from symid.data.resampling import Rate, resampled
 from symid.data.stuck import inspect_spans
-from symid.data.table import Table
+from symid.data.table import Table, require_memory
 from symid.errors import LogError
 from symid.units import Unit
 

@@ -59,20 +59,8 @@ def inspect_spans(
 ) -> tuple[str, ...]:
     """Notes on spans in which a channel is stuck at a value or clipped at the end of its range.
 
-    Parameters
-    ----------
-    time : array of shape (n_samples,)
-        Times, s.
-    signals : Mapping of str to array of shape (n_samples,)
-        Channels without missing values.
-    positions : Collection of str
-        Which of them are positions or angles: they rest when the machine rests. The commanded position is evidence that
-        it moves, and not checked itself.
-
-    Returns
-    -------
-    tuple of str
-        One sentence for each channel and kind of span.
+    `positions` are the positions and angles among the signals: they rest when the machine rests. The commanded position
+    is evidence that it moves, and not checked itself. No channel has missing values.
     """
     moving = {name: x for name, x in signals.items() if name in positions or name.startswith(REFERENCE)}
     notes = []

@@ -6,15 +6,9 @@ from symid.estimation.corrected_covariance import (
     corrected_covariance,
     corrected_covariance_of_blocks,
 )
-from symid.estimation.least_squares import (
-    LeastSquares,
-    Method,
-    estimate,
-    relative_standard_deviation,
-    residuals,
-)
-from symid.estimation.refinement import refine, refine_blocks
-from symid.estimation.triangular import TriangularFactor, combine, triangular_factors
+from symid.estimation.least_squares import LeastSquares, Method, estimate, residuals
+from symid.estimation.refinement import refine_blocks
+from symid.estimation.triangular import TriangularFactor, triangular_factors
 
 __all__ = [
     "CorrelatedCovariance",
@@ -22,13 +16,10 @@ __all__ = [
     "Method",
     "ObservationBlock",
     "TriangularFactor",
-    "combine",
     "corrected_covariance",
     "corrected_covariance_of_blocks",
     "estimate",
-    "refine",
     "refine_blocks",
-    "relative_standard_deviation",
     "residuals",
     "triangular_factors",
 ]

@@ -16,20 +16,14 @@ from symid.errors import SettingError
 
 @dataclass(frozen=True)
 class ResidualCovariance:
-    """Lagged products of the residuals of all equations, summed over blocks in time order.
+    """Lagged products of the residuals of all equations, summed over blocks in time order."""
 
-    Attributes
-    ----------
-    products : array, shape (n_equations, n_equations, 2 max_lag + 1)
-        Sums of rho_i(t) rho_j(t+k) over pairs of valid rows, k = -max_lag ... max_lag.
-    pairs : array, the same shape
-        Numbers of these pairs.
-    tail_residual, tail_valid : array, shape (n_equations, at most max_lag)
-        The last samples, to be paired with those of the next block.
-    """
-
+    # shape (n_equations, n_equations, 2 max_lag + 1): sums of rho_i(t) rho_j(t+k) over pairs of valid rows, k =
+    # -max_lag ... max_lag
     products: FloatArray
-    pairs: FloatArray
+    pairs: FloatArray  # numbers of these pairs
+    # tail_residual, tail_valid: shape (n_equations, at most max_lag): the last samples, to be paired with those
+    # of the next block
     tail_residual: FloatArray
     tail_valid: FloatArray
 

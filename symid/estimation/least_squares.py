@@ -176,13 +176,6 @@ def estimate(
 def relative_standard_deviation(parameters: FloatArray, standard_deviations: FloatArray) -> FloatArray:
     """100 sigma_X / |X|, equation [23]; inf for a parameter that is 0.
 
-    Parameters
-    ----------
-    parameters, standard_deviations : array
-        Of the same shape and units.
-
-    Examples
-    --------
     >>> import numpy as np
     >>> relative_standard_deviation(np.array([-4.0]), np.array([1.0])).tolist()
     [25.0]

@@ -14,30 +14,19 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True)
 class RankAnalysis:
-    """The column space of an observation matrix, as far as it matters for its parameters.
+    """The column space of an observation matrix, as far as it matters for its parameters."""
 
-    Attributes
-    ----------
-    rank : int
-        Numerical rank of W with columns of unit norm.
-    singular_values : array, shape (n_parameters,)
-        Of W with columns of unit norm, largest first.
-    inverse_root : array, shape (n_parameters, rank)
-        T with T T' the (pseudo-)inverse of W'W in the caller's units; W T has orthonormal columns.
-    undetermined : tuple of int
-        Parameters that the rows do not determine.
-    null_space : array, shape (n_parameters, n_parameters - rank)
-        Changes of the parameters that leave W X as it is; each has a 1 at one dependent parameter.
-    combinations : array, shape (len(undetermined) - (n_parameters - rank), n_parameters)
-        Coefficients of the combinations of undetermined parameters that are determined; each has a 1 at one
-        parameter and the dependent ones grouped to it.
-    """
-
-    rank: int
-    singular_values: FloatArray
+    rank: int  # numerical rank of W with columns of unit norm
+    singular_values: FloatArray  # shape (n_parameters,): of W with columns of unit norm, largest first
+    # shape (n_parameters, rank): T with T T' the (pseudo-)inverse of W'W in the caller's units; W T has
+    # orthonormal columns
     inverse_root: FloatArray
-    undetermined: tuple[int, ...]
+    undetermined: tuple[int, ...]  # parameters that the rows do not determine
+    # shape (n_parameters, n_parameters - rank): changes of the parameters that leave W X as it is; each has a 1
+    # at one dependent parameter
     null_space: FloatArray
+    # shape (len(undetermined) - (n_parameters - rank), n_parameters): coefficients of the combinations of
+    # undetermined parameters that are determined; each has a 1 at one parameter and the dependent ones grouped to it
     combinations: FloatArray
 
     @property

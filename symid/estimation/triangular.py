@@ -136,38 +136,6 @@ class TriangularFactor:
             )
 
 
-def combine(first: TriangularFactor, *others: TriangularFactor) -> TriangularFactor:
-    """The factor of all rows of several factors.
-
-    Parameters
-    ----------
-    first, *others : TriangularFactor
-        Of the same equation, from different blocks, logs or workers.
-
-    Raises
-    ------
-    SettingError
-        If the numbers of parameters differ.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> one = TriangularFactor.empty(1).update(np.array([[3.0]]), np.array([0.0]))
-    >>> two = TriangularFactor.empty(1).update(np.array([[4.0]]), np.array([0.0]))
-    >>> combine(one, two).rows, combine(one, two).norms.tolist()
-    (2, [5.0, 0.0])
-    """
-    factors = (first, *others)
-    sizes = sorted({factor.parameters for factor in factors})
-    if len(sizes) > 1:
-        raise SettingError(
-            f"factors with {sizes} parameters cannot be combined: they must have the same columns"
-        )
-    return TriangularFactor(
-        triangle(np.vstack([factor.R for factor in factors])), sum(f.rows for f in factors)
-    )
-
-
 def triangular_factors(
     W: FloatArray, y: FloatArray, valid: BoolArray | None = None
 ) -> tuple[TriangularFactor, ...]:

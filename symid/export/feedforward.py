@@ -36,7 +36,7 @@ def feedforward(axis: Axis) -> Feedforward:
     >>> feedforward(load_axis("direct_2m1s")).force
     Fsm*sign(velocity_) + Fvm*velocity_ + Mm*acceleration_
     """
-    axis.require_one_drive()
+    _ = axis.only_drive  # several are refused
     dynamics = symbolic_dynamics(axis)
     known = {sp.Symbol(name): sp.nsimplify(value) for name, value in dynamics.constants.items()}
     mass, damping, stiffness, drive, constant = (

@@ -82,28 +82,10 @@ class ControlChart:
 def control_chart(
     values: npt.ArrayLike, deviations: npt.ArrayLike, times: Sequence[datetime] | None = None
 ) -> ControlChart:
-    """Control chart of one parameter of one axis.
+    """Control chart of one parameter of one axis; changes are sought from eight runs on.
 
-    Parameters
-    ----------
-    values, deviations : array of shape (n_runs,)
-        Value and standard deviation of each run; incomplete runs are left out.
-    times : sequence of datetime, optional
-        Times of the runs, all with a time zone or all without; without times, runs are in order.
-
-    Returns
-    -------
-    ControlChart
-        Changes are sought from eight runs on.
-
-    Raises
-    ------
-    SettingError
-        If the numbers of values, deviations and times differ.
-
-    Examples
-    --------
-    A bolt was tightened before run 30:
+    Incomplete runs are left out. Times have all a time zone or none; without times, the runs are in order. A bolt was
+    tightened before run 30:
 
     >>> import numpy as np
     >>> stiffness = np.where(np.arange(50) < 30, 4.0, 4.4) + 0.05 * np.random.default_rng(2).standard_normal(50)

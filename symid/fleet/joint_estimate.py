@@ -31,24 +31,14 @@ from symid.identification.verdict import Status, verdict
 
 @dataclass(frozen=True, eq=False)
 class LogFactors:
-    """Data of one log for a joint identification.
+    """Data of one log for a joint identification."""
 
-    Parameters
-    ----------
-    log : str
-        Source of the log.
-    factors : tuple of TriangularFactor
-        One for each equation.
-    covariance : array of shape (n_parameters, n_parameters)
-        Covariance of the minimal parameters from this log alone, corrected for the correlation of its residual; nan
-        where this log does not determine them.
-    dependence : float
-        Rows per independent sample of the residual, 1 for a white one. It is used if `covariance` has nan.
-    """
-
-    log: str
-    factors: tuple[TriangularFactor, ...]
+    log: str  # source of the log
+    factors: tuple[TriangularFactor, ...]  # one for each equation
+    # shape (n_parameters, n_parameters): covariance of the minimal parameters from this log alone, corrected
+    # for the correlation of its residual; nan where this log does not determine them
     covariance: FloatArray
+    # rows per independent sample of the residual, 1 for a white one. It is used if `covariance` has nan
     dependence: float = 1.0
 
     def __post_init__(self) -> None:

@@ -26,13 +26,7 @@ def journal_file(results: Path) -> Path:
 
 
 def read_journal(file: Path) -> list[Row]:
-    """Rows of a journal, without a line that was not completed before its process ended.
-
-    Examples
-    --------
-    >>> read_journal(Path("not_there.journal"))
-    []
-    """
+    """Rows of a journal, without a line that was not completed before its process ended."""
     rows: list[Row] = []
     if not file.exists():
         return rows

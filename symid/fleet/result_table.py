@@ -84,13 +84,7 @@ def result_files(
 
 
 def read_rows(file: Path) -> list[Row]:
-    """Rows of a file written by `write_table`; none if the file does not exist.
-
-    Raises
-    ------
-    SettingError
-        If the file has other contents, which must not be overwritten.
-    """
+    """Rows of a file written by `write_table`, none if it does not exist; SettingError if it has other contents."""
     if not file.exists():
         return []
     nothing = SettingError(f"{file}: is there but holds no results: give another file, or remove it")

@@ -14,7 +14,7 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.memory import require_memory
+from symid.data.table import require_memory
 from symid.errors import LogError, SettingError
 from symid.files import require_regular
 from symid.fleet.row import TEXT_COLUMNS, TIMES

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -99,8 +98,6 @@ class AxisReview:
         Parameters of at least one log.
     verdict : SpreadVerdict
         Whether the axis differs from run to run.
-    dated : bool
-        Whether the charts are over time, not over the number of the log.
     """
 
     name: str
@@ -110,7 +107,6 @@ class AxisReview:
     statuses: Mapping[str, int]
     parameters: tuple[ParameterReview, ...]
     verdict: SpreadVerdict
-    dated: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +208,6 @@ def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], un
         statuses=_counts(group.rows, "status"),
         parameters=found,
         verdict=judge_spread({one.name: one.spread for one in found}),
-        dated=rows.height > 0 and moments(rows) is not None,
     )
 
 
@@ -281,12 +276,7 @@ def _sentence(
     tested = [one for one in axes if one.verdict.probabilities]
     differing = [one for one in tested if one.verdict.differs]
     if differing:
-
-        def largest_share(axis: AxisReview) -> float:
-            known = (one.spread for one in axis.parameters if math.isfinite(one.spread.between))
-            return max((spread.share for spread in known), default=0.0)
-
-        worst = max(differing, key=largest_share)
+        worst = max(differing, key=lambda axis: max(one.spread.share for one in axis.parameters))
         which = ", ".join(worst.verdict.parameters[:3])
         parts.append(
             f"{len(differing)} of {counted(len(tested), 'axis', 'axes')} really "

@@ -33,25 +33,16 @@ _SHORT = 5.0  # raises the penalty for short series, whose estimated variance wo
 
 @dataclass(frozen=True)
 class TrendSegment:
-    """Points from `first` to before `end`, and the line through them.
+    """Points from `first` to before `end`, and the line through them."""
 
-    Parameters
-    ----------
-    first, end : int
-        Indices in the series.
-    middle : float
-        Reference time of the line, the weighted mean of the times.
-    level, slope : float
-        Value at `middle`, and change per unit of time; a slope of 0 means a level.
-    level_variance, slope_variance : float
-        Variances of level and slope, which are independent.
-    """
-
+    # first, end: indices in the series
     first: int
     end: int
-    middle: float
+    middle: float  # reference time of the line, the weighted mean of the times
+    # level, slope: value at `middle`, and change per unit of time; a slope of 0 means a level
     level: float
     slope: float
+    # level_variance, slope_variance: variances of level and slope, which are independent
     level_variance: float
     slope_variance: float
 

@@ -87,24 +87,12 @@ class Spread:
 
 @dataclass(frozen=True)
 class SpreadVerdict:
-    """Whether an axis is the same from run to run.
+    """Whether an axis is the same from run to run."""
 
-    Parameters
-    ----------
-    differs : bool
-        Whether a parameter differs beyond its intervals.
-    parameters : tuple of str
-        Parameters that differ, the one with the largest share first.
-    sentence : str
-        Verdict in words.
-    probabilities : mapping of str to float
-        Probabilities adjusted for the number of parameters (Holm).
-    """
-
-    differs: bool
-    parameters: tuple[str, ...]
-    sentence: str
-    probabilities: Mapping[str, float]
+    differs: bool  # whether a parameter differs beyond its intervals
+    parameters: tuple[str, ...]  # parameters that differ, the one with the largest share first
+    sentence: str  # verdict in words
+    probabilities: Mapping[str, float]  # probabilities adjusted for the number of parameters (Holm)
 
 
 def robust_deviation(values: FloatArray) -> float:
@@ -118,21 +106,8 @@ def robust_deviation(values: FloatArray) -> float:
 
 
 def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
-    """Spread of a parameter between runs.
+    """Spread of a parameter between runs, those without a finite value or a positive deviation left out.
 
-    Parameters
-    ----------
-    values, deviations : array of shape (n_runs,)
-        Value and standard deviation of each run. Runs with a value that is not finite, or a deviation that is not
-        positive and finite, are left out.
-
-    Raises
-    ------
-    SettingError
-        If the shapes differ.
-
-    Examples
-    --------
     Ten runs with a stated deviation of 0.1 and a larger scatter:
 
     >>> import numpy as np
@@ -209,17 +184,10 @@ def variance_where_zero(excess: Callable[[float], float], high: float) -> float:
 def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVerdict:
     """Whether the axis differs from run to run, and in which parameters.
 
-    Parameters
-    ----------
-    spreads : mapping of str to Spread
-        Spreads by parameter.
-    level : float
-        Probability of a false verdict for an axis that does not differ in any parameter. A variance between runs below
-        a tenth of the stated one never counts as a difference: it would be significant with thousands of runs, but
-        intervals are not that accurate.
+    `level` is the probability of a false verdict for an axis that does not differ in any parameter. A variance between
+    runs below a tenth of the stated one never counts as a difference: it would be significant with thousands of runs,
+    but intervals are not that accurate.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> noise = np.random.default_rng(3).standard_normal((2, 40))
     >>> steady = spread_between(20 + 0.1 * noise[0], np.full(40, 0.1))

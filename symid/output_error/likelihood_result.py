@@ -115,7 +115,7 @@ class OutputErrorIdentification(Shown):
         return
 
     def predict(self, log: Log) -> OutputErrorPrediction:
-        """The readings of another log that parameters, noise and timing predict, as `predict_output_error`."""
+        """The readings of another log that parameters, noise and timing predict; SettingError without parameters."""
         if self.fit is None:
             raise SettingError(f"there are no parameters to predict with: {self.message}")
         search, nuisance = self.fit.search, self.fit.search.nuisance[0]

@@ -18,7 +18,6 @@ from symid.output_error.fit_status import remarks_on, verdict_of
 from symid.output_error.hidden_laws import Models, models_of
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification
-from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.output_error.rough_starts import plausible, rigid_start, spread, with_heavy_bodies
 from symid.simulation import ClosedLoop, ForwardDynamics, forward_dynamics
 
@@ -218,21 +217,3 @@ def _least_squares(
         return identify(model, logs, preparation=preparation, nominal=nominal)
     except SettingError:
         return None
-
-
-def predict_output_error(found: OutputErrorIdentification, log: Log) -> OutputErrorPrediction:
-    """Predict the readings of another log with identified parameters, noise and timing.
-
-    Parameters
-    ----------
-    found : OutputErrorIdentification
-        Result of `identify_output_error`, with an estimate.
-    log : Log
-        A log that took no part in it.
-
-    Raises
-    ------
-    LogError, SettingError
-        If the log does not have a signal, or the identification has no estimate.
-    """
-    return found.predict(log)

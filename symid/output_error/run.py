@@ -34,18 +34,12 @@ _EXCERPTS = 4
 
 @dataclass(frozen=True, eq=False)
 class JointMotion:
-    """Displacement and velocity of a joint in the parts of the sampling intervals, and at the samples.
+    """Displacement and velocity of a joint in the parts of the sampling intervals, and at the samples."""
 
-    Parameters
-    ----------
-    q, v : array of shape (n_samples, n_parts)
-        Within the intervals.
-    q_at, v_at : array of shape (n_samples,)
-        At the samples.
-    """
-
+    # q, v: shape (n_samples, n_parts): within the intervals
     q: FloatArray
     v: FloatArray
+    # q_at, v_at: shape (n_samples,): at the samples
     q_at: FloatArray
     v_at: FloatArray
 

@@ -15,7 +15,7 @@ from symid.simulation.excitation import chirp, from_log, largest_within, steps
 from symid.simulation.forward_dynamics import ForwardDynamics, forward_dynamics, plant_of
 from symid.simulation.limits import Extremes, Limits
 from symid.simulation.moves import MoveProfile, move, trapezoids
-from symid.simulation.multisine import Multisine, frequency_lines, multisine, whole_periods
+from symid.simulation.multisine import frequency_lines, multisine, whole_periods
 from symid.simulation.plant import Plant, SensorRow
 from symid.simulation.reference_loop import ClosedLoop
 from symid.simulation.trajectory import Trajectory
@@ -30,7 +30,6 @@ __all__ = [
     "Limits",
     "LinearLaw",
     "MoveProfile",
-    "Multisine",
     "OpenLoop",
     "Plant",
     "Replay",

@@ -21,28 +21,10 @@ _LEFT = 1e-6
 def equilibrium(plant: Plant, readings: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
     """State at rest in which position sensors read given values, and the forces of the drives that hold it.
 
-    K x - B F + sum_j d_j f_j(d_j x) = c is solved with the readings for x and F by Newton's method; of a law that can
-    hold its joint, such as Coulomb friction, the middle of its range counts.
+    K x - B F + sum_j d_j f_j(d_j x) = c is solved with the readings, one for each drive, for x and F by Newton's
+    method; of a law that can hold its joint, such as Coulomb friction, the middle of its range counts. The state has
+    shape (2 n,); SettingError if neither springs nor drives hold a body.
 
-    Parameters
-    ----------
-    plant : Plant
-        The axis.
-    readings : mapping of str to float
-        Reading of a position sensor for each drive, SI.
-
-    Returns
-    -------
-    tuple of array
-        Displacements and velocities, of shape (2 n,), and the force of each drive.
-
-    Raises
-    ------
-    SettingError
-        If neither springs nor drives hold a body.
-
-    Examples
-    --------
     >>> from symid import Axis, Body, Drive, Position, Weight
     >>> from symid.simulation import plant_of
     >>> slide = Body("slide", mass="M")

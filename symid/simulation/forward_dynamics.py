@@ -15,8 +15,7 @@ from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis, of_any_axis
 from symid.errors import SettingError
 from symid.simulation.added_laws import stored_with_laws
-from symid.simulation.dynamics_terms import JointTerms, LawTerm, SensorTerms
-from symid.simulation.parameter_polynomials import Polynomial, PolynomialArrays
+from symid.simulation.dynamics_terms import JointTerms, LawTerm, Polynomial, PolynomialArrays, SensorTerms
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw, SensorRow, condensed
 
 _MATRICES = ("stiffness", "damping", "mass")
@@ -113,12 +112,7 @@ class ForwardDynamics:
         found = {
             self.generators[i] for _, powers in polynomial.terms for i, power in enumerate(powers) if power
         }
-        return found.difference(self._known)
-
-    @cached_property
-    def _known(self) -> dict[str, float]:
-        """Parameter values that the axis declares as known."""
-        return self.axis.known_parameters
+        return found.difference(self.axis.known_parameters)
 
     @cached_property
     def _free_bodies(self) -> tuple[tuple[str, ...], BoolArray]:
@@ -164,7 +158,7 @@ class ForwardDynamics:
         return self.sensors[signal].at(self._values(parameters))
 
     def _values(self, parameters: Mapping[str, float]) -> list[float]:
-        every = {**parameters, **self._known}
+        every = self.axis.with_known_values(parameters)
         return [float(every[name]) for name in self.generators]
 
     @cached_property
@@ -256,7 +250,7 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
     joints: dict[tuple[float, ...], list[LawTerm]] = {}
     for law in record["laws"]:
         joint, ratio = _joint_of(tuple(law["direction"]), joints, read)
-        term = LawTerm.of(_polynomial(law["parameter"]), law["code"])
+        term = LawTerm.of(Polynomial.of(law["parameter"]), law["code"])
         joints.setdefault(joint, []).append(term if ratio == 1.0 else term.geared(ratio))
     return ForwardDynamics(
         axis=axis,
@@ -274,8 +268,8 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
                     sensor["order"],
                     len(axis.drives),
                     motion=_polynomials(sensor.get("motion", ())),
-                    drives=tuple(map(_polynomial, sensor.get("drives", ()))),
-                    scale=tuple(map(_polynomial, sensor.get("scale", ()))),
+                    drives=tuple(map(Polynomial.of, sensor.get("drives", ()))),
+                    scale=tuple(map(Polynomial.of, sensor.get("scale", ()))),
                     law=list(joints).index(tuple(sensor["row"])) if sensor.get("law") else None,
                 )
                 for name, sensor in record["sensors"].items()
@@ -301,8 +295,4 @@ def _joint_of(
 
 
 def _polynomials(matrix: Sequence[Sequence[Any]]) -> tuple[tuple[Polynomial, ...], ...]:
-    return tuple(tuple(map(_polynomial, row)) for row in matrix)
-
-
-def _polynomial(terms: Sequence[tuple[float, Sequence[int]]]) -> Polynomial:
-    return Polynomial(tuple((coefficient, tuple(powers)) for coefficient, powers in terms))
+    return tuple(tuple(map(Polynomial.of, row)) for row in matrix)

@@ -18,8 +18,6 @@ _ZERO, _ONE = ast.Constant(0.0), ast.Constant(1.0)
 def law_code(formula: str) -> str:
     """NumPy code of a formula in the language of laws.
 
-    Examples
-    --------
     >>> law_code("sign(v)*exp(-(v/velocity)**2)"), law_code("v*positive(v)"), law_code("min(F, 2)")
     ('np.sign(v) * np.exp(-(v / velocity) ** 2)', 'v * np.heaviside(v, 0.0)', 'np.minimum(F, 2)')
     """
@@ -29,8 +27,6 @@ def law_code(formula: str) -> str:
 def array_function(code: str, numbers: tuple[str, ...] = ()) -> Callable[..., Any]:
     """Function of q, v and further `numbers`, each a number or an array, for the NumPy code of a law.
 
-    Examples
-    --------
     >>> array_function("v*q")(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
     [6.0, 4.0]
     >>> array_function("v/speed", ("speed",))(0.0, 1.0, 0.5)
@@ -46,8 +42,6 @@ def array_function(code: str, numbers: tuple[str, ...] = ()) -> Callable[..., An
 def level_code(formula: str) -> str | None:
     """NumPy code of the level of dry friction, the factor of sign(v) in its formula; None for any other law.
 
-    Examples
-    --------
     >>> level_code("sign(v)*q**2"), level_code("-sign(v)"), level_code("v*abs(v)")
     ('q ** 2', '-1.0', None)
     """

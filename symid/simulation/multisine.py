@@ -27,41 +27,23 @@ _FADES: Final = 10
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Multisine(Trajectory):
-    """A multisine: a trajectory that is periodic between its fades.
+    """A multisine: a trajectory that is periodic between its fades."""
 
-    Parameters
-    ----------
-    quantity : str
-        Quantity of the amplitudes: position, velocity or acceleration.
-    frequencies, amplitudes, phases : array of shape (n_lines,)
-        Lines of the spectrum, Hz; their amplitudes, SI; the phases of their cosines at the beginning of the
-        first period with full amplitude, rad.
-    period : int
-        Samples of one period.
-    steady : tuple of int
-        First sample with full amplitude, and the sample after the last: whole periods, whose discrete Fourier
-        transform is zero except at the lines.
-    """
-
-    quantity: Quantity
+    quantity: Quantity  # quantity of the amplitudes: position, velocity or acceleration
+    # frequencies, amplitudes, phases: shape (n_lines,): lines of the spectrum, Hz; their amplitudes, SI; the
+    # phases of their cosines at the beginning of the first period with full amplitude, rad
     frequencies: FloatArray
     amplitudes: FloatArray
     phases: FloatArray
-    period: int
+    period: int  # samples of one period
+    # first sample with full amplitude, and the sample after the last: whole periods, whose discrete Fourier
+    # transform is zero except at the lines
     steady: tuple[int, int]
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for kind in ("frequencies", "amplitudes", "phases"):
             object.__setattr__(self, kind, read_only(getattr(self, kind)))
-
-    @property
-    def crest_factor(self) -> float:
-        """Peak of the chosen quantity over its root mean square, within a period; a sine has 1.414."""
-        first = self.steady[0]
-        values = getattr(self, self.quantity)[first : first + self.period]
-        values = values - values.mean()
-        return float(np.abs(values).max() / math.sqrt(np.mean(values**2)))
 
 
 def frequency_lines(lowest: float, highest: float, step: float) -> FloatArray:
@@ -140,8 +122,8 @@ def multisine(
     Examples
     --------
     >>> shaking = multisine(frequency_lines(1.0, 20.0, 0.5), 0.01, sampling_period=0.001, periods=4)
-    >>> shaking.duration, round(shaking.crest_factor, 2), shaking.velocity[[0, -1]].tolist()
-    (12.0, 1.9, [0.0, 0.0])
+    >>> shaking.duration, shaking.velocity[[0, -1]].tolist()
+    (12.0, [0.0, 0.0])
     """
     if quantity not in DERIVATIVE_ORDER:
         raise SettingError(f"amplitude of {quantity!r} is not known: choose {', '.join(DERIVATIVE_ORDER)}")

@@ -1,15 +1,14 @@
 """Samples of a loop, compiled; imported when a simulation runs, as Numba takes 0.3 s.
 
-The arguments `law`, `channels`, `laws`, `mode`, `modes` and `record` are records of `loop`, `loop_numbers`,
-`mode_table` and `sensor_channel`.
+The arguments `law`, `channels`, `laws`, `mode`, `modes` and `record` are records of `loop`, `loop_numbers` and
+`sensor_channel`.
 """
 
 import numpy as np
 
 from symid.jit import compiled, inner
-from symid.simulation.evaluation import built_up
+from symid.simulation.evaluation import built_up, law_value, numbers_of_mode, program_value, slide
 from symid.simulation.plant import JUST_MOVING
-from symid.simulation.record_values import law_value, numbers_of_mode, program_value, slide
 from symid.simulation.stick_slip import UNKNOWN, acceleration, pass_events
 
 MADE, UNKNOWN_MODE, RUNAWAY, REFUSED = range(4)

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from symid.simulation.loop import Loop, LoopLaw, runaway
-from symid.simulation.loop_numbers import ChannelNumbers, LawNumbers
-from symid.simulation.mode_table import KnownModes
+from symid.simulation.loop_numbers import ChannelNumbers, KnownModes, LawNumbers
 from symid.simulation.sensor_channel import MotionRecord
 
 

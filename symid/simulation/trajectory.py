@@ -13,7 +13,7 @@ from symid.arrays import FloatArray, read_only
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.limits import Extremes, Limits
-from symid.simulation.sample_grid import intervals, positive
+from symid.simulation.sample_grid import positive
 
 _JOINT: Final = 1e-9  # share of the greatest value by which two trajectories may differ where they join
 
@@ -145,25 +145,6 @@ class Trajectory:
             acceleration=np.concatenate([self.acceleration[:-1], other.acceleration]),
             name=f"{self.name}, {other.name}",
         )
-
-    def dwell(self, seconds: float) -> Trajectory:
-        """The trajectory followed by rest at its last position for at least `seconds`.
-
-        Raises
-        ------
-        SettingError
-            If the trajectory does not end at rest or `seconds` is negative.
-
-        Examples
-        --------
-        >>> rest = Trajectory([0.2], [0.0], [0.0], sampling_period=0.5, name="rest")
-        >>> rest.dwell(1.0).position.tolist()
-        [0.2, 0.2, 0.2]
-        """
-        count = intervals(seconds, self.sampling_period, "dwell")
-        still = np.zeros(count + 1)
-        rest = Trajectory(still + self.position[-1], still, still, self.sampling_period, "a dwell")
-        return self.then(rest).with_motion(name=self.name)
 
     def _check_joint(self, other: Trajectory) -> None:
         step = float(other.position[0] - self.position[-1])

@@ -72,25 +72,12 @@ def lowest_within(
     bound: float,
     track: Track = iter,
 ) -> BoundSearch:
-    """The lowest frequency that meets a bound on the largest error, as [35] and [37] by Nelder-Mead.
+    """The lowest frequency that meets a bound on the largest error, percent, as [35] and [37] by Nelder-Mead.
 
     The error is not monotone: it may dip below the bound where errors happen to cancel. The search is therefore
-    bracketed by a scan; the lowest two neighbours that both meet the bound, or the last frequency, count as met, and
-    Nelder-Mead runs in the interval below them.
+    bracketed by a scan of rising frequencies, Hz; the lowest two neighbours that both meet the bound, or the last
+    frequency, count as met, and Nelder-Mead runs in the interval below them.
 
-    Parameters
-    ----------
-    errors_at : callable
-        Errors of the parameters at a frequency (Hz), in percent.
-    frequencies : sequence of float
-        To be scanned, rising.
-    bound : float
-        Largest error allowed, percent.
-    track : callable, optional
-        Shows the progress of the scan.
-
-    Examples
-    --------
     >>> found = lowest_within(lambda f: {"M": 100 / f}, [1.0, 10.0, 100.0, 1000.0], 0.5)
     >>> round(found.frequency_hz), found.status
     (200, 'ok')

@@ -38,23 +38,12 @@ class ExactRun:
 
     The force of the simulation is held during a controller sample. At the middle of it the force is that of a
     continuous controller up to (w T)^2 / 24, which the rate of the controller makes small; there it is taken.
-
-    Parameters
-    ----------
-    axis : Axis
-        The axis, its sensors without imperfections.
-    simulation : Simulation
-        As simulated, with sensors of every motion.
-    rows : mapping of str to SensorRow
-        As in `Plant`.
-    laws : tuple of JointLaw
-        As in `Plant`.
     """
 
-    axis: Axis
-    simulation: Simulation
-    rows: Mapping[str, SensorRow]
-    laws: tuple[JointLaw, ...] = ()
+    axis: Axis  # the axis, its sensors without imperfections
+    simulation: Simulation  # as simulated, with sensors of every motion
+    rows: Mapping[str, SensorRow]  # as in `Plant`
+    laws: tuple[JointLaw, ...] = ()  # as in `Plant`
 
     @property
     def period(self) -> float:

@@ -40,29 +40,11 @@ def run_of_log(
 ) -> ExactRun:
     """Simulate an axis without noise so that it moves as in a log.
 
-    The recorded forces drive it, and a slow cascade for each drive keeps it to the recorded position. Nothing need be
-    known of the controller of the log, and the motion is excited at the frequencies at which it was. All signals are
-    low-passed at 1.5 times the band in which they are coherent, so that their noise does not move the axis.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    model : GeneratedModel
-        Its model for the sensors of the log.
-    parameters : mapping of str to float
-        Values of its physical parameters, SI.
-    log : Log
-        Holds the force and the controlled position of each drive.
-    late : mapping of str to float, optional
-        Seconds by which signals were recorded late, as in `Preparation`.
-    bandwidth_hz : float
-        Bandwidth of the velocity loops of the cascades.
-
-    Raises
-    ------
-    SettingError, LogError
-        If the simulated axis is unstable, or the log does not have a signal.
+    The log holds force and controlled position of each drive. The recorded forces drive it, and a slow cascade for each
+    drive keeps it to the recorded position. Nothing need be known of the controller of the log, and the motion is
+    excited at the frequencies at which it was. All signals are low-passed at 1.5 times the band in which they are
+    coherent, so that their noise does not move the axis. `late` is as in `Preparation`; SettingError if the simulated
+    axis is unstable.
     """
     rate = log.sampling_frequency
     low_pass = LowPass(min(_BEYOND_COHERENCE * coherent_band(log, model), _HIGHEST_SHARE * rate))

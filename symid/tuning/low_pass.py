@@ -3,18 +3,102 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy
+import sympy as sp
 
 from symid.arrays import BoolArray, FloatArray
+from symid.axis import Axis
+from symid.codegen.lowering import code
 from symid.data import LowPass
 from symid.estimation import estimate, triangular_factors
+from symid.symbolic.expressions import is_smooth, parameter_symbol
+from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.tuning.exact_run import ExactRun
-from symid.tuning.standard import StandardModel
+
+_Column = Callable[..., FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class StandardModel:
+    """yS = DS XS [5]-[8], one equation for each free body, before anything is eliminated."""
+
+    parameters: tuple[str, ...]  # physical parameters, the columns of DS
+    # coordinates of the free bodies and their derivatives, such as ``q_motor_d2``, and what the drives record
+    signals: tuple[str, ...]
+    outputs: tuple[_Column, ...]  # for each equation, yS of the signals
+    # for each equation and parameter, the column of DS of the signals
+    columns: tuple[tuple[_Column, ...], ...]
+    # equation and parameter of the columns that hold values of nonlinear laws
+    law_columns: tuple[tuple[int, int], ...]
+    jumps: tuple[_Column, ...]  # velocities at whose zeros a law jumps
+    per_log: tuple[str, ...]  # parameters that belong to a log and not to the axis
+
+    def sample(self, values: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Observation W of shape (n_equations, n_samples, n_parameters) and y of shape (n_equations, n_samples)."""
+        arguments = [values[name] for name in self.signals]
+        W = np.empty((len(self.columns), arguments[0].size, len(self.parameters)))
+        y = np.empty(W.shape[:2])
+        for j, row in enumerate(self.columns):
+            y[j] = self.outputs[j](*arguments)
+            for i, column in enumerate(row):
+                W[j, :, i] = column(*arguments)
+        return W, y
+
+    def sliding(self, values: Mapping[str, FloatArray]) -> tuple[FloatArray, ...]:
+        """Velocities at whose zeros a law jumps."""
+        return tuple(jump(*(values[name] for name in self.signals)) for jump in self.jumps)
+
+
+def standard_model(axis: Axis) -> StandardModel:
+    """Standard model of an axis: the balances of `inverse_dynamics`, differentiated by the parameters.
+
+    >>> from symid.axis import load_axis
+    >>> model = standard_model(load_axis("rigid_1m"))
+    >>> model.parameters, model.signals
+    (('M', 'Fv', 'Fs'), ('q_motor', 'q_motor_d1', 'q_motor_d2', 'F'))
+    """
+    dynamics, kinematics = inverse_dynamics(axis), Kinematics(axis)
+    symbols = [kinematics.symbol(body, order) for body in axis.free_bodies for order in range(3)]
+    symbols += [sp.Symbol(drive.signal) for drive in axis.drives]
+    parameters = tuple(
+        name for name in axis.parameter_units if name in dynamics.known or name in axis.physical_parameters
+    )
+    constants = {sp.Symbol(name): value for name, value in dynamics.constants.items()}
+    laws, jumps = {}, {}
+    for entry in dynamics.inputs:
+        place = kinematics.displacement(entry.joint)
+        speed = kinematics.rate(place, 1)
+        laws[entry.symbol] = entry.expression.xreplace({sp.Symbol("q"): place, sp.Symbol("v"): speed})
+        if not is_smooth(entry.expression):
+            jumps[speed] = _function(speed.xreplace(constants), symbols)
+    outputs, columns, law_columns = [], [], []
+    absent = {parameter_symbol(name): sp.Integer(0) for name in parameters}
+    for j, balance in enumerate(dynamics.balances):
+        by_parameter = [sp.diff(balance, parameter_symbol(name)) for name in parameters]
+        law_columns += [(j, i) for i, column in enumerate(by_parameter) if column.free_symbols & laws.keys()]
+        written = [column.xreplace(laws).xreplace(constants) for column in by_parameter]
+        columns.append(tuple(_function(column, symbols) for column in written))
+        outputs.append(_function(-balance.xreplace(absent).xreplace(constants), symbols))
+    return StandardModel(
+        parameters,
+        tuple(map(str, symbols)),
+        tuple(outputs),
+        tuple(columns),
+        tuple(law_columns),
+        tuple(jumps.values()),
+        axis.log_parameters,
+    )
+
+
+def _function(expression: sp.Expr, symbols: list[sp.Symbol]) -> _Column:
+    text = f"lambda {', '.join(map(str, symbols))}: {code(expression)}"
+    return eval(text, {"np": np})  # type: ignore[no-any-return]  # eval is untyped
+
 
 _LOWEST_SHARE, _HIGHEST_SHARE = 1 / 2000, 0.4
 """Cutoffs scanned, as shares of the sampling frequency."""
@@ -24,30 +108,15 @@ _EDGE_PERIODS = 3
 
 @dataclass(frozen=True, eq=False)
 class LowPassErrors:
-    """Relative errors of the physical parameters by cutoff frequency.
+    """Relative errors of the physical parameters by cutoff frequency."""
 
-    Parameters
-    ----------
-    model : StandardModel
-        The standard model [5].
-    run : ExactRun
-        Where its signals come from.
-    parameters : mapping of str to float
-        True values.
-    sampling_hz : float
-        Sampling frequency of the data, Hz; `rate` is the nearest one of which that of the run is a multiple.
-    order : int
-        Order of one pass of the filter.
-    filter_force : bool
-        Whether the force, and with it the values of nonlinear laws, pass the filter too.
-    """
-
-    model: StandardModel
-    run: ExactRun
-    parameters: Mapping[str, float]
+    model: StandardModel  # the standard model [5]
+    run: ExactRun  # where its signals come from
+    parameters: Mapping[str, float]  # true values
+    # sampling frequency of the data, Hz; `rate` is the nearest one of which that of the run is a multiple
     sampling_hz: float
-    order: int
-    filter_force: bool
+    order: int  # order of one pass of the filter
+    filter_force: bool  # whether the force, and with it the values of nonlinear laws, pass the filter too
 
     @property
     def _every(self) -> int:

@@ -22,8 +22,7 @@ from symid.symbolic import derive
 from symid.symbolic.expressions import is_smooth, law_expression
 from symid.tuning.bound import BoundSearch, Status, Track, lowest_within, verdict
 from symid.tuning.exact_run import ExactRun, exact_run, tuning_chirp
-from symid.tuning.low_pass import LowPassErrors
-from symid.tuning.standard import standard_model
+from symid.tuning.low_pass import LowPassErrors, standard_model
 
 Kind = Literal["physical", "minimal"]
 
@@ -108,17 +107,8 @@ def distortion_db(differences: int) -> float:
 
 
 def first_sampling_frequency(cutoff_hz: float, differences: int) -> float:
-    """First guess of the sampling frequency [36], Hz.
+    """First guess of the sampling frequency [36], Hz, for a cutoff, Hz, and the highest derivative in the model.
 
-    Parameters
-    ----------
-    cutoff_hz : float
-        Cutoff frequency of the low-pass, Hz.
-    differences : int
-        Highest derivative in the model.
-
-    Examples
-    --------
     >>> round(first_sampling_frequency(164.42, 4)), round(first_sampling_frequency(164.42, 2))
     (8791, 8289)
     """
@@ -253,19 +243,7 @@ def noise_free_run(
     trajectory: Trajectory | Sequence[Trajectory] | None = None,
     controller: Controller | Sequence[Controller] | None = None,
 ) -> ExactRun:
-    """Run along the trajectory under the controller, or along the default chirp under the default cascade.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    parameters : mapping of str to float
-        Values of its physical parameters, SI.
-    trajectory : Trajectory or sequence of Trajectory, optional
-        Reference, one for all drives or one for each; by default `tuning_chirp`.
-    controller : Controller or sequence of Controller, optional
-        One for each drive; by default cascades of 10 Hz.
-    """
+    """Run along the trajectory under the controller, by default along `tuning_chirp` under cascades of 10 Hz."""
     plant = plant_of(axis, parameters)
     return exact_run(
         axis,

@@ -147,18 +147,16 @@ def identify(
     axis = os.fspath(axis) if isinstance(axis, os.PathLike) else axis
     _require_possible(method, {"bounds": bounds, "prior": prior, "ddof": ddof, "known": known, "loop": loop})
     settings: dict[str, Any] = {"preparation": preparation, "nominal": nominal, "examine": examine}
-    if known is not None:
-        if ddof is not None:
-            raise SettingError("known= does not go with ddof=: leave that out")
-        declared = axis_of(axis).with_known(fixed or {})
-        values = _known_by_log(known, len(given))
-        runs = [log_of(declared, log, measured, **columns) for log in given]
-        signals = measured_signals(declared, runs, measured)
-        return identify_with_known(declared, runs, values, signals, bounds=bounds, prior=prior, **settings)
-    if fixed:
-        settings |= {"method": method, "ddof": ddof, "bounds": bounds, "prior": prior, "loop": loop}
-        return _with_fixed(axis, given, measured, fixed, settings, columns)
+    if known is not None and ddof is not None:
+        raise SettingError("known= does not go with ddof=: leave that out")
+    by_log = None if known is None else _known_by_log(known, len(given))
     runs, signals = _opened(axis, given, measured, columns)
+    if by_log is not None:
+        declared = axis_of(axis).with_known(fixed or {})
+        return identify_with_known(declared, runs, by_log, signals, bounds=bounds, prior=prior, **settings)
+    if fixed:
+        settings |= {"measured": signals, "method": method, "ddof": ddof, "bounds": bounds, "prior": prior}
+        return _with_fixed(axis_of(axis), runs, fixed, loop, settings)
     if method == "oe":
         from symid.output_error import identify_output_error  # sympy takes half a second to load
 
@@ -275,24 +273,18 @@ def _known_by_log(known: Mapping[str, Sequence[float]], logs: int) -> list[dict[
 
 
 def _with_fixed(
-    axis: AnyAxis,
-    logs: Sequence[Recorded],
-    measured: Sequence[str] | None,
+    declared: Axis,
+    runs: Sequence[AnyLog],
     fixed: Mapping[str, float],
+    loop: ClosedLoop | None,
     settings: dict[str, Any],
-    columns: dict[str, Any],
 ) -> Identification | OutputErrorIdentification:
     """Identify the parameters that are not fixed, and compare with the estimate of all parameters."""
-    declared = axis_of(axis)
-    runs = [log_of(declared, log, measured, **columns) for log in logs]
-    signals = measured
-    if measured is None and not isinstance(axis, (Axis, str)):
-        signals = _model_given(axis).measured
-    known, loop = declared.with_known(fixed), settings["loop"]
-    settings["loop"] = loop and replace(loop, axis=known)
+
+    def found(axis: Axis, **changed: Any) -> Any:
+        return identify(axis, runs, loop=loop and replace(loop, axis=axis), **{**settings, **changed})
+
+    known = found(declared.with_known(fixed))
     if settings["method"] == "oe":
-        return cast("OutputErrorIdentification", identify(known, runs, measured=signals, **settings))
-    found: Identification = identify(known, runs, measured=signals, **settings)
-    settings |= {"bounds": None, "prior": None, "loop": loop and replace(loop, axis=declared)}
-    alone: Identification = identify(declared, runs, measured=signals, **settings)
-    return with_fixed(found, alone)
+        return cast("OutputErrorIdentification", known)
+    return with_fixed(known, found(declared, bounds=None, prior=None))

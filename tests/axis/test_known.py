@@ -89,7 +89,7 @@ def test_a_number_must_be_possible_too() -> None:
 
 
 def test_fixing_what_is_not_there_is_refused() -> None:
-    with pytest.raises(SettingError, match="has no parameter 'Q'"):
+    with pytest.raises(SettingError, match="there is no parameter 'Q'"):
         load_axis("emps").with_known({"Q": 1.0})
     with pytest.raises(SettingError, match="at least 0"):
         load_axis("emps").with_known({"M": -1.0})

@@ -10,7 +10,7 @@ import pytest
 from command_line import run
 
 from benchmarks.bad.outcome import good_folder
-from symid.fleet import read_journal
+from symid.fleet.journal import read_journal
 
 AXES = """from symid import Axis, Body, CoulombFriction, Drive, Position, ViscousFriction
 a = Body("a", mass="M")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from symid.cli import COMMANDS
-from symid.cli.setting_options import with_options
+from symid.cli.terminal import with_options
 
 PACKAGE = Path(__file__).parents[2] / "symid"
 LIBRARY = sorted(file for file in PACKAGE.rglob("*.py") if "cli" not in file.relative_to(PACKAGE).parts)

@@ -12,8 +12,7 @@ from symid.codegen.dynamics_store import dynamics_text, stored_dynamics
 from symid.codegen.generate import generate
 from symid.errors import SymidError
 from symid.simulation import plant_of
-from symid.simulation.dynamics_terms import LawTerm
-from symid.simulation.parameter_polynomials import Polynomial
+from symid.simulation.dynamics_terms import LawTerm, Polynomial
 
 AXIS = """
 from symid import Axis, Body, CoulombFriction, Drive, Position

@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symid.data import inspect_spans, inspect_values, read_log
+from symid.data import read_log
+from symid.data.checks import inspect_values
 from symid.data.lost_samples import step_of
+from symid.data.stuck import inspect_spans
 from symid.units import Unit
 
 DATA = Path(__file__).parents[2] / "data"

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symid.data import inspect_clock
+from symid.data.clock import inspect_clock
 
 
 def faults_of(time):

@@ -8,7 +8,7 @@ import pytest
 import scipy
 
 from symid.data import LongLog, open_log, read_log
-from symid.data.memory import free_memory, require_memory
+from symid.data.table import free_memory, require_memory
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -53,7 +53,7 @@ def test_a_matlab_bomb_is_refused_before_it_is_loaded(
 def test_what_the_machine_does_not_have_is_not_asked_for(
     small_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("symid.data.memory.free_memory", lambda: 1e6)
+    monkeypatch.setattr("symid.data.table.free_memory", lambda: 1e6)
     with pytest.raises(LogError, match="1 MB are free"):
         read_log(small_file, expected=EXPECTED)
 

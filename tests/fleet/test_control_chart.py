@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from symid.errors import SettingError
-from symid.fleet import ControlChart, control_chart
+from symid.fleet import ControlChart
+from symid.fleet.control_chart import control_chart
 from symid.fleet.segments import LEAST_LEVEL, Series, cut
 
 

@@ -6,7 +6,8 @@ import pytest
 from symid import Log, Preparation, identify, load_generated
 from symid.errors import SettingError
 from symid.estimation import TriangularFactor
-from symid.fleet import LogFactors, identify_jointly, log_factors
+from symid.fleet import identify_jointly, log_factors
+from symid.fleet.joint_estimate import LogFactors
 
 MODEL = load_generated("rigid_1m")
 TRUTH = np.array([5.0, 1.0, 2.0])

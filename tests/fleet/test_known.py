@@ -12,7 +12,8 @@ from fleet_logs import TRUE
 import symid
 from symid.cli.simulate_command import write_log
 from symid.errors import EliminationError, SettingError
-from symid.fleet import BatchSettings, identify_batch, read_rows
+from symid.fleet import BatchSettings, identify_batch
+from symid.fleet.result_table import read_rows
 from symid.simulation import Cascade, simulate, trapezoids
 
 

@@ -19,8 +19,8 @@ from command_line import run
 from fleet_logs import write_log
 
 import symid
-from symid.fleet import BatchSettings, Interrupted, identify_batch, journal_file, read_journal
-from symid.fleet.journal import Journal
+from symid.fleet import BatchSettings, Interrupted, identify_batch
+from symid.fleet.journal import Journal, journal_file, read_journal
 
 RESULTS = Path("r.parquet")
 JOURNAL = journal_file(RESULTS)

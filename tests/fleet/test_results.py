@@ -12,8 +12,10 @@ from fleet_logs import write_log
 
 import symid
 from symid.errors import SettingError
-from symid.fleet import UNITS, BatchSettings, identify_batch, read_rows, summary_of
+from symid.fleet import BatchSettings, identify_batch, summary_of
 from symid.fleet.plan import log_files
+from symid.fleet.result_table import read_rows
+from symid.fleet.results import UNITS
 
 VOLATILE = ("seconds", "finished")  # columns that tell of the run, not of the log
 

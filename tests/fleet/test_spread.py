@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symid.errors import SettingError
-from symid.fleet import judge_spread, spread_between
+from symid.fleet.spread import judge_spread, spread_between
 
 # Thirteen trials of BCG vaccine (Colditz et al. 1994): cases and others, vaccinated; cases and others, control.
 BCG = np.array(

@@ -8,7 +8,7 @@ import pytest
 from benchmarks import closed_loop as benchmark
 from symid import load_axis, load_generated
 from symid.errors import SettingError
-from symid.output_error import identify_output_error, predict_output_error
+from symid.output_error import identify_output_error
 from symid.output_error.closed_loop_error import Whitening
 from symid.simulation import ClosedLoop, from_log, plant_of, simulate, trapezoids, tuned_cascade
 
@@ -43,7 +43,7 @@ def test_an_unknown_start_friction_and_another_log() -> None:
     assert found.comparison.force == "simulated"
     for name, value in RIGID.items():
         assert found.physical_parameters[name] == pytest.approx(value, rel=0.02)
-    again = predict_output_error(found, rigid_log(seed=5)[2])
+    again = found.predict(rigid_log(seed=5)[2])
     assert again.residuals[0].rms < 1e-6
     assert np.isfinite(again.innovations).all()
 

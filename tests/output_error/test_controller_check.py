@@ -7,7 +7,7 @@ import pytest
 
 from symid import load_axis, load_generated
 from symid.output_error import identify_output_error
-from symid.output_error.altered_controller import AlteredController
+from symid.output_error.controller_check import AlteredController
 from symid.simulation import Cascade, ClosedLoop, simulate, trapezoids
 
 TRUE = {"M": 40.0, "Fv": 30.0, "Fs": 12.0}

@@ -17,7 +17,7 @@ from symid import Axis, Between, Body, Drive, Log, Position, Preparation, Spring
 from symid.codegen import model_of
 from symid.errors import SettingError
 from symid.instrumental import identify_by_instruments
-from symid.output_error import identify_output_error, predict_output_error
+from symid.output_error import identify_output_error
 from symid.output_error.sampled_plant import sampled_plant
 from symid.simulation import Cascade, ClosedLoop, Trajectory, plant_of
 
@@ -113,7 +113,7 @@ def test_innovations_determine_the_axis_and_the_noise_of_each_force() -> None:
     expected = dict(zip(("F1", "F2", "q1", "q2"), (*FORCE_NOISE, *READING_NOISE), strict=True))
     assert found.noise == pytest.approx(expected, rel=0.2)
     assert "F1 and F2 are held from each sample to the next" in found.notes
-    validation = predict_output_error(found, log)
+    validation = found.predict(log)
     assert validation.innovations.std(axis=0) == pytest.approx(found.predictions[0].innovations.std(axis=0))
 
 

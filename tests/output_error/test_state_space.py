@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import dlsim
 
-from symid.output_error.state_space import StateSpace
+from symid.output_error.predictor import StateSpace
 
 
 def random_system(radius: float, n: int = 3, m: int = 2, p: int = 2) -> StateSpace:

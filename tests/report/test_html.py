@@ -12,7 +12,7 @@ from diagnosis_page import page_of, written
 from symid.diagnosis import EffectParameter
 from symid.diagnosis.effects import LIBRARY
 from symid.errors import SettingError
-from symid.report.pages.effect_catalogue import effect_catalogue
+from symid.report.pages.diagnosis_page import effect_catalogue
 from symid.report.pages.page import html_path
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}

@@ -17,7 +17,12 @@ from symid import Log, load_axis
 from symid.codegen.store import load_generated
 from symid.identification import Identification, identify, predict
 from symid.report.figures.colours import DARK, LIGHT
-from symid.report.figures.ellipses import CorrelatedPair, ShownParameters, correlated_pairs, draw_ellipse
+from symid.report.figures.identification_curves import (
+    CorrelatedPair,
+    ShownParameters,
+    correlated_pairs,
+    draw_ellipse,
+)
 from symid.report.figures.identification_figure import identification_figure
 from symid.simulation.frequency_response import response_of
 
@@ -116,7 +121,9 @@ def test_the_measured_response_is_the_true_one_where_it_is_coherent() -> None:
 def test_an_ellipse_holds_the_probability_that_it_says() -> None:
     covariance = np.array([[4.0, -2.4], [-2.4, 2.25]])
     axes = Figure().subplots()
-    parameters = ShownParameters({"a": "N", "b": "kg"}, np.array([100.0, 50.0]), covariance)
+    parameters = ShownParameters(
+        {"a": "N", "b": "kg"}, np.array([100.0, 50.0]), covariance, np.sqrt(np.diag(covariance))
+    )
     draw_ellipse(axes, CorrelatedPair(0, 1, -0.8), parameters, LIGHT)
     points = np.random.default_rng(4).multivariate_normal([0, 0], covariance, 100_000)
     for curve, wanted in zip(axes.lines[:2], (0.95, 0.68), strict=True):

@@ -25,7 +25,7 @@ from symid.simulation import (
     plant_of,
     simulate,
 )
-from symid.simulation.flow import Flow
+from symid.simulation.mode import Flow
 from symid.simulation.sample_loop import recursion
 
 PERIOD = 1 / 4000

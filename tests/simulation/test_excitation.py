@@ -157,17 +157,6 @@ def test_periods_hold_whole_cycles_and_whole_samples():
     assert np.array_equal(loop.position[:1000], loop.position[1000:])
 
 
-def test_crest_factors():
-    tone = multisine([1.0], 0.3, sampling_period=T, centre=5.0, quantity="position")
-    assert tone.crest_factor == pytest.approx(math.sqrt(2.0), rel=1e-12)
-    lines = frequency_lines(1.0, 64.0, 1.0)
-    low = multisine(lines, 1.0, sampling_period=T)
-    drawn = [multisine(lines, 1.0, sampling_period=T, rng=np.random.default_rng(k)) for k in range(5)]
-    assert low.crest_factor < 1.75 < min(each.crest_factor for each in drawn)
-    again = multisine(lines, 1.0, sampling_period=T, rng=np.random.default_rng(0))
-    assert np.array_equal(again.position, drawn[0].position)
-
-
 @pytest.mark.parametrize(
     ("values", "message"),
     [

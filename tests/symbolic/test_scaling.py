@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from symid import Axis, Between, Body, Drive, Law, PendulumWeight, Position, Spring, Weight, derive
-from symid.units import BASE_UNITS, Unit
+from symid.units import Unit
+from symid.units.unit import BASE_UNITS
 
 
 def knows_a_number(axis: Axis) -> bool:

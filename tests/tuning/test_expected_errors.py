@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.tuning_grid import VALUES, clean_log
 from symid import Preparation, load_axis, load_generated
-from symid.tuning import TotalErrors
+from symid.tuning.total_errors import TotalErrors
 
 DRAWS = 40  # the root mean square of one error scatters by 11 %
 

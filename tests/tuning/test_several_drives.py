@@ -10,7 +10,9 @@ from axes.gantry import AXIS, NOISE, TRUE, log
 from symid import Axis, Body, Drive, Position, ViscousFriction, derive, tune
 from symid.codegen.generate import compiled
 from symid.simulation import chirp
-from symid.tuning import run_of_log, standard_model, tune_total
+from symid.tuning import tune_total
+from symid.tuning.from_log import run_of_log
+from symid.tuning.low_pass import standard_model
 
 LEFT, RIGHT = Body("left", mass="M1"), Body("right", mass="M2")
 APART = Axis(

@@ -8,16 +8,10 @@ import pytest
 from symid import load_axis, tune
 from symid.errors import SettingError
 from symid.simulation import OpenLoop, Trajectory, chirp, plant_of
-from symid.tuning import (
-    LowPassErrors,
-    exact_run,
-    excited_band,
-    first_sampling_frequency,
-    lowest_within,
-    noise_free_run,
-    standard_model,
-    without_jumps,
-)
+from symid.tuning import exact_run, excited_band, without_jumps
+from symid.tuning.bound import lowest_within
+from symid.tuning.low_pass import LowPassErrors, standard_model
+from symid.tuning.tune import first_sampling_frequency, noise_free_run
 
 RIGID = {"M": 5.0, "Fv": 300.0, "Fs": 4.0}
 PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}

@@ -7,7 +7,9 @@ from symid import Log, Preparation, load_axis, load_generated
 from symid.errors import SettingError
 from symid.identification.noise import noise_deviations
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
-from symid.tuning import TotalErrors, run_of_log, tune_total, with_noise
+from symid.tuning import tune_total
+from symid.tuning.from_log import run_of_log
+from symid.tuning.total_errors import TotalErrors, with_noise
 
 VALUES = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
 NOISE = {"q": 1e-6, "F": 5.0}

@@ -19,8 +19,7 @@ from symid.data.formats.channels import Channel, columns_of, short_names, table_
 from symid.data.formats.hdf5 import MAGIC, open_hdf5, values_behind_references
 from symid.data.formats.matlab_objects import may_hold_objects, with_objects
 from symid.data.formats.separate import answer, channels_apart
-from symid.data.memory import require_memory
-from symid.data.table import Table, first_line, parsing
+from symid.data.table import Table, first_line, parsing, require_memory
 from symid.errors import LogError
 
 _VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name")

@@ -12,8 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.formats.channels import are_columns, short_names, vector
 from symid.data.formats.extra import required
-from symid.data.memory import require_memory
-from symid.data.table import Table, parsing
+from symid.data.table import Table, parsing, require_memory
 
 MAGIC: Final = b"\x89HDF\r\n\x1a\n"
 """Signature of HDF5 files, after an optional user block."""

@@ -11,8 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.data.formats.channels import short_names, table_of_arrays
-from symid.data.memory import require_memory
-from symid.data.table import Table, parsing
+from symid.data.table import Table, parsing, require_memory
 from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 

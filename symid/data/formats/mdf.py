@@ -10,8 +10,7 @@ import numpy as np
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import require_installed
 from symid.data.formats.separate import answer, channels_apart
-from symid.data.memory import require_memory
-from symid.data.table import Table
+from symid.data.table import Table, require_memory
 
 
 def open_mdf(path: Path, memory: int | None = None) -> Table:

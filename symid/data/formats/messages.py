@@ -11,8 +11,7 @@ import numpy as np
 
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import required
-from symid.data.memory import require_memory
-from symid.data.table import Table, parsing
+from symid.data.table import Table, parsing, require_memory
 from symid.errors import LogError
 
 _BYTES_OF_A_VALUE: Final = 8

@@ -13,8 +13,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import required
-from symid.data.memory import require_memory
-from symid.data.table import Table, parsing
+from symid.data.table import Table, parsing, require_memory
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 

@@ -1,17 +1,23 @@
-"""Figures that notebooks display, files show and pages hold."""
+"""Figures that notebooks display, files show and pages hold, and the scales of their diagrams."""
 
 from __future__ import annotations
 
 import io
+import math
 import re
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from symid.arrays import FloatArray
 from symid.errors import SettingError
+from symid.estimation.residual_measures import Means
 from symid.files import replacing
 
 
@@ -65,13 +71,41 @@ def svg_of(figure: Figure, name: str) -> str:
 def wide_and_narrow(draw: Callable[[bool], Figure | None], name: str) -> tuple[str, str] | None:
     """A figure for a desk and for a phone as elements of a page, which shows one of them; None where there is none.
 
-    Parameters
-    ----------
-    draw : function of bool
-        Draws it, narrow or not.
-    name : str
-        Begins their identifiers.
+    `draw` draws it, narrow or not; the name begins their identifiers.
     """
     figures = [(figure, f"{name}{end}") for end, figure in (("", draw(False)), ("-narrow", draw(True)))]
     elements = [with_id_prefix(svg_of(figure, one), one) for figure, one in figures if figure is not None]
     return (elements[0], elements[1]) if len(elements) == 2 else None
+
+
+_SEEN = (0.5, 99.5)
+_ROOM = 0.15
+"""Percentiles of the residual within the plot, and the margin around them."""
+_WIDE = 2.0
+"""Decades from which on only powers of ten are labelled."""
+_MOST_TICKS = 7
+
+
+def seen_range(residual: FloatArray, *means: Means) -> tuple[float, float]:
+    """Range of a residual without its rarest values, which contains all means.
+
+    >>> low, high = seen_range(np.array([-1.0, 1.0]), Means(np.zeros(1), np.array([4.0]), np.zeros(1)))
+    >>> round(low, 3), round(high, 3)
+    (-1.287, 4.297)
+    """
+    low, high = np.percentile(residual, _SEEN) if residual.size else (-1.0, 1.0)
+    room = _ROOM * (high - low)
+    ends = np.concatenate([[low, high], *(one.values for one in means)])
+    return float(ends.min() - room), float(ends.max() + room)
+
+
+def label_log_scales(axes: Axes) -> None:
+    """Label each logarithmic scale of a finished diagram by plain numbers, few enough that they stand apart."""
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() != "log":
+            continue
+        low, high = sorted(axis.get_view_interval())
+        between = (1.0,) if math.log10(high / low) >= _WIDE else (1.0, 2.0, 5.0)
+        axis.set_major_locator(LogLocator(subs=between, numticks=_MOST_TICKS))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())

@@ -10,17 +10,16 @@ import matplotlib as mpl
 from symid.axis import Axis
 from symid.data import Log
 from symid.identification import Identification, OutputPrediction
-from symid.report.figures.bode import draw_bode
 from symid.report.figures.colours import LIGHT, Palette
-from symid.report.figures.drawn import Drawn
-from symid.report.figures.ellipses import correlated_pairs, draw_ellipse
+from symid.report.figures.drawn import Drawn, label_log_scales
 from symid.report.figures.identification_curves import (
     IdentificationCurves,
+    correlated_pairs,
+    draw_ellipse,
     identification_curves,
     parameters_shown,
 )
-from symid.report.figures.panels import Panel, draw_panel
-from symid.report.figures.scales import label_log_scales
+from symid.report.figures.panels import Panel, draw_bode, draw_panel
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction

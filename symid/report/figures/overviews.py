@@ -15,9 +15,8 @@ from symid.errors import SettingError
 from symid.fleet import Batch
 from symid.fleet.results import parameter_names, without_repeats
 from symid.report.figures.colours import LIGHT, Palette
-from symid.report.figures.drawn import Drawn
+from symid.report.figures.drawn import Drawn, label_log_scales
 from symid.report.figures.panels import draw_over_time
-from symid.report.figures.scales import label_log_scales
 from symid.text import visible
 
 _WIDTH, _ROW, _NARROW_WIDTH = 10.0, 1.9, 4.2

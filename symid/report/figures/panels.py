@@ -1,4 +1,4 @@
-"""One output of one log: measured and predicted, and the residual over time, velocity, position and frequency."""
+"""One output of one log: measured and predicted, and the residual over time, velocity, position and frequency; Bode."""
 
 from __future__ import annotations
 
@@ -10,10 +10,43 @@ import scipy
 from matplotlib.axes import Axes
 
 from symid.arrays import BoolArray, FloatArray
-from symid.data.sensor_motion import SensorMotion
+from symid.axis import Axis
+from symid.data.log import Log
 from symid.estimation.residual_measures import means_over
 from symid.report.figures.colours import Palette
-from symid.report.figures.scales import seen_range
+from symid.report.figures.drawn import seen_range
+from symid.simulation.frequency_response import COHERENT, FrequencyResponse, ResponseBand, degrees_of
+
+_SMOOTHED_HZ = 50.0
+
+
+@dataclass(frozen=True, eq=False)
+class SensorMotion:
+    """Position and velocity of the first position sensor, SI; the velocity is smoothed below 50 Hz."""
+
+    signal: str
+    unit: str
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+
+    @classmethod
+    def of(cls, axis: Axis, log: Log) -> SensorMotion | None:
+        """Motion in a log; None without a position."""
+        signals = [s.signal for s in axis.sensors if s.derivative == 0 and s.signal in log.signals]
+        if not signals:
+            return None
+        position, period = np.asarray(log[signals[0]]), log.sampling_period
+        velocity = np.gradient(position, period)
+        if 0.4 / period > _SMOOTHED_HZ and position.size > 100:
+            sections = scipy.signal.butter(2, _SMOOTHED_HZ, fs=1 / period, output="sos")
+            velocity = scipy.signal.sosfiltfilt(sections, velocity)
+        return cls(signals[0], str(axis.signal_units[signals[0]]), log.time, position, velocity)
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Position and velocity at other times."""
+        return np.interp(time, self.time, self.position), np.interp(time, self.time, self.velocity)
+
 
 _MOST_POINTS = 20_000
 
@@ -128,3 +161,34 @@ def _densities(axes: Axes, panel: Panel, error: FloatArray, palette: Palette) ->
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(f"{panel.output} [{panel.unit}/√Hz]")
     axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.85)
+
+
+def draw_bode(place: Any, response: FrequencyResponse, palette: Palette, band: ResponseBand) -> None:
+    """Magnitude, phase and coherence below each other, in a subfigure."""
+    magnitude, phase, coherence = place.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 0.8))
+    sure, f = response.is_coherent, response.frequency
+    curves: tuple[tuple[Axes, Any], ...] = ((magnitude, np.abs), (phase, degrees_of))
+    for axes, of in curves:
+        doubtful = (~sure, 1.5, 0.4, f"coherence below {COHERENT}")
+        for some, size, alpha, label in (doubtful, (sure, 3.4, 1.0, "measured (H1)")):
+            look: Any = {"color": palette.measured, "markersize": size, "alpha": alpha, "label": label}
+            axes.plot(f[some], of(response.measured)[some], "o", **look)
+        axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")
+    look = {"color": palette.model, "alpha": 0.25, "linewidth": 0, "label": "95 % of the identified"}
+    magnitude.fill_between(band.frequency, band.lowest, band.highest, **look)
+    turned = np.interp(band.frequency, f, degrees_of(response.identified))
+    late, early = turned + np.rad2deg(band.latest), turned + np.rad2deg(band.earliest)
+    phase.fill_between(band.frequency, late, early, **look)
+    label = f"{response.quantity} / {response.force} [{response.unit}]"
+    magnitude.set(xscale="log", yscale="log", ylabel=label)
+    magnitude.set_title(f"Frequency response {response.force} → {response.signal}", loc="left", pad=44)
+    seen = np.abs(np.concatenate([response.identified, response.measured[sure]]))
+    magnitude.set_ylim(float(seen.min() / 3), float(seen.max() * 3))
+    handles, labels = magnitude.get_legend_handles_labels()
+    where: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.99), "ncols": 2}
+    where |= {"columnspacing": 1.0, "handlelength": 1.4}  # within a figure for a phone
+    magnitude.legend(handles[::-1], labels[::-1], frameon=False, markerscale=1.5, **where)
+    phase.set(ylabel="phase [°]", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
+    coherence.plot(f, response.coherence, color=palette.residual, linewidth=0.8, label="coherence")
+    coherence.axhline(COHERENT, color=palette.ink, linewidth=0.7, linestyle="--")
+    coherence.set(ylabel="coherence", ylim=(0, 1.03), xlabel="frequency [Hz]")

@@ -8,8 +8,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 
 from symid.report.figures.colours import LIGHT, Palette
-from symid.report.figures.drawn import Drawn
-from symid.report.figures.scales import label_log_scales
+from symid.report.figures.drawn import Drawn, label_log_scales
 from symid.tuning import BoundSearch, TotalTuning, Tuning
 
 _CIRCLE: Any = {"fillstyle": "none", "markersize": 9}

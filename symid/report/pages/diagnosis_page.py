@@ -3,19 +3,71 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from symid import __version__
+from symid.axis import shipped_folder
 from symid.diagnosis import Diagnosis
 from symid.files import write_whole
 from symid.identification.residual_correlation import MOST_LAGS, OutputCorrelations, correlation
-from symid.report.pages.bar_scale import scale_of
-from symid.report.pages.effect_catalogue import effect_catalogue
 from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
 from symid.report.pages.plot_data import correlation_fields
 from symid.report.tables.diagnosis import diagnosis_record
+
+_ORIGIN = 0.5
+"""Lower end of a logarithmic scale, in multiples of the noise floor."""
+_MOST_LINEAR = 25.0
+_LEAST = 4.0
+"""Least upper end of a scale, in multiples of the noise floor."""
+_TICKS = 6
+"""Most ticks on a scale."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Scale of bars up to a multiple of the noise floor: linear up to 25, logarithmic from half of that on.
+
+    >>> Scale(10.0).percent(5.0), Scale(5000.0).logarithmic, Scale(5000.0).percent(50.0)
+    (50.0, True, 50.0)
+    >>> Scale(10.0).ticks, Scale(1244.0).ticks
+    ((0.0, 2.0, 4.0, 6.0, 8.0, 10.0), (1.0, 10.0, 100.0, 1000.0))
+    """
+
+    largest: float
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether equal lengths are equal ratios."""
+        return self.largest > _MOST_LINEAR
+
+    def percent(self, multiple: float) -> float:
+        """Length of a bar in percent of the full length; 0 for nan."""
+        if not math.isfinite(multiple) or multiple <= 0:
+            return 0.0
+        if not self.logarithmic:
+            return min(100 * multiple / self.largest, 100.0)
+        return min(100 * max(math.log(multiple / _ORIGIN), 0.0) / math.log(self.largest / _ORIGIN), 100.0)
+
+    @property
+    def ticks(self) -> tuple[float, ...]:
+        """Multiples at which the scale is marked."""
+        if self.logarithmic:
+            decades = range(math.floor(math.log10(self.largest)) + 1)
+            return tuple(10.0**k for k in decades)
+        steps = (m * 10.0**k for k in range(-2, 2) for m in (1, 2, 5))
+        step = next(step for step in steps if self.largest / step < _TICKS)
+        return tuple(step * i for i in range(math.floor(self.largest / step) + 1))
+
+
+def scale_of(multiples: list[float]) -> Scale:
+    """Scale that contains all of these multiples, with a margin above the floor."""
+    return Scale(max([_LEAST, *(value for value in multiples if math.isfinite(value))]))
+
 
 VERDICTS = {
     "no_gap": "No gap",
@@ -105,3 +157,42 @@ def _settings(found: Diagnosis) -> list[tuple[str, str]]:
         times = ", ".join(f"{name} {1e6 * by:.4g} us" for name, by in late.items() if by)
         settings.append(("recorded late", times or "nothing"))
     return settings
+
+
+_ENTRY: Final = re.compile(
+    r"^## (?P<name>\w+)\n.*?^\*\*Law\.\*\* (?P<law>.*?)\n\*At\*.*?^\*\*On the machine\.\*\* (?P<remedy>.*?)(?=\n\n|\Z)",
+    re.MULTILINE | re.DOTALL,
+)
+_LINK: Final = re.compile(r"\[([^\]]*)\]\([^)]*\)")
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """An effect in the catalogue."""
+
+    law: str
+    remedy: str
+
+
+@cache
+def effect_catalogue() -> Mapping[str, CatalogueEntry]:
+    """Entries of the catalogue by the name of the effect, as plain text.
+
+    >>> effect_catalogue()["delay"].law
+    'The force acts T later than logged: u(t - T).'
+    """
+    text = (shipped_folder("docs") / "effects" / "index.md").read_text(encoding="utf-8")
+    return {
+        found["name"]: CatalogueEntry(_plain(found["law"]), _plain(found["remedy"]))
+        for found in _ENTRY.finditer(text)
+    }
+
+
+def _plain(text: str) -> str:
+    r"""Text without links and emphasis, in one line.
+
+    >>> _plain("of the *commanded* velocity, see\n[there](#delay) and `--held`; 2 * 3")
+    'of the commanded velocity, see there and --held; 2 * 3'
+    """
+    shown = _LINK.sub(r"\1", " ".join(text.split()))
+    return re.sub(r"\*(\S[^*]*?\S|\S)\*", r"\1", shown).replace("`", "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, TypeAlias, cast
+from typing import Any, cast
 
 import numpy as np
 import scipy
@@ -21,13 +21,25 @@ from symid.identification import Identification, OutputPrediction
 from symid.identification.residual_correlation import PredictedOutput, residual_correlations
 from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
 from symid.report.figures.drawn import wide_and_narrow
-from symid.report.figures.identification_curves import identification_curves, parameters_shown
+from symid.report.figures.identification_curves import (
+    IdentificationCurves,
+    identification_curves,
+    parameters_shown,
+)
 from symid.report.figures.identification_figure import identification_figure
-from symid.report.pages.identification_content import IdentifiedEquations, IdentifiedReadings
 from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
 from symid.report.pages.plot_data import correlation_fields, curve_data
+from symid.report.tables.identification import identification_record
+from symid.report.tables.number_text import significant
+from symid.report.tables.output_error import output_error_record
 
-Content: TypeAlias = "IdentifiedEquations | IdentifiedReadings"
+_METHODS = {
+    "wls": "weighted least squares (wls)",
+    "ols": "ordinary least squares (ols)",
+    "iv": "instrumental variables (iv)",
+    "oe": "output error, by maximum likelihood (oe)",
+}
+
 _INTERVAL = float(scipy.special.ndtri(0.975))
 """Half width of a 95 % interval, in deviations."""
 
@@ -48,35 +60,79 @@ def write_identification_html(
     the residual over the motion, the simulated motion and the frequency response; `command` is the command line that
     made it, `reword` writes the settings that messages name.
     """
-    path = html_path(file)
-    content: Content
-    if isinstance(found, Identification):
-        content = IdentifiedEquations(found, cast("OutputPrediction | None", validation))
-    else:
-        content = IdentifiedReadings(found, cast("OutputErrorPrediction | None", validation))
-    if axis is None and validation is None:
-        axis, runs = found.axis, content.logs
-    record = reword(content.record)
-    page = page_templates().get_template("identification.html")
+    path, page = html_path(file), page_templates().get_template("identification.html")
+    record = reword(_record(found, validation))
     curves = identification_curves(found, validation, axis=axis, runs=runs)
-    outputs = content.outputs
+    own = [one for log in curves.logs[: len(found.logs)] for one in log.outputs]
+    sources = [log if isinstance(log, str) else log.source for log in found.logs]
     text = page.render(
         r=record,
-        fits=[_fit(one) for one in (*outputs, *content.validating)],
-        parameters=_parameters(content),
+        fits=[_fit(one) for log in curves.logs for one in log.outputs],
+        parameters=_parameters(found),
         half_width=_INTERVAL,
-        correlations=_correlations(content),
-        settings=content.settings(record),
+        correlations=_correlations(found),
+        settings=_settings(record),
         fit=wide_and_narrow(
             lambda narrow: identification_figure(found, curves=curves, narrow=narrow), "fit-plot"
         ),
         fit_data=curve_data(curves),
-        motions=[asdict(one) for one in _motions(content, axis, runs)],
-        **correlation_fields(residual_correlations(outputs)),
-        made=provenance(content.sources, command),
+        motions=[asdict(one) for one in _motions(found, curves)],
+        **correlation_fields(residual_correlations(own)),
+        made=provenance([*sources, *([validation.log] if validation else [])], command),
         version=__version__,
     )
     write_whole(path, text)
+
+
+def _record(
+    found: Identification | OutputErrorIdentification,
+    validation: OutputPrediction | OutputErrorPrediction | None,
+) -> dict[str, Any]:
+    """Record of the command line."""
+    if isinstance(found, Identification):
+        return identification_record(found, cast("OutputPrediction | None", validation))
+    return output_error_record(found, cast("OutputErrorPrediction | None", validation))
+
+
+def _settings(record: dict[str, Any]) -> list[tuple[str, str]]:
+    """Name and value of each setting, in words."""
+    scaled, plain = (significant(record[name]) for name in ("condition_number_scaled", "condition_number"))
+    method = ("method", _METHODS.get(record["method"], record["method"]))
+    condition = ("condition number", f"{scaled} scaled, {plain} as it is")
+    if record["method"] == "oe":
+        force, noise = record["force"], record["noise"].items()
+        return [
+            method,
+            ("course of the force between samples", force["course"]),
+            ("timing of the force", f"{_later(force['late_s'])}, {force['timing']}"),
+            ("noise, rms", ", ".join(f"{name} {significant(n['std'])} {n['unit']}" for name, n in noise)),
+            ("samples", str(record["samples"])),
+            condition,
+        ]
+    one = record["filter"]
+    ends = " and ".join(str(samples) for samples in one["trim"]) or "no"
+    late = [f"{signal} by {significant(1e6 * by)} us" for signal, by in one["late_s"].items() if by]
+    return [
+        method,
+        ("cutoff frequency", f"{significant(one['cutoff_hz'])} Hz, order {one['order']}"),
+        ("force", "filtered as the motion is" if one["force_filtered"] else "not filtered"),
+        ("decimation", f"one row for every {one['decimation']} samples"),
+        ("differences", f"of order of accuracy {one['difference_order']}"),
+        ("left out at the ends", f"{ends} samples"),
+        ("recorded late", ", ".join(late) or "nothing"),
+        condition,
+    ]
+
+
+def _later(late: float) -> str:
+    """When a force acts that was recorded late, by seconds.
+
+    >>> _later(-125e-6), _later(0.0)
+    ('acts 125 us after its record', 'acts when it was recorded')
+    """
+    if late == 0.0:
+        return "acts when it was recorded"
+    return f"acts {significant(abs(1e6 * late))} us {'before' if late > 0 else 'after'} its record"
 
 
 def _fit(one: PredictedOutput) -> dict[str, Any]:
@@ -86,30 +142,29 @@ def _fit(one: PredictedOutput) -> dict[str, Any]:
     return {**of_output, "fit": fit_percent(y, predicted)}
 
 
-def _motions(content: Content, axis: Axis | None, runs: Sequence[Log]) -> list[IdentifiedMotion]:
+def _motions(
+    found: Identification | OutputErrorIdentification, curves: IdentificationCurves
+) -> list[IdentifiedMotion]:
     """The identified axis simulated along each log; none without the axis."""
-    if axis is None:
+    if curves.axis is None:
         return []
+    values = found.physical_parameters
     return [
-        replace(identified_motion(axis, content.values, run, late), log=title)
-        for (title, late), run in zip(content.late, runs, strict=False)
+        replace(identified_motion(curves.axis, values, run, log.late), log=log.title)
+        for log, run in zip(curves.logs, curves.runs, strict=False)
     ]
 
 
-def _parameters(content: Content) -> list[dict[str, Any]]:
+def _parameters(found: Identification | OutputErrorIdentification) -> list[dict[str, Any]]:
     """Physical parameters, or minimal ones where there are none, with their 95 % intervals."""
-    shown = parameters_shown(content.found)
-    return [
-        {"name": name, "unit": unit, "value": float(value), "std": float(std)}
-        for (name, unit), value, std in zip(
-            shown.units.items(), shown.values, content.deviations, strict=True
-        )
-    ]
+    shown = parameters_shown(found)
+    every = zip(shown.units.items(), shown.values.tolist(), shown.deviations.tolist(), strict=True)
+    return [{"name": name, "unit": unit, "value": value, "std": std} for (name, unit), value, std in every]
 
 
-def _correlations(content: Content) -> list[tuple[str, list[float]]]:
+def _correlations(found: Identification | OutputErrorIdentification) -> list[tuple[str, list[float]]]:
     """Correlations of the parameters that the logs determine."""
-    shown = parameters_shown(content.found)
+    shown = parameters_shown(found)
     known = np.flatnonzero(np.isfinite(np.diag(shown.covariance)))
     names = [name for place, name in enumerate(shown.units) if place in known]
     rows = correlation_matrix(shown.covariance[np.ix_(known, known)])

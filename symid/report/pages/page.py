@@ -59,13 +59,8 @@ def page_templates() -> jinja2.Environment:
 def provenance(sources: Iterable[str], command: str = "") -> list[tuple[str, str]]:
     """Name and value of each line: when, by which command and programs, and the SHA-256 of each log.
 
-    Parameters
-    ----------
-    sources : iterable of str
-        Sources of logs: a path, or several with commas or, of one log, plus signs between, or a name of no file,
-        which has no hash.
-    command : str
-        The command line, if there was one.
+    A source of a log is a path, or several with commas or, of one log, plus signs between, or a name of no file, which
+    has no hash.
     """
     files = [
         file for source in sources for file in ([source] if Path(source).is_file() else source.split(", "))

@@ -1,4 +1,4 @@
-"""Numbers behind the figures of a page, as files that a link saves without a script."""
+"""Numbers behind the figures of a page as files that a link saves without a script, and the figure of correlations."""
 
 from __future__ import annotations
 
@@ -8,17 +8,82 @@ from itertools import zip_longest
 from typing import Any
 from urllib.parse import quote
 
+import matplotlib as mpl
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.identification.residual_correlation import Correlation, OutputCorrelations
-from symid.report.figures.correlation_figure import correlation_figure
-from symid.report.figures.drawn import wide_and_narrow
+from symid.report.figures.colours import LIGHT
+from symid.report.figures.drawn import Drawn, wide_and_narrow
 from symid.report.figures.identification_curves import IdentificationCurves
 from symid.report.figures.panels import Panel
-from symid.report.pages.envelope import envelope, envelope_places
-from symid.simulation.frequency_response import FrequencyResponse
-from symid.simulation.response_band import ResponseBand
+from symid.simulation.frequency_response import FrequencyResponse, ResponseBand
+
+
+def envelope(values: FloatArray, most: int) -> FloatArray:
+    """Lowest and highest value of each bundle of samples, in the order in which they come: no peak is lost.
+
+    Two values for each bundle, at the places of `envelope_places`, nan where the whole bundle is nan; a curve of at
+    most `most` points stays as it is.
+
+    >>> envelope(np.array([0.0, 9.0, 1.0, 2.0, -5.0, 3.0, 4.0, 5.0]), most=4).tolist()
+    [0.0, 9.0, -5.0, 5.0]
+    """
+    size = _bundle(values.size, most)
+    if size == 1:
+        return values
+    padded = np.full(-(-values.size // size) * size, np.nan)
+    padded[: values.size] = values
+    bundles = padded.reshape(-1, size)
+    low = np.argmin(np.where(np.isnan(bundles), np.inf, bundles), axis=1)
+    high = np.argmax(np.where(np.isnan(bundles), -np.inf, bundles), axis=1)
+    rows = np.arange(bundles.shape[0])[:, None]
+    ends: FloatArray = bundles[rows, np.sort(np.stack([low, high], axis=1), axis=1)]
+    return ends.ravel()
+
+
+def envelope_places(places: FloatArray, most: int) -> FloatArray:
+    """Places of the points of an envelope: beginning and middle of each bundle, the same for all curves.
+
+    >>> envelope_places(np.arange(8.0), most=4).tolist()
+    [0.0, 2.0, 4.0, 6.0]
+    """
+    size = _bundle(places.size, most)
+    if size == 1:
+        return places
+    begin = np.arange(0, places.size, size)
+    middle = np.minimum(begin + size // 2, places.size - 1)
+    return np.stack([places[begin], places[middle]], axis=1).ravel()
+
+
+def _bundle(count: int, most: int) -> int:
+    return 1 if count <= most else -(-2 * count // most)
+
+
+def correlation_figure(parts: Sequence[OutputCorrelations], *, narrow: bool) -> Drawn | None:
+    """Auto- and cross-correlation of each part, by its title, with their bands; None where there are no parts.
+
+    Both stand side by side, or below each other if `narrow`.
+    """
+    if not parts:
+        return None
+    with mpl.rc_context(LIGHT.style):
+        width, across = (4.2, 1) if narrow else (11.0, 2)
+        figure = Drawn(figsize=(width, 2.6 * len(parts) * 2 / across), layout="constrained")
+        rows = figure.subplots(len(parts) * 2 // across, across, squeeze=False).reshape(len(parts), 2)
+        for (title, *both), row in zip(parts, rows, strict=True):
+            for axes, one, what in zip(row, both, ("with itself", "with the prediction"), strict=True):
+                low, high = one.of_noise - one.band, one.of_noise + one.band
+                axes.fill_between(one.lag, low, high, color=LIGHT.fill, label="99 % of noise alone")
+                axes.vlines(one.lag, 0, one.value, color=LIGHT.model, linewidth=1.2)
+                axes.axhline(0.0, color=LIGHT.ink, linewidth=0.6)
+                axes.set_ylim(-1.05, 1.05)
+                axes.set_xlabel("lag [rows]")
+                axes.set_ylabel(f"residual {what}")
+            row[0].set_title(title, loc="left")
+            row[0].legend(loc="upper right", frameon=False)
+    return figure
+
 
 _MOST_POINTS = 10_000
 """Points up to which a curve over time is drawn as it is; a longer one is drawn as its envelope."""

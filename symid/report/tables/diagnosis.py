@@ -11,7 +11,6 @@ from rich.console import Console
 
 from symid.diagnosis.experiment.design import Experiment
 from symid.diagnosis.findings.diagnosis_result import Diagnosis, Simulator
-from symid.diagnosis.findings.found_effects import EffectParameter
 from symid.diagnosis.findings.waterfall import waterfall
 from symid.report.tables.console import TextTable, plain, report_console
 from symid.report.tables.motion_gap import motion_line, motion_rows, motions, unit_of_errors
@@ -103,10 +102,6 @@ def _experiment(planned: Experiment) -> dict[str, Any]:
     }
 
 
-def _values(parameters: Mapping[str, EffectParameter]) -> dict[str, Any]:
-    return {name: {"value": p.value, "std": p.std, "unit": p.unit} for name, p in parameters.items()}
-
-
 def _simulated(simulator: Simulator) -> dict[str, Any]:
     return {
         "log": simulator.log,
@@ -124,8 +119,8 @@ def _simulated(simulator: Simulator) -> dict[str, Any]:
             {
                 "effect": e.effect,
                 "at": e.at,
-                "simulated": _values(e.parameters),
-                "machine": None if e.machine is None else _values(e.machine),
+                "simulated": {name: asdict(p) for name, p in e.parameters.items()},
+                "machine": e.machine and {name: asdict(p) for name, p in e.machine.items()},
                 "differs": e.differs,
             }
             for e in simulator.effects
