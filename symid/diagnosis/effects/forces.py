@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -34,6 +34,8 @@ _LOWEST_MODES = (0.5, 3.0)
 _SHARE_OF_MOTION = 0.9
 _MODES_APART = 1.5
 """Steps of the frequency of a mode, relative to its damping ratio: half the width of its resonance is 2."""
+_MODES_TRIED = 6  # for each damping ratio
+_LEAST_LEFT = 1e-3  # of the square of a mode that inertia, damping and stiffness leave: less is not resolved
 _MOST_DAMPING = 0.3  # damping ratio from which on a mode, beside a delay, looks like a lag
 # Half of the squared acceleration must be more than 25 % off the mode, as a single sine does not separate the mode
 # from inertia.
@@ -264,16 +266,42 @@ class FlexibleModeEffect(LinearEffect):
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         lowest, highest = _modes_seen(prediction.record)
         octaves = max(math.log(highest / lowest), 0.0)
-        counts = {d: 1 + math.ceil(octaves / (_MODES_APART * d)) for d in _DAMPINGS}
-        return [(float(f), d) for d, n in counts.items() for f in np.geomspace(lowest, highest, n)]
+        found = []
+        for damping in _DAMPINGS:
+            hertz = np.geomspace(lowest, highest, 1 + math.ceil(octaves / (_MODES_APART * damping)))
+            score = self._scores(prediction, place, matched_filter, [(float(f), damping) for f in hertz])
+            peaks = best_peaks(np.pad(score, 1), np.pad(hertz, 1, "edge"), _MODES_TRIED)
+            found += [(f, damping) for f in peaks]
+        return found
+
+    def _scores(
+        self, prediction: Prediction, place: str, matched_filter: MatchedFilter, shapes: Sequence[Shape]
+    ) -> FloatArray:
+        """Square of the residual that each mode explains, as if the weights acted on frequencies alone."""
+        body, record = prediction.bodies[place], prediction.record
+        response = -prediction.response.of_force(body.direction)
+        power = np.abs(response * prediction.density * record.taper * body.modelled) ** 2
+        # Apart from the inertia, damping and stiffness that the axis has: projection on 1, s and s^2.
+        plain = np.stack([(1j * record.omega) ** k for k in range(3)]) * np.sqrt(power.sum(axis=0))
+        scale = np.linalg.norm(plain, axis=1, keepdims=True)
+        plain /= np.where(scale > 0, scale, 1.0)
+        modes = np.stack([self.stiffness(record.omega, shape) for shape in shapes])
+        wanted = record.from_grid(matched_filter(response)) * body.modelled.conj()
+        explained = (modes.conj() @ wanted).real
+        modes *= np.sqrt(power.sum(axis=0))
+        taken = (modes @ plain.conj().T).real
+        gram = np.linalg.pinv((plain @ plain.conj().T).real, rcond=1e-10, hermitian=True)
+        whole = np.sum(np.abs(modes) ** 2, axis=1)
+        left = whole - np.sum(taken @ gram * taken, axis=1)
+        return np.asarray(np.maximum(explained, 0.0) ** 2 / np.maximum(left, _LEAST_LEFT * whole))
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
         lowest, highest = _modes_seen(prediction.record)
         return float(np.clip(shape[0], 0.5 * lowest, highest)), float(np.clip(shape[1], 1e-3, 1.0))
 
     def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
-        own, s = 2 * math.pi * shape[0], 1j * omega
-        return np.asarray(-(s**4) / (s**2 + 2 * shape[1] * own * s + own**2), dtype=np.complex128)
+        own, square = 2 * math.pi * shape[0], omega**2
+        return np.asarray(-(square**2) / (own**2 - square + 2j * shape[1] * own * omega), dtype=np.complex128)
 
     def free_motion(self, prediction: Prediction, placed: Placed) -> tuple[ComplexArray, ...]:
         """Force of the mass that rings from before the log; a weakly damped one does so for long."""

@@ -94,16 +94,18 @@ class Blocks:
         return np.asarray(inverse @ meat @ inverse / np.outer(self.scale, self.scale))
 
 
-def cross_validation_blocks(state: State, weighting: Weighting, columns: FloatArray) -> Blocks:
+def cross_validation_blocks(
+    state: State, weighting: Weighting, columns: FloatArray, errors: FloatArray
+) -> Blocks:
     """A fitted model in blocks of equal length.
 
-    `columns` are weighted derivatives of the prediction by its values, of shape (n_columns, n_outputs, n_rows).
+    `columns` are its weighted derivatives by its values, of shape (n_columns, n), and `errors`, (n,), its errors, both
+    as `Weighting.known` gives them.
     """
-    known, errors = (weighting.known(x, state.beginning) for x in (columns, state.rows))
     n_outputs, n_kept = len(state.rows), int(weighting.kept.sum())
-    scale = np.linalg.norm(known, axis=1)
+    scale = np.linalg.norm(columns, axis=1)
     scale = np.where(scale > 0, scale, 1.0)
-    known /= scale[:, None]
+    known = columns / scale[:, None]
     return Blocks(
         known.reshape(len(known), n_outputs, n_kept),
         scale,

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Axis, Spring
 from symid.diagnosis.effects import Key, Placed
 from symid.diagnosis.fitting.bounds import beyond_bounds, moved_to_bounds
@@ -63,10 +63,27 @@ class Fit:
         vars(kept)["squares"] = self.squares
         return kept
 
+    def with_weights(self, state: State, weighting: Weighting) -> Fit:
+        """The same values with other weights; their derivatives stay."""
+        found = Fit(state, weighting)
+        if "jacobian" in vars(self):
+            vars(found)["jacobian"] = self.jacobian
+        return found
+
+    @cached_property
+    def jacobian(self) -> ComplexArray:
+        """Derivatives of the prediction by all values, of shape (n_columns, n_outputs, n_bins)."""
+        return prediction_jacobian(self.state)
+
     @cached_property
     def columns(self) -> FloatArray:
-        """Weighted rows of the derivatives of the prediction by all values, of shape (n_columns, n_outputs, n_rows)."""
-        return self.weighting.rows(prediction_jacobian(self.state))
+        """Weighted rows of these derivatives, of shape (n_columns, n_outputs, n_rows)."""
+        return self.weighting.rows(self.jacobian)
+
+    @cached_property
+    def known_columns(self) -> FloatArray:
+        """Kept rows of these columns, less the part that unknown initial states explain; shape (n_columns, n)."""
+        return self.weighting.known(self.columns, self.state.beginning)
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -96,7 +113,7 @@ class Fit:
     @cached_property
     def blocks(self) -> Blocks:
         """The model block by block, for cross-validation."""
-        return cross_validation_blocks(self.state, self.weighting, self.columns)
+        return cross_validation_blocks(self.state, self.weighting, self.known_columns, self.error)
 
     @property
     def n_rows(self) -> float:
@@ -145,7 +162,11 @@ def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
 
 def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolArray | None = None) -> Fit:
     """Fit a state and its effects by Gauss-Newton steps; `free` marks the values that may change."""
-    fit = Fit(state, weighting)
+    return continued(Fit(state, weighting), iterations, free)
+
+
+def continued(fit: Fit, iterations: int, free: BoolArray | None = None) -> Fit:
+    """A fit after further Gauss-Newton steps."""
     for _ in range(iterations):
         found = _step_within_bounds(fit, free)
         if found is None:
@@ -159,7 +180,7 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolAr
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
     """Fit again with an unknown state of the hidden motion after each standstill."""
     weighting = with_restarts(fit.weighting, fit.state.prediction.hidden)
-    return fitted(fit.state.weighted(weighting), weighting, iterations)
+    return continued(fit.with_weights(fit.state.weighted(weighting), weighting), iterations)
 
 
 def converged(state: State, weighting: Weighting) -> Fit:
@@ -169,7 +190,7 @@ def converged(state: State, weighting: Weighting) -> Fit:
     would lower the inertia further, down to nothing.
     """
     start = settled(Fit(state, weighting))
-    first = fitted(start.state, start.weighting, ITERATIONS)
+    first = continued(start, ITERATIONS)
     again = first
     if keeps_inertia(first.state, state.inertia):
         again = refitted(settled(first))
@@ -199,7 +220,7 @@ def settled(fit: Fit) -> Fit:
     """The same values with weights computed from them, which allow for the remaining error."""
     state, weighting = leveled(fit.state, fit.weighting.allowed, fit.levels)
     weighting = with_restarts(weighting, state.prediction.hidden)
-    return Fit(state.weighted(weighting), weighting)
+    return fit.with_weights(state.weighted(weighting), weighting)
 
 
 def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
@@ -263,12 +284,12 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
     """
     state, weighting, error = fit.state, fit.weighting, fit.error
     moves = np.ones(len(fit.columns), dtype=bool) if free is None else free
-    flat = weighting.known(fit.columns if free is None else fit.columns[free], state.beginning)
+    flat = fit.known_columns if free is None else fit.known_columns[free]
     if not (np.isfinite(flat).all() and np.isfinite(error).all()):
         return None
     scale = np.linalg.norm(flat, axis=1)
     scale = np.where(scale > 0, scale, 1.0)
-    flat /= scale[:, None]
+    flat = flat / scale[:, None]
     normal, gradient = flat @ flat.T, flat @ error
     try:
         undamped = np.linalg.lstsq(flat.T, error, rcond=_RANK)[0] / scale

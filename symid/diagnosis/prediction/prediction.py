@@ -158,7 +158,9 @@ class Prediction:
     @property
     def free_directions(self) -> FloatArray:
         """Directions over the bodies that leave the driven positions at rest, of shape (n, n_bodies)."""
-        return np.asarray(np.linalg.svd(self.driven_rows)[2][self.record.n_drives :])
+        rows = self.driven_rows
+        free = self.record.memory.of("free", rows.tobytes(), lambda: np.linalg.svd(rows)[2])
+        return np.asarray(free[self.record.n_drives :])
 
     @cached_property
     def joints(self) -> Mapping[str, Joint]:

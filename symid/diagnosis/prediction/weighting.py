@@ -8,6 +8,7 @@ rest; reversals stay.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -29,6 +30,8 @@ _MOST_STARTS = 40
 _ROWS_PER_COEFFICIENT = 2
 _TOGETHER = 16
 """Columns that are projected together, which need as much memory again."""
+_TRANSFORMED = 40_000
+"""Values of the columns that are transformed together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,25 +51,24 @@ class Weighting:
 
     def rows(self, errors: ComplexArray) -> FloatArray:
         """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
-        if errors.ndim == 2:
-            return self._rows(errors)
-        found = np.empty((*errors.shape[:-1], self.record.n_rows))
-        for at in np.ndindex(
-            errors.shape[:-2]
-        ):  # one after the other: the transforms stay in the processor's cache
-            found[at] = self._rows(errors[at])
-        return found
-
-    def _rows(self, errors: ComplexArray) -> FloatArray:
-        n, n_bins = self.record.n_rows, self.record.n_bins
-        # Arrays have the length of the transforms, so that none is copied.
-        spectra = np.zeros((len(errors), n // 2 + 1), dtype=complex)
-        np.multiply(errors, self.record.taper, out=spectra[:, :n_bins])
-        rows = scipy.fft.irfft(spectra, n, norm="forward")
-        rows *= self.window
-        spectra = scipy.fft.rfft(rows)
-        spectra *= self._scaled_density
-        return np.asarray(scipy.fft.irfft(spectra, n, norm="forward", overwrite_x=True))
+        n, (*several, n_outputs, n_bins) = self.record.n_rows, errors.shape
+        count = math.prod(several)
+        columns, results = errors.reshape(count, n_outputs, n_bins), np.empty((count, n_outputs, n))
+        # Several at a time share the instructions of a transform; they stay in the processor's cache.
+        many = max(min(_TRANSFORMED // (n_outputs * n), count), 1)
+        spectra = np.empty((many, n_outputs, n // 2 + 1), dtype=complex)
+        courses = np.empty((many, n_outputs, n))
+        for first in range(0, count, many):
+            some = columns[first : first + many]
+            at = slice(len(some))
+            np.multiply(some, self.record.taper, out=spectra[at, :, :n_bins])
+            spectra[at, :, n_bins:] = 0.0
+            np.fft.irfft(spectra[at], n, norm="forward", out=courses[at])
+            courses[at] *= self.window
+            np.fft.rfft(courses[at], out=spectra[at])
+            spectra[at] *= self._scaled_density
+            np.fft.irfft(spectra[at], n, norm="forward", out=results[first : first + many])
+        return results.reshape(*several, n_outputs, n)
 
     @cached_property
     def _scaled_density(self) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from symid.diagnosis.effects import Key, LawEffect, Placed
 from symid.diagnosis.fitting.cross_validation import certainty, deviation, log_likelihood
 from symid.diagnosis.fitting.deviations import standard_deviations
-from symid.diagnosis.fitting.fit import Fit, fitted, refitted
+from symid.diagnosis.fitting.fit import Fit, continued, fitted, refitted
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.selection.credibility import is_credible
@@ -43,7 +43,7 @@ def confirmed_from(
             first, further, then = _INTEGRATION if start.placed.integrated else _DIRECT
             found = fitted(state, start.weighting, first)
             if found.mean_square < most:
-                found = refitted(fitted(found.state, start.weighting, further), then)
+                found = refitted(continued(found, further), then)
             return _judged(fit, found, beside)
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
