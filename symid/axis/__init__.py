@@ -2,7 +2,6 @@
 
 from symid.axis import drive_imperfections, elements, imperfections, laws, sensors
 from symid.axis.axis import Axis, Element
-from symid.axis.chain import chain
 from symid.axis.drive_imperfections import *  # noqa: F403
 from symid.axis.elements import *  # noqa: F403
 from symid.axis.imperfections import *  # noqa: F403
@@ -14,7 +13,7 @@ from symid.axis.laws.spring import *  # noqa: F403
 from symid.axis.loading import AnyAxis, axis_file, axis_names, axis_of, load_axis, of_any_axis, shipped_folder
 from symid.axis.quantities import length_unit
 from symid.axis.sensors import *  # noqa: F403
-from symid.axis.sketch import sketch, sketch_source
+from symid.axis.sketch import chain, sketch, sketch_source
 from symid.axis.source import axis_path, axis_source, write_axis
 
 __all__ = [

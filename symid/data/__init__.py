@@ -16,7 +16,7 @@ from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
 from symid.data.long_log import AnyLog, LongLog, first_block, spans
 from symid.data.opening import MEMORY, ForeignColumns, columns_in, open_log, read_log
-from symid.data.spline import QuinticSpline
+from symid.data.resampling import QuinticSpline
 from symid.data.stuck import cut_in_motion
 from symid.data.table import Table
 from symid.data.writing import write_frame, write_log

@@ -18,13 +18,15 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
 from symid.estimation.correlation import (
+    KernelSpectra,
     ResidualCovariance,
     correlation_length,
     default_max_lag,
     effective_samples,
     flat_top,
+    pair_sum,
+    with_nonnegative_spectrum,
 )
-from symid.estimation.kernel_sums import KernelSpectra, pair_sum, with_nonnegative_spectrum
 from symid.estimation.least_squares import LeastSquares, residuals
 from symid.estimation.triangular import checked_observation
 

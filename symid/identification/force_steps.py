@@ -19,7 +19,7 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log
-from symid.data.spline import QuinticSpline
+from symid.data.resampling import QuinticSpline
 from symid.errors import SettingError
 from symid.identification.identification_result import Identification
 from symid.identification.settings import Preparation

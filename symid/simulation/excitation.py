@@ -15,9 +15,8 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import REFERENCE, Log, derivatives
 from symid.errors import SettingError
-from symid.simulation.limits import Limits
+from symid.simulation.limits import Limits, fade_envelope, intervals, positive
 from symid.simulation.multisine import DERIVATIVE_ORDER, Quantity
-from symid.simulation.sample_grid import fade_envelope, intervals, positive
 from symid.simulation.trajectory import Trajectory
 
 Sweep = Literal["linear", "logarithmic"]

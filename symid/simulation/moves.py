@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.limits import Extremes, Limits
-from symid.simulation.sample_grid import intervals, positive
+from symid.simulation.limits import Extremes, Limits, intervals, positive
 from symid.simulation.trajectory import Trajectory
 
 

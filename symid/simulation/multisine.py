@@ -12,8 +12,7 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
-from symid.simulation.limits import Limits
-from symid.simulation.sample_grid import MOST_SAMPLES, faded, intervals, positive
+from symid.simulation.limits import MOST_SAMPLES, Limits, faded, intervals, positive
 from symid.simulation.trajectory import Trajectory
 
 Quantity = Literal["position", "velocity", "acceleration"]

@@ -12,8 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray, read_only
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
-from symid.simulation.limits import Extremes, Limits
-from symid.simulation.sample_grid import positive
+from symid.simulation.limits import Extremes, Limits, positive
 
 _JOINT: Final = 1e-9  # share of the greatest value by which two trajectories may differ where they join
 

@@ -19,7 +19,6 @@ from sympy.polys.rings import PolyElement
 
 from symid.axis import Sensor
 from symid.errors import EliminationError
-from symid.symbolic.determinants import TooLargeError
 from symid.symbolic.equations import InputOutputEquation, SignalWriter, driving_terms
 from symid.symbolic.expressions import positive
 from symid.symbolic.kernel import (
@@ -33,6 +32,7 @@ from symid.symbolic.kernel import (
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, by_power, operator_model
+from symid.symbolic.polynomials import TooLargeError
 from symid.symbolic.readings import with_readings
 from symid.symbolic.scaling import Scaling, scaling_of
 

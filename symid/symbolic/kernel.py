@@ -23,9 +23,18 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.rings import PolyElement, PolyRing
 
 from symid.errors import EliminationError
-from symid.symbolic.determinants import Budget, Minors, TooLargeError, connected
 from symid.symbolic.operators import Row, add, by_power
-from symid.symbolic.polynomials import common_divisor, from_flint, quotient, times, to_flint
+from symid.symbolic.polynomials import (
+    Budget,
+    Minors,
+    TooLargeError,
+    common_divisor,
+    connected,
+    from_flint,
+    quotient,
+    times,
+    to_flint,
+)
 
 MOST_PRODUCTS = 200_000
 """Largest number of term products in a step of an order basis."""
