@@ -11,7 +11,7 @@ from symid.axis.laws.friction import *  # noqa: F403
 from symid.axis.laws.law import *  # noqa: F403
 from symid.axis.laws.spring import *  # noqa: F403
 from symid.axis.loading import AnyAxis, axis_file, axis_names, axis_of, load_axis, of_any_axis, shipped_folder
-from symid.axis.quantities import length_unit
+from symid.axis.quantities import force_unit, length_unit
 from symid.axis.sensors import *  # noqa: F403
 from symid.axis.sketch import chain, sketch, sketch_source
 from symid.axis.source import axis_path, axis_source, write_axis
@@ -26,6 +26,7 @@ __all__ = [
     "axis_path",
     "axis_source",
     "chain",
+    "force_unit",
     "length_unit",
     "load_axis",
     "of_any_axis",

@@ -9,10 +9,10 @@ from itertools import combinations
 from typing import Any, TypeAlias
 
 from symid.axis.drive_imperfections import DriveImperfection
-from symid.axis.elements import Body, Damper, Drive, Joint, PendulumWeight, Spring, Weight
+from symid.axis.elements import Body, Damper, Drive, PendulumWeight, Spring, Weight
 from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
-from symid.axis.quantities import end_of, force_unit, parameter_units, signal_unit, unit_faults
+from symid.axis.quantities import end_of, parameter_units, signal_unit, unit_faults
 from symid.axis.sensors import Position, Sensor
 from symid.axis.signature import hash_of
 from symid.axis.validation import declaration_faults
@@ -179,12 +179,8 @@ class Axis(Shown):
     @cached_property
     def signal_units(self) -> dict[str, Unit]:
         """Unit of every drive's and every sensor's signal, drives first."""
-        units = {sensor.signal: signal_unit(self.drives, sensor) for sensor in self.sensors}
-        sent = {
-            drive.signal: self.force_unit(drive.at) if drive.constant is None else Unit.of(drive.unit or "")
-            for drive in self.drives
-        }
-        return {**sent, **units}
+        signals: tuple[Drive | Sensor, ...] = (*self.drives, *self.sensors)
+        return {sent.signal: signal_unit(self.drives, sent) for sent in signals}
 
     @property
     def controlled(self) -> str:
@@ -301,7 +297,3 @@ class Axis(Shown):
         Imperfections of signals do not count: no regressor depends on them.
         """
         return hash_of(self)
-
-    def force_unit(self, joint: Joint) -> Unit:
-        """Unit of a force (or torque) in a joint, which follows the unit of the drives."""
-        return force_unit(self.drives, joint)

@@ -46,9 +46,11 @@ def quantity_unit(drives: Sequence[Drive], sensor: Sensor) -> Unit:
     return length_unit(sensor.joint) / Unit.of("s") ** sensor.derivative
 
 
-def signal_unit(drives: Sequence[Drive], sensor: Sensor) -> Unit:
-    """SI unit of a sensor's signal."""
-    return quantity_unit(drives, sensor) if sensor.unit is None else Unit.of(sensor.unit)
+def signal_unit(drives: Sequence[Drive], sent: Drive | Sensor) -> Unit:
+    """SI unit of the signal of a drive or a sensor."""
+    if isinstance(sent, Drive):
+        return force_unit(drives, sent.at) if sent.constant is None else Unit.of(sent.unit or "")
+    return quantity_unit(drives, sent) if sent.unit is None else Unit.of(sent.unit)
 
 
 def parameter_units(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[tuple[str, Unit]]:

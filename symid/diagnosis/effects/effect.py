@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import length_unit
+from symid.axis import force_unit, length_unit
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_named
@@ -164,7 +164,7 @@ def sampled(prediction: Prediction, *forces: FloatArray, joint: Joint | None = N
 def joint_units(prediction: Prediction, place: str) -> tuple[Unit, Unit]:
     """Units of force and displacement at a place."""
     at = place_named(prediction.axis, place)
-    return prediction.axis.force_unit(at), length_unit(at)
+    return force_unit(prediction.axis.drives, at), length_unit(at)
 
 
 @dataclass(frozen=True, eq=False)
