@@ -18,6 +18,8 @@ from symid.simulation.plant import JUST_MOVING
 
 UNKNOWN = -1
 """In place of a mode that is not in the table: its signs are in `wanted`."""
+_NOT_PASSED = 2.0
+"""In place of the sign of a joint after an event."""
 _MOST_EVENTS = 100
 """Most events in one step; the rest of the step ignores further ones (Zeno behaviour)."""
 _MOST_TRIALS, _SHARP = 100, 2.3e-16
@@ -68,33 +70,12 @@ def _until_event(current, state, drive, duration, seeks, laws, modes):  # type: 
         terms = _series(modes.series[current], z)
     end = _at(terms, whole)
     first, joint, sign = whole, -1, 0.0
-    polynomial = np.zeros(len(terms))
     for j in range(n_laws if seeks else 0):
-        if modes.kinds[current, j] & SLIDING:
-            # sliding: the speed in its direction falls to zero, and the joint sticks (sign 0)
-            towards = modes.signs[current, j]
-            if towards * _along(modes.directions, j, end, n) >= 0:
-                continue
-            side = 0.0
-            for k in range(len(terms)):
-                polynomial[k] = towards * _along(modes.directions, j, terms[k], n)
-        elif modes.kinds[current, j] & STUCK:
-            # stuck: the force that holds it reaches the limit of its law, and the joint slides to that side
-            excess = _excess(current, j, end, z, laws, modes)
-            if excess == 0:
-                continue
-            side, held = 1.0 if excess > 0 else -1.0, modes.holding[current]
-            for k in range(len(terms)):
-                polynomial[k] = -side * _along(held, j, terms[k], 0)
-            limit = law_value(j, _along(modes.directions, j, state, 0), side * JUST_MOVING, laws)
-            for i in range(2 * n, 3 * n):
-                limit -= held[j, i] * z[i]
-            polynomial[0] += side * limit
-        else:
-            continue
-        time = _first_zero(polynomial, whole)
-        if joint < 0 or time < first:
-            first, joint, sign = time, j, side
+        side, polynomial = _passed(current, j, state, terms, z, end, laws, modes)
+        if side != _NOT_PASSED:
+            time = _first_zero(polynomial, whole)
+            if joint < 0 or time < first:
+                first, joint, sign = time, j, side
     end = _at(terms, first)
     for i in range(2 * n):
         state[i] = end[i]
@@ -109,6 +90,32 @@ def _until_event(current, state, drive, duration, seeks, laws, modes):  # type: 
     if current != UNKNOWN:
         current = _release(current, state, drive, laws, modes)
     return current, first * reach, True
+
+
+@inner
+def _passed(current, j, state, terms, z, end, laws, modes):  # type: ignore[no-untyped-def]
+    """The sign that a joint has after the event it passed before `end`, and the polynomial of which that is a zero."""
+    n, polynomial = modes.directions.shape[1], np.zeros(len(terms))
+    if modes.kinds[current, j] & SLIDING:
+        # sliding: the speed in its direction falls to zero, and the joint sticks
+        towards = modes.signs[current, j]
+        if towards * _along(modes.directions, j, end, n) >= 0:
+            return _NOT_PASSED, polynomial
+        for k in range(len(terms)):
+            polynomial[k] = towards * _along(modes.directions, j, terms[k], n)
+        return 0.0, polynomial
+    excess = _excess(current, j, end, z, laws, modes) if modes.kinds[current, j] & STUCK else 0.0
+    if excess == 0:
+        return _NOT_PASSED, polynomial
+    # stuck: the force that holds it reaches the limit of its law, and the joint slides to that side
+    side, held = 1.0 if excess > 0 else -1.0, modes.holding[current]
+    for k in range(len(terms)):
+        polynomial[k] = -side * _along(held, j, terms[k], 0)
+    limit = law_value(j, _along(modes.directions, j, state, 0), side * JUST_MOVING, laws)
+    for i in range(2 * n, 3 * n):
+        limit -= held[j, i] * z[i]
+    polynomial[0] += side * limit
+    return side, polynomial
 
 
 @inner
