@@ -18,8 +18,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from symid.estimation.corrected_covariance import ObservationBlock
 from symid.estimation.least_squares import estimate
-from symid.estimation.refinement import refine
+from symid.estimation.refinement import refine_blocks
 from symid.estimation.triangular import triangular_factors
 
 FOLDER = Path(__file__).parent / "nist"
@@ -94,7 +95,7 @@ def exact_solution(problem: Problem) -> tuple[tuple[Fraction, ...], tuple[Decima
 def solve_symid(W: FloatArray, y: FloatArray, refined: bool = False) -> Solution:
     """Solve with symid's triangular factor, with a step of refinement on the rows if wanted."""
     fit = estimate(triangular_factors(W[None], y[None]), method="ols")
-    fit = refine(W[None], y[None], fit) if refined else fit
+    fit = refine_blocks([ObservationBlock(W[None], y[None])], fit) if refined else fit
     return Solution(fit.parameters, fit.standard_deviations, fit.sigma_rho)
 
 

@@ -5,41 +5,32 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, read_only
+from symid.arrays import read_only
 from symid.estimation.corrected_covariance import ObservationBlock
 from symid.estimation.least_squares import LeastSquares
 
 _CHUNK_ROWS = 65_536
 
 
-def refine(W: FloatArray, y: FloatArray, fit: LeastSquares, valid: BoolArray | None = None) -> LeastSquares:
-    """Refine the parameters of a fit by one step on the residual in extended precision.
+def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> LeastSquares:
+    """Refine the parameters of a fit by one step on the residual of its rows in extended precision.
 
     Corrected semi-normal equations (Bjorck, Linear Algebra and its Applications 88, 1987): the scalar products of the
     residual with the columns, which are 0 for the exact solution, are computed in extended precision and solved for the
     correction with the R of the fit. This gains digits for ill-conditioned problems whose scaled condition number is
-    below about 1e8, at the cost of a few copies of the rows.
+    below about 1e8, at the cost of a few copies of a block's rows.
 
     Parameters
     ----------
-    W : array, shape (n_equations, n_samples, n_parameters)
-        Observation matrix.
-    y : array, shape (n_equations, n_samples)
-        Output.
+    blocks : iterable of ObservationBlock
+        All rows of the fit, in any order.
     fit : LeastSquares
         The estimate from these rows.
-    valid : bool array, shape (n_samples,) or (n_equations, n_samples), optional
-        Rows that entered the fit.
 
     Returns
     -------
     LeastSquares
         The fit with refined parameters; covariances and norms are unchanged.
-
-    Raises
-    ------
-    SettingError
-        If the shapes do not match.
 
     Examples
     --------
@@ -49,31 +40,8 @@ def refine(W: FloatArray, y: FloatArray, fit: LeastSquares, valid: BoolArray | N
     >>> x = np.arange(21.0)
     >>> W, y = np.stack([x**k for k in range(6)], axis=1)[None], sum(x**k for k in range(6))[None]
     >>> fit = estimate(triangular_factors(W, y))
-    >>> bool(np.max(abs(refine(W, y, fit).parameters - 1)) < 1e-12)
+    >>> bool(np.max(abs(refine_blocks([ObservationBlock(W, y)], fit).parameters - 1)) < 1e-12)
     True
-    """
-    return refine_blocks([ObservationBlock(W, y, valid)], fit)
-
-
-def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> LeastSquares:
-    """Refined parameters of an observation that is read block by block.
-
-    Parameters
-    ----------
-    blocks : iterable of ObservationBlock
-        All rows of the fit, in any order.
-    fit : LeastSquares
-        The estimate from these rows.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from symid.estimation.least_squares import estimate
-    >>> from symid.estimation.triangular import triangular_factors
-    >>> W, y = np.ones((1, 3, 1)), np.array([[1.0, 2.0, 3.0]])
-    >>> rows = [ObservationBlock(W[:, :2], y[:, :2]), ObservationBlock(W[:, 2:], y[:, 2:])]
-    >>> refine_blocks(rows, estimate(triangular_factors(W, y))).parameters.round(12).tolist()
-    [2.0]
     """
     exact = fit.solution.astype(np.longdouble)
     slope = np.zeros(len(exact), dtype=np.longdouble)

@@ -7,8 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from symid.errors import SettingError
+from symid.estimation.corrected_covariance import ObservationBlock
 from symid.estimation.least_squares import estimate, relative_standard_deviation, residuals
-from symid.estimation.refinement import refine
+from symid.estimation.refinement import refine_blocks
 from symid.estimation.triangular import TriangularFactor, triangular_factors
 
 
@@ -154,11 +155,14 @@ def test_refinement_leaves_a_good_fit_and_mends_a_poor_one():
     W, y = noisy(9, equations=2)
     valid = np.random.default_rng(1).random(200) > 0.2
     fit = estimate(triangular_factors(W, y, valid))
-    assert np.allclose(refine(W, y, fit, valid).parameters, fit.parameters, rtol=1e-13)
+    assert np.allclose(
+        refine_blocks([ObservationBlock(W, y, valid)], fit).parameters, fit.parameters, rtol=1e-13
+    )
     t = np.linspace(0.0, 1.0, 300)
     hard = np.stack([t**k for k in range(7)], axis=1)[None]
     fit = estimate(triangular_factors(hard, hard.sum(axis=2)))
-    errors = [np.max(np.abs(f.parameters - 1.0)) for f in (fit, refine(hard, hard.sum(axis=2), fit))]
+    refined = refine_blocks([ObservationBlock(hard, hard.sum(axis=2))], fit)
+    errors = [np.max(np.abs(f.parameters - 1.0)) for f in (fit, refined)]
     assert errors[1] <= errors[0]
 
 
