@@ -40,6 +40,9 @@ class Criteria:
     bent_force: float = 0.05
     # the same of its second derivative, for a force that was smoothed: reversals of friction make 1 to 2 % of it
     smoothed_output: float = 0.03
+    # difference of a force's gain from its mean in either direction: twice as much moves masses by 5 %; EMPS, whose
+    # friction is asymmetric, shows 0.014 and 2 to 6 % of its residual's power
+    uneven_gain: float = 0.025
     # loss at the cutoff by averaging of one signal and not of another: above about this, parameters of such logs
     # are off by 5 %, since dampers and modes depend on fast motion
     averaged: float = 0.01

@@ -58,6 +58,11 @@ class ColumnTests:
             if force not in self.model.forces or all(is_switched(part.log[force]) for part in self.parts):
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
+            if self._differs_by_direction(j, rows, Z, rest, y):
+                return (
+                    f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
+                    "same in both; correct the gain, or declare AsymmetricFriction"
+                )
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
             cubic = _AddedColumn.of(Z, rest, (y / scale) ** 3, y)
             certain = self._certain(rest, self.criteria.gain_certain)
@@ -83,6 +88,23 @@ class ColumnTests:
                     "`cutoff_hz`"
                 )
         return ""
+
+    def _differs_by_direction(
+        self, j: int, rows: Sequence[WhitenedRows], Z: FloatArray, rest: FloatArray, y: FloatArray
+    ) -> bool:
+        """Whether an equation takes a force with another gain where it, or the motion, is positive.
+
+        The columns are the size of the prediction, and the prediction times the sign of a friction law, both beside a
+        constant, which is an offset and no gain.
+        """
+        Z = np.column_stack([Z, np.ones_like(y)])
+        rest = rest - Z @ np.linalg.lstsq(Z, rest, rcond=None)[0]
+        laws = [column for equation, column in self.model.law_columns if equation == j][:1]
+        seen = [self.parts[r.part].observation for r in rows]
+        motion = [np.concatenate([np.sign(o.W[j, o.valid[j], column]) for o in seen]) for column in laws]
+        tests = [_AddedColumn.of(Z, rest, y * sign, y) for sign in (np.sign(y), *motion)]
+        least = max(self.criteria.nonlinear, self._certain(rest, self.criteria.gain_beyond_noise))
+        return any(t.share > least and abs(t.factor) > self.criteria.uneven_gain for t in tests)
 
     def force_limit(self) -> str:
         """Statement on a force with a limit, mostly faster than the cutoff; empty for a linear one.
