@@ -16,6 +16,8 @@ from symid.identification.verdict import Status, not_by_structure
 
 _USUAL_LAG = 0.85
 """Samples by which a force may act after it is recorded, as a hold and the lag of a drive explain, for a mere note."""
+_EXPLAINS = 0.5
+"""Residual that a smaller delay must leave at most to be reported: slow samples make much of a small part of one."""
 _LARGE_BIAS = 0.05
 """Relative bias, or change by a delay, above which the status is not "ok"."""
 _CERTAIN = 2.0
@@ -45,7 +47,7 @@ def with_faults(found: Identification, faults: Faults, criteria: Criteria = CRIT
     these is the status: a fault of a channel, the timing, a bias by noise, a poor fit, another bias, a parameter that
     is not determined.
     """
-    timing = found.timing if found.timing is not None and found.timing.is_significant else None
+    timing = found.timing if found.timing is not None and _matters(found, found.timing) else None
     status, message, notes = found.status, found.message, list(found.notes)
     large_bias = ""
     if names := found.dominated_by_bias:
@@ -96,6 +98,12 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
         return not_by_structure(lost)
     cure = "excite it more (other speeds, accelerations, frequencies), or record longer"
     return f"the log does not determine {', '.join(vague)}: {cure}" if vague else ""
+
+
+def _matters(found: Identification, timing: Timing) -> bool:
+    """Whether there is a delay, and not a small one that explains little and leaves parameters in their intervals."""
+    matters = not timing.is_small or timing.remaining < _EXPLAINS
+    return timing.is_significant and (matters or is_beyond_intervals(found, timing.parameters))
 
 
 def _is_fault(found: Identification, timing: Timing) -> bool:

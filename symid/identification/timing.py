@@ -36,9 +36,7 @@ _TOGETHER = 0.9
 _SIGNIFICANT = 5.0
 """Standard deviations from which a delay is reported."""
 _NOTICEABLE = 0.2
-"""Samples from which a delay is reported."""
-_EXPLAINS = 0.5
-"""Residual that a smaller delay must leave at most to be reported: slow samples make much of a small part of one."""
+"""Samples from which a delay is reported, whatever it changes."""
 _ROUND = 3.0
 """Standard deviations within which a delay is taken for a number of whole or half samples."""
 _HELD = 0.1
@@ -89,9 +87,8 @@ class Timing:
 
     @property
     def is_significant(self) -> bool:
-        """Whether there is a delay that noise does not explain, and of a size that matters."""
-        certain = abs(self.late) > _SIGNIFICANT * self.deviation
-        return bool(certain and self.remaining < (_EXPLAINS if self.is_small else 1.0))
+        """Whether there is a delay that noise does not explain."""
+        return bool(abs(self.late) > _SIGNIFICANT * self.deviation and self.remaining < 1.0)
 
     @property
     def is_small(self) -> bool:
