@@ -77,6 +77,10 @@ class Criteria:
     # such a residual above which lower cutoffs are tried: real machines have unmodelled modes, above
     # what it describes. From there the highest cutoff is taken that leaves little more than the best
     cutoff_fit: float = 0.1
+    # cutoff_change, cutoff_certain: relative change of a parameter between two cutoffs, 1.6 times apart, and its size
+    # in the larger printed deviation, from which it depends on the cutoff: right undamaged logs show up to 1.8
+    cutoff_change: float = 0.05
+    cutoff_certain: float = 2.5
     # printed deviation, as part of the value, up to which a result is as precise as wanted; beyond it, other
     # cutoffs are tried
     precise: float = 0.01

@@ -177,12 +177,14 @@ class Estimation:
 
 def least_uncertain(
     estimation: Estimation, first: CutoffTrial, widened: Callable[[CutoffTrial], Identification]
-) -> Identification:
+) -> tuple[Identification, list[Identification]]:
     """Identification of a trial, or of one at another cutoff where that determines the parameters better.
 
-    `widened` is the identification of a trial with all that widens its deviations.
+    `widened` is the identification of a trial with all that widens its deviations. Those of all trials that describe
+    the band are returned as well.
     """
     best = widened(first)
+    tried = [best]
     sizes = _relative_deviations(best)
     in_memory = all(isinstance(log, Log) for log in estimation.logs)
     few = sum(log.n_samples for log in estimation.logs) <= _MANY_ROWS
@@ -191,9 +193,9 @@ def least_uncertain(
         others = (estimation.scaled(first, f) for f in _upward(estimation.highest(first, is_coherent=False)))
         enough = ((one, widened(one)) for one in others if one is not None)
         first, best = next((pair for pair in enough if pair[1].status != "too_few_rows"), (first, best))
-        sizes = _relative_deviations(best)
+        sizes, tried = _relative_deviations(best), [best]
     if not is_open or best.status not in _SEARCHED or np.max(sizes, initial=0.0) <= CRITERIA.precise:
-        return best
+        return best, tried
     # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at
     # the first does not count: its small deviations would hold for a wrong model.
     lowest, most_left = _geometric_mean(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
@@ -207,12 +209,43 @@ def least_uncertain(
             if estimation.left(other) > most_left:
                 continue
             found = widened(other)
+            tried.append(found)
             size = _geometric_mean(_relative_deviations(found))
             if found.status == "ok" and size < _WORTH * lowest:
                 best, lowest, failed = found, size, 0
         if lowest < before:
             break
-    return best
+    return best, tried
+
+
+def disagreement_of(found: Identification, tried: Sequence[Identification]) -> str:
+    """Statement on a parameter that comes out otherwise at the next lower or higher cutoff that was tried; else empty.
+
+    Estimates from more and from less of the same band agree where the model is right (J. A. Hausman, Econometrica 46,
+    1978). What a controller makes of the encoder's noise, a filter of one signal or a missing mode make a bias that
+    changes with the cutoff.
+    """
+    if not found.physical:
+        return ""
+    own = _cutoff(found)
+    others = [one for one in tried if one.physical and _cutoff(one) != own]
+    lower = max((one for one in others if _cutoff(one) < own), key=_cutoff, default=None)
+    higher = min((one for one in others if _cutoff(one) > own), key=_cutoff, default=None)
+    values, deviations = found.physical[0].parameters, found.physical_deviations
+    for other in filter(None, (lower, higher)):
+        change = np.abs(other.physical[0].parameters - values)
+        certain = change / np.maximum(deviations, other.physical_deviations)
+        beyond = np.where(change > CRITERIA.cutoff_change * np.abs(values), certain, 0.0)
+        k = int(np.argmax(np.nan_to_num(beyond)))
+        if beyond[k] > CRITERIA.cutoff_certain:
+            name, unit = list(found.model.physical_units.items())[k]
+            return (
+                f"{name} depends on the cutoff ({values[k]:.4g} {unit} at {own:.3g} Hz, "
+                f"{other.physical[0].parameters[k]:.4g} at {_cutoff(other):.3g} Hz): the controller makes force of "
+                "the encoder's noise, a signal was filtered, or the model lacks an effect; record raw signals at the "
+                "rate of the controller, or take `method=oe`"
+            )
+    return ""
 
 
 def _upward(highest: float) -> list[float]:
@@ -242,7 +275,7 @@ def _relative_deviations(found: Identification) -> FloatArray:
     return np.asarray(sizes)
 
 
-def _cutoff(run: Run) -> float:
-    cutoff = run.observation.preparation.cutoff_hz
-    assert cutoff is not None
-    return cutoff
+def _cutoff(found: Run | Identification) -> float:
+    seen = found.observation if isinstance(found, Run) else found.observations[0]
+    assert seen.preparation.cutoff_hz is not None
+    return seen.preparation.cutoff_hz

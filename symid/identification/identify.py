@@ -28,7 +28,7 @@ from symid.identification.bias import Bias, Correction, bias_of_instruments
 from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import with_constraint_check
-from symid.identification.cutoff import CutoffTrial, Estimation, least_uncertain
+from symid.identification.cutoff import CutoffTrial, Estimation, disagreement_of, least_uncertain
 from symid.identification.examined_faults import faults_of
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
 from symid.identification.identification_result import Identification, best_covariance
@@ -132,10 +132,10 @@ def identify(
         trial = estimation.widest(trial)
     if not examine or trial.fit.status != "ok":
         return with_constraint_check(found_at(trial))
-    found = least_uncertain(estimation, trial, found_at)
+    found, tried = least_uncertain(estimation, trial, found_at)
     if examine == "bias":
         return with_constraint_check(found)
-    return with_checks(found, parts_of(found.observations), every)
+    return with_checks(found, parts_of(found.observations), every, tried=tried)
 
 
 def found_from(
@@ -225,8 +225,12 @@ def with_checks(
     parts: tuple[Excerpt, ...],
     logs: Sequence[AnyLog],
     instruments: tuple[FloatArray, ...] | None = None,
+    tried: Sequence[Identification] = (),
 ) -> Identification:
-    """The identification after checks of timing and bias on excerpts; other parameters as in `found_from`."""
+    """The identification after checks of timing and bias on excerpts, and against those tried at other cutoffs.
+
+    Other parameters are as in `found_from`.
+    """
     model, fit, bias, spread = found.model, found.fit, found.bias, found.scatter
     if bias is not None and bias.removed is not None:
         fit = replace(fit, solution=fit.solution + bias.removed)  # its residual is orthogonal to the columns
@@ -243,7 +247,9 @@ def with_checks(
         or lag_of(examined, parts, fit)
         or drift_within_a_row(parts, fit, delays)
     )
-    return with_constraint_check(with_faults(examined, faults_of(examined, fit, parts, sums, drift)))
+    faults = faults_of(examined, fit, parts, sums, drift)
+    faults = replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
+    return with_constraint_check(with_faults(examined, faults))
 
 
 def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:

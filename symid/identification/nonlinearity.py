@@ -58,11 +58,6 @@ class ColumnTests:
             if force not in self.model.forces or all(is_switched(part.log[force]) for part in self.parts):
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
-            if self._differs_by_direction(j, rows, Z, rest, y):
-                return (
-                    f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
-                    "same in both; correct the gain, or declare AsymmetricFriction"
-                )
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
             cubic = _AddedColumn.of(Z, rest, (y / scale) ** 3, y)
             certain = self._certain(rest, self.criteria.gain_certain)
@@ -89,22 +84,36 @@ class ColumnTests:
                 )
         return ""
 
-    def _differs_by_direction(
-        self, j: int, rows: Sequence[WhitenedRows], Z: FloatArray, rest: FloatArray, y: FloatArray
-    ) -> bool:
-        """Whether an equation takes a force with another gain where it, or the motion, is positive.
+    def uneven_gain(self) -> str:
+        """Statement on a force whose gain differs where it, or the motion, is positive; empty without one.
 
-        The columns are the size of the prediction, and the prediction times the sign of a friction law, both beside a
-        constant, which is an offset and no gain.
+        The columns are the size of the recorded force, and that force with the sign of a friction law; beside a
+        constant force, which is an offset and no gain.
         """
-        Z = np.column_stack([Z, np.ones_like(y)])
+        Z, rest, y = _of_all(self.rows)
+        ones = np.eye(len(self.model.output_names))
+        Z = np.concatenate(
+            [Z, np.concatenate([np.tile(ones[r.equation], (r.residual.size, 1)) for r in self.rows])], axis=1
+        )
         rest = rest - Z @ np.linalg.lstsq(Z, rest, rcond=None)[0]
-        laws = [column for equation, column in self.model.law_columns if equation == j][:1]
-        seen = [self.parts[r.part].observation for r in rows]
-        motion = [np.concatenate([np.sign(o.W[j, o.valid[j], column]) for o in seen]) for column in laws]
-        tests = [_AddedColumn.of(Z, rest, y * sign, y) for sign in (np.sign(y), *motion)]
         least = max(self.criteria.nonlinear, self._certain(rest, self.criteria.gain_beyond_noise))
-        return any(t.share > least and abs(t.factor) > self.criteria.uneven_gain for t in tests)
+        for force in self.model.forces:
+            courses = [[np.sign(part.log[force]) for part in self.parts]]
+            courses += [[_direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
+            for signs in courses:
+                # without their mean: the force itself holds the residual
+                mean = float(np.mean(np.concatenate(signs)))
+                shapes = [
+                    part.log[force] * (sign - mean) for part, sign in zip(self.parts, signs, strict=True)
+                ]
+                column = _AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
+                is_large = abs(column.size) > self.criteria.nonlinear_output
+                if column.share > least and is_large and abs(column.factor) > self.criteria.uneven_gain:
+                    return (
+                        f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
+                        "same in both; correct the gain, or declare AsymmetricFriction"
+                    )
+        return ""
 
     def force_limit(self) -> str:
         """Statement on a force with a limit, mostly faster than the cutoff; empty for a linear one.
@@ -112,6 +121,7 @@ class ColumnTests:
         The cube of the recorded force models the loss by a soft limit. Its sign in the uppermost part of its range
         models the loss by clipping.
         """
+        Z, rest, y = _of_all(self.rows)
         for force in self.model.forces:
             largest = max(float(np.max(np.abs(part.log[force]))) for part in self.parts) or 1.0
             relative = [part.log[force] / largest for part in self.parts]
@@ -121,7 +131,7 @@ class ColumnTests:
                 ("its cube explains", cube, self.criteria.nonlinear, 0.0),
                 ("its largest values explain", limit, self.criteria.cut, self.criteria.nonlinear_output),
             ):
-                column = self._lacking(force, shapes)
+                column = _AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
                 is_short = column.factor < -self.criteria.bent_force * largest
                 if is_short and column.share > share and -column.size > size:
                     return (
@@ -130,16 +140,13 @@ class ColumnTests:
                     )
         return ""
 
-    def _lacking(self, force: str, shapes: Sequence[FloatArray]) -> _AddedColumn:
+    def _made_by(self, force: str, shapes: Sequence[FloatArray]) -> FloatArray:
         """The column that a force of some course in each part makes, prepared as the recorded one."""
         made = []
         for part, shape in zip(self.parts, shapes, strict=True):
             log = replace(part.log, signals={**part.log.signals, force: shape})
             made.append(SignalRows.of(self.model, log, part.observation.preparation, force).rows)
-        Z, rest, y = _of_all(self.rows)
-        return _AddedColumn.of(
-            Z, rest, np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows]), y
-        )
+        return np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows])
 
     def gain_drift(self) -> str:
         """Statement on a force whose gain drifts along the logs; empty without drift."""
@@ -230,6 +237,13 @@ class ColumnTests:
         part, j, (W, y) = self.parts[rows.part], rows.equation, made
         weight = self.fit.weights[part.of * len(part.observation.valid) + j]
         return np.asarray(weight * (y[j] - W[j] @ self.fit.solution)[part.observation.valid[j]])
+
+
+def _direction(part: Excerpt, equation: int, column: int) -> FloatArray:
+    """Sign of a friction law at every sample."""
+    seen, log = part.observation, part.log
+    times = log.start + log.sampling_period * np.arange(log.n_samples)
+    return np.asarray(np.sign(np.interp(times, seen.time, np.sign(seen.W[equation, :, column]))))
 
 
 def _of_all(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -103,6 +103,16 @@ def test_a_lag_of_a_drive_is_a_note_unless_it_moves_a_parameter_out_of_its_inter
     assert any("F acts as if 0." in statement for statement in (found.message, *found.notes))
 
 
+@pytest.mark.parametrize(("ripple", "status"), [(0.0, "ok"), (0.01, "timing")])
+def test_a_tenth_of_a_sample_is_a_fault_where_it_moves_a_parameter_out_of_its_interval(
+    ripple: float, status: str
+) -> None:
+    """Fast motion makes friction of a mass: Fv is off by 1 or 50 %."""
+    found = identified(rigid_log(late=0.1, force=0.2, ripple=ripple), cutoff_hz=40.0)
+    assert found.status == status
+    assert ("F acts as if 0.10 samples" in found.message) == (status == "timing")
+
+
 @pytest.mark.parametrize("force", [0.0, 0.5, 10.0])
 @pytest.mark.parametrize("encoder", [0.0, 1e-6, 2e-5])
 @pytest.mark.parametrize("cutoff", [None, 10.0, 60.0])
