@@ -2,9 +2,10 @@
 
 EMPS by models without friction, with viscous friction only and with the published symmetric model, and its log with
 pulses; a bench of two motors by a rigid model and by the flexible one; a pendulum; axis 1 of a robot as one body and
-with its joint; a servo; a motor that turns slowly; the shoulder of a double pendulum; the lift of a service robot.
-Gaps are measured on another log, or another part of it. For each case it prints the verdict, the gap by step, the
-effects found and considered, the published ones, and the results of a short script on the same logs; then a table.
+with its joint; a servo; a motor that turns slowly; the shoulder of a double pendulum; the lift of a service robot;
+further joints of both robots, which move with all others. Gaps are measured on another log, or another part of it. For
+each case it prints the verdict, the gap by step, the effects found and considered, the published ones, and the
+results of a short script on the same logs; then a table.
 `--repeated` asks for each case again from half of the logs, from the held-out log, from every second sample, with
 nominal values that are 15 % off: whether an answer hangs on the part of a log that it was drawn from.
 

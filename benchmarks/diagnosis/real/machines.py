@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from .case import Case
 from .joints import lift, motor, robot, servo, shoulder
+from .limbs import arm, axes
 from .rigs import bench, emps, pendulum
 
 MACHINES: dict[str, Callable[[], Iterator[Case]]] = {
@@ -15,6 +16,8 @@ MACHINES: dict[str, Callable[[], Iterator[Case]]] = {
     "motor": motor,
     "shoulder": shoulder,
     "lift": lift,
+    "axes": axes,
+    "arm": arm,
 }
 
 

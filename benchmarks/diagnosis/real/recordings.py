@@ -97,14 +97,17 @@ def pendulum(method: str) -> Recording:
     return Recording(file, float(found["time"][0]), period, {"q": found["position"], "tau": found["torque"]})
 
 
-def robot(which: str) -> Recording:
-    """Axis 1 of the robot, run A, B or C: angles of motor (geared down) and arm, torque on the arm's side."""
+def robot(which: str, axis: int = 1) -> Recording:
+    """An axis of the robot, run A, B or C: angles of motor (geared down) and arm, torque of axis 1 on the arm's side.
+
+    The gears of the other axes are not published: their torques are those of the motors.
+    """
     file = f"kuka_kr300/kuka_{which}.mat"
     rec: Any = loadmat(DATA / file, squeeze_me=True, struct_as_record=False)["rec"]
     signals = {
-        "qm": np.deg2rad(rec.act_pos_mot_deg[0]),
-        "ql": np.deg2rad(rec.act_pos_se_deg[0]),
-        "tau": ROBOT_RATIO * rec.act_torque_abs_nm[0],
+        "qm": np.deg2rad(rec.act_pos_mot_deg[axis - 1]),
+        "ql": np.deg2rad(rec.act_pos_se_deg[axis - 1]),
+        "tau": (ROBOT_RATIO if axis == 1 else 1.0) * rec.act_torque_abs_nm[axis - 1],
     }
     t = rec.time_cont
     return Recording(file, float(t[0]), float((t[-1] - t[0]) / (len(t) - 1)), signals)

@@ -90,12 +90,22 @@ class Comparison:
 
     @property
     def worsened(self) -> int | None:
-        """Index of the first of several effects that clearly increases the error here, or makes motion diverge."""
+        """Index of the first of several effects that clearly increases the error here, or cannot be judged here.
+
+        Motion diverges with it, or what is fitted to each log is no plausible effect of this one, such as a disturbance
+        with few cycles in it.
+        """
         n_effects = len(self.states) - 2
-        grows = (
-            n for n in range(n_effects) if self.states[n + 2] is None or self.removed(n + 1, n + 2).high < 0
-        )
+        grows = (n for n in range(n_effects) if self._is_unfit(n + 2) or self.removed(n + 1, n + 2).high < 0)
         return next(grows, None) if n_effects > 1 else None
+
+    def _is_unfit(self, model: int) -> bool:
+        """Whether a model diverges here, or its last effect is fitted to each log and not plausible in this one."""
+        state = self.states[model]
+        if state is None:
+            return True
+        item = state.placed[-1]
+        return item.effect.per_log and not item.effect.is_plausible(state.prediction, item)
 
     @property
     def relative_error(self) -> float:

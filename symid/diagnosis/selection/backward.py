@@ -90,9 +90,14 @@ def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member])
 
 
 def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
-    """Steps without one effect, the others fitted again; unchanged if one of them then explains nothing."""
+    """Steps without one effect, the others fitted again, as far as each then explains something.
+
+    Unchanged if the first of the others explains nothing.
+    """
     members = _members(steps)
-    return _chain([*members[:at], *members[at + 1 :]], steps[0].before, math.inf) or tuple(steps)
+    rest = [*members[:at], *members[at + 1 :]]
+    chains = (_chain(rest[:n], steps[0].before, math.inf) for n in range(len(rest), 0, -1))
+    return next((chain for chain in chains if chain is not None), tuple(steps))
 
 
 def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
@@ -153,11 +158,12 @@ def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) ->
         sought = library if not any(is_part(item, own) for item in before.state.placed) else ()
         found = _chosen(first, before, begun, step, sought if i == 0 else (), simpler)
         matters = takes(before, whole, first)
+        needed = matters and not before.mean_square < THRESHOLDS.as_good * whole.mean_square
         if found is None and matters and i > 0:
             found = _chosen(first, before, begun, step, sought)
         if found is not None and not _stands_in(found, before, whole):
             found = None
-        if found is None and matters:
+        if found is None and needed:
             return []
         if found is None:
             whole, n = before, n - 1

@@ -113,12 +113,16 @@ def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     """Whether the drive moves about the inertia of the model without the effect, or the initial one.
 
     What hides in an error many times its size is no measure of the inertia: where an effect lets the log determine it,
-    it may be larger, within the deviation of the model without the effect.
+    it may be larger, within the deviation of the model without the effect. A log that does not determine it is no
+    evidence.
     """
     plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
-    doubt = THRESHOLDS.deviations * _deviation_of_mass(found, blocks) / max(plain)
-    most = fit.state.inertia + THRESHOLDS.deviations * _deviation_of_mass(fit, fit.blocks)
-    return keeps_inertia(found.state, *plain, most, doubt=min(doubt, 1.0))
+    before, after = (
+        THRESHOLDS.deviations * _deviation_of_mass(own, of)
+        for own, of in ((fit, fit.blocks), (found, blocks))
+    )
+    doubt, most = min(after / max(plain), 1.0), fit.state.inertia + before
+    return before > max(plain) or keeps_inertia(found.state, *plain, most, doubt=doubt)
 
 
 def _deviation_of_mass(fit: Fit, blocks: Blocks) -> float:

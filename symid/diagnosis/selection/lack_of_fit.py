@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.effects.nonparametric_law import NonparametricLaw
 from symid.diagnosis.fitting.fit import Fit, fitted
@@ -53,22 +54,25 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
     first, whole : Fit
         The re-identified model, and the one with all effects.
     """
-    known, own = len(first.state.placed), _excess(whole)
+    floor = whole.state.prediction.noise_through(whole.weighting.density)
+    known, own = len(first.state.placed), _excess(whole, floor)
     item = whole.state.placed[known]
     # What refines the effect would take its place, as presliding friction takes that of Coulomb friction.
     others = tuple(x for x in whole.state.placed if x is not item and not x.contains(item.key))
     if own <= 0 or item.effect.name in _FIRST_TERMS:
         return LackOfFit()
     found = ((law, fit) for law in _laws(item, whole) if (fit := _with(whole, (*others, law))) is not None)
-    law, best = min(found, key=lambda pair: _excess(pair[1]), default=(None, whole))
-    share = _excess(best) / own
+    law, best = min(found, key=lambda pair: _excess(pair[1], floor), default=(None, whole))
+    share = _excess(best, floor) / own
     if law is None or share >= THRESHOLDS.outdone:
         return LackOfFit(share=share)
     without, both = _with(whole, others), _with(whole, (*whole.state.placed, law))
     if without is None or both is None:
         return LackOfFit()
     # Where much else is missing, a law may explain more of that. The effect is then as good beside the law.
-    kept = (_excess(best) - _excess(both)) / max(_excess(without) - own, np.finfo(float).tiny)
+    kept = (_excess(best, floor) - _excess(both, floor)) / max(
+        _excess(without, floor) - own, np.finfo(float).tiny
+    )
     assert isinstance(law.effect, NonparametricLaw)
     return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in else LackOfFit()
 
@@ -91,8 +95,7 @@ def _with(whole: Fit, placed: tuple[Placed, ...]) -> Fit | None:
         return None
 
 
-def _excess(fit: Fit) -> float:
-    """Cross-validated mean square above the noise, mean of the outputs."""
-    floor = fit.state.prediction.noise_through(fit.weighting.density)
+def _excess(fit: Fit, floor: FloatArray) -> float:
+    """Cross-validated mean square above the noise, mean of the outputs; `floor` is that of one model for all."""
     squares = fit.blocks.squares.sum(axis=1) / int(fit.weighting.kept.sum())
     return float(np.mean(squares / floor)) - 1.0
