@@ -29,8 +29,8 @@ from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
 """Ratio of the residual to the noise of columns and output below which smoothing of the force is not tested."""
-_NO_DRIFT = 1.0
-"""Relative change of a gain along a log above which it has another cause than drift."""
+_OTHER_CAUSE = 1.0
+"""Relative change of a gain along a log, or by direction, above which it has another cause."""
 _AT_LIMIT = 0.95
 """Share of its largest value above which a force may be at a limit, noise included."""
 _FREE = 1e-6
@@ -107,8 +107,7 @@ class ColumnTests:
                     part.log[force] * (sign - mean) for part, sign in zip(self.parts, signs, strict=True)
                 ]
                 column = _AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
-                is_large = abs(column.size) > self.criteria.nonlinear_output
-                if column.share > least and is_large and abs(column.factor) > self.criteria.uneven_gain:
+                if column.share > least and self.criteria.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
                     return (
                         f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
                         "same in both; correct the gain, or declare AsymmetricFriction"
@@ -157,7 +156,7 @@ class ColumnTests:
             grown = [self._growing(r, self.parts[r.part].moved(force).rows) for r in rows]
             drift = _AddedColumn.of(Z, rest, np.concatenate(grown), y)
             certain = self._certain(rest, self.criteria.gain_certain)
-            if drift.share > certain and self.criteria.gain_drift < abs(drift.factor) < _NO_DRIFT:
+            if drift.share > certain and self.criteria.gain_drift < abs(drift.factor) < _OTHER_CAUSE:
                 return (
                     f"{force} changes by {100 * drift.factor:+.2g} % from the start to the end of the log against "
                     "the demand of the same motion: its gain drifts, or the machine changes; identify the parts "

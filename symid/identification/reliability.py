@@ -18,6 +18,8 @@ _USUAL_LAG = 0.85
 """Samples by which a force may act after it is recorded, as a hold and the lag of a drive explain, for a mere note."""
 _EXPLAINS = 0.5
 """Residual that a smaller delay must leave at most to be reported: slow samples make much of a small part of one."""
+_LEAST_DELAY = 0.02
+"""Samples of a delay that explains little: what noise of several sensors leaves looks like one of up to 0.01."""
 _LARGE_BIAS = 0.05
 """Relative bias, or change by a delay, above which the status is not "ok"."""
 _CERTAIN = 2.0
@@ -102,8 +104,9 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
 
 def _matters(found: Identification, timing: Timing) -> bool:
     """Whether there is a delay, and not a small one that explains little and leaves parameters in their intervals."""
-    matters = not timing.is_small or timing.remaining < _EXPLAINS
-    return timing.is_significant and (matters or is_beyond_intervals(found, timing.parameters))
+    if not timing.is_significant or not timing.is_small or timing.remaining < _EXPLAINS:
+        return timing.is_significant
+    return abs(timing.samples) > _LEAST_DELAY and is_beyond_intervals(found, timing.parameters)
 
 
 def _is_fault(found: Identification, timing: Timing) -> bool:
