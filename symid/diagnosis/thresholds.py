@@ -73,6 +73,9 @@ class Thresholds:
     # factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost
     # (friction by the load explained servo motors away)
     least_inertia: float = 2.0
+    # factor by which it may grow beside any effect that does not explain all: a mode of the motor bench hid 9 tenths
+    # of the inertia (9.0), one at 1.2 Hz that imitates cogging makes a motor 560 times as heavy (both real)
+    heavier: float = 30.0
     seen: float = 1e-8  # share of a column, squared, that the others must leave of it
     deviations: float = 2.0  # standard deviations of nothing within which a value does not count as found
     # rms of a missing force relative to the largest of the drive: a spring that holds it may carry more

@@ -22,6 +22,8 @@ _REPEATED = 0.4
 """Share of samples that repeat the last value: of every second one updated, half do, less where the machine rests."""
 _IN_STEP = 0.98
 """Least share of changes at the same one of n samples; changes of an encoder follow the motion instead."""
+_SUCCESSIVE = 0.02
+"""Least share of changes n samples after the last one; steps that are held for multiples of n have none."""
 _FEWEST_CHANGES = 100
 """Fewest changes of a channel that determine its update interval."""
 _STRAIGHT = 0.01
@@ -72,6 +74,8 @@ def updated_every(x: FloatArray) -> tuple[int, int]:
     >>> x = np.random.default_rng(0).standard_normal(500)
     >>> updated_every(np.repeat(x, 4)[1:]), updated_every(x)
     ((4, 3), (1, 0))
+    >>> updated_every(np.repeat(np.sign(x), 50))  # steps that last 50 samples are no channel updated every tenth
+    (1, 0)
     """
     changed = x[1:] != x[:-1]
     if not _FEWEST_CHANGES <= np.count_nonzero(changed) <= (1.0 - _REPEATED) * x.size:
@@ -80,7 +84,7 @@ def updated_every(x: FloatArray) -> tuple[int, int]:
     for n in reversed(SPACINGS):
         places = np.bincount(changes % n, minlength=n)
         first = int(np.argmax(places))
-        if places[first] >= _IN_STEP * changes.size:
+        if places[first] >= _IN_STEP * changes.size and np.mean(np.diff(changes) == n) > _SUCCESSIVE:
             return n, first
     return 1, 0
 

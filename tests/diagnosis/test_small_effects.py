@@ -56,7 +56,14 @@ def test_what_takes_nearly_all_of_a_rest_near_the_noise_counts(
     before: float, after: float, counts: bool
 ) -> None:
     first, *fits = (
-        cast(Fit, SimpleNamespace(squares=np.array([square]), mean_square=square))
+        cast(
+            Fit,
+            SimpleNamespace(
+                squares=np.array([square]),
+                mean_square=square,
+                squares_by_noise_of=lambda _, own=square: np.array([own]),
+            ),
+        )
         for square in (1e5, before, after)
     )
     assert takes(fits[0], fits[1], first) is counts

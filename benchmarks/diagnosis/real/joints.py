@@ -88,7 +88,7 @@ def _joint() -> Axis:
 
 
 def servo() -> Iterator[Case]:
-    """A servo motor that swings a weight on a lever."""
+    """A servo motor that swings a weight on a lever; at twice the gain of its controller by a model without it."""
     axis = rigid("servo", ("u", "V"), "q", hangs=True)
     runs = [recordings.servo(run) for run in ("10h28m32", "10h28m10", "10h28m24", "10h29m04")]
     yield Case(
@@ -103,12 +103,34 @@ def servo() -> Iterator[Case]:
         script=Script("u", "q", ("inertia", "weight", "viscous"), (LOAD,)),
         band_hz=15.0,
     )
+    first, second = (recordings.servo(run) for run in ("10h28m42", "10h28m57"))
+    axis = rigid("servo", ("u", "V"), "q", hangs=False, dry=True)
+    yield Case(
+        name="servo-weightless",
+        model="inertia, viscous and Coulomb friction in units of voltage, at twice the gain of the controller",
+        published="a weight of 0.49 kg at 0.1 m",
+        right=(("weight", "body"),),
+        axis=axis,
+        training=(first, second),
+        held_out=runs[3],
+        nominal=identified(axis, first),
+        script=Script("u", "q", ("inertia", "viscous", "coulomb"), ("weight",)),
+        band_hz=15.0,
+    )
 
 
 def motor() -> Iterator[Case]:
-    """A direct-drive motor that turns slowly, once in 10 s; the held-out log without the return that precedes it."""
-    first, second = recordings.motor("nocomp_0"), recordings.motor("nocomp_1").between(0.5, 10.0)
-    for name, dry in (("motor-viscous", False), ("motor-friction", True)):
+    """A direct-drive motor that turns slowly, once in 10 s; the held-out log without the return that precedes it.
+
+    At last with the controller's map of the cogging, whose current shows the cogging as well.
+    """
+    cases = (
+        ("motor-viscous", "nocomp", False),
+        ("motor-friction", "nocomp", True),
+        ("motor-map", "comp", True),
+    )
+    for name, run, dry in cases:
+        first, second = recordings.motor(f"{run}_0"), recordings.motor(f"{run}_1").between(0.5, 10.0)
         axis = rigid("motor", ("i", "A"), "q", hangs=False, dry=dry)
         yield Case(
             name=name,
@@ -119,7 +141,7 @@ def motor() -> Iterator[Case]:
             axis=axis,
             training=(first,),
             held_out=second,
-            nominal=identified(axis, first),
+            nominal=identified(axis, first) if run == "nocomp" else {},  # the map alone makes J negative
             script=Script("i", "q", ("inertia", "viscous", *(("coulomb",) * dry)), ("cogging 7",)),
             band_hz=30.0,
         )

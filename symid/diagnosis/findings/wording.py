@@ -46,14 +46,18 @@ def sentence(found: Diagnosis) -> str:
     gap = found.gap
     gaps = (gap, *(own.gap for own in found.drives if own.gap.signal != gap.signal))
     left, before = _sizes(gaps, [g.explained for g in gaps]), _sizes(gaps, [g.reidentified for g in gaps])
+    rest = ""
+    if gap.reidentified.rms > THRESHOLDS.white * gap.noise_floor.rms:
+        rest = (
+            "; nothing in the library explains the rest, which drifts in the same way however the axis moves"
+        )
     if found.verdict == "no_gap":
-        return f"There is no gap: the model leaves {before}."
+        return f"There is no gap: the model leaves {before}{rest}."
     if found.verdict == "parameters":
         of_nominal = [f"{g.nominal.rms:.3g} {g.unit}" for g in gaps if g.nominal is not None]
         nominal = f" instead of {' and '.join(of_nominal)}" if of_nominal else ""
-        if gap.reidentified.rms > THRESHOLDS.white * gap.noise_floor.rms:
-            rest = "nothing in the library explains the rest, which drifts in the same way however the axis moves"
-            return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
+        if rest:
+            return f"Parameter values were off: re-identified, the model leaves {before}{nominal}{rest}."
         if doubtful := of_doubtful_values(found):
             return f"Parameter values were off: re-identified, the model leaves {before}{nominal}.{doubtful}"
         values = "The structure is right and only parameter values were off"

@@ -137,6 +137,11 @@ class Fit:
         rows = self.error.reshape(len(self.state.rows), -1)
         return np.asarray(np.mean(rows**2, axis=1) / floor)
 
+    def squares_by_noise_of(self, other: Fit) -> FloatArray:
+        """`squares` in multiples of the noise of another model, whose values pass the noise of the position on."""
+        own, of_other = (fit.state.prediction.noise_through(self.weighting.density) for fit in (self, other))
+        return np.asarray(self.squares * own / of_other)
+
     @property
     def mean_square(self) -> float:
         """Mean of `squares`: 1 if only noise is left."""

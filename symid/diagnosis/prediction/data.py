@@ -52,7 +52,8 @@ def one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
         orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
         others = [name for name in signals[n_drives:] if orders[name] == 0]
         logs = with_common_zeros(logs, signals[:n_drives], others)
-    return joined(logs)
+    read = [sensor.signal for sensor in axis.sensors]
+    return joined(logs, [name for name in read if all(name in log.signals for log in logs)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,12 @@ from symid.data import Log
 from symid.errors import LogError
 
 _TRANSITION = 0.5
-"""Seconds from the end of a log to the beginning of the next."""
+"""Least duration of a bridge from the end of a log to the beginning of the next, s."""
+_FASTER = 6.0
+"""Greatest mean speed of a bridge, relative to the greatest speed in the logs: an axis that turns far one way has far
+to return, and a faster bridge, limited to the band, would ring in the logs."""
+_SPEED_OVER = 0.1
+"""Time over which that speed is taken, s: over a sample, noise and steps of encoders would exceed it."""
 _SAME_CLOCK = 0.01
 """Relative difference of sampling periods up to which logs are taken to have the same clock."""
 _ENDS = 8
@@ -31,8 +36,8 @@ class Joined:
     parts: tuple[Log, ...]  # the logs as they were recorded
 
 
-def joined(logs: Sequence[Log]) -> Joined:
-    """Join logs by smooth bridges, with the signals that all of them have.
+def joined(logs: Sequence[Log], positions: Sequence[str] = ()) -> Joined:
+    """Join logs by smooth bridges, with the signals that all of them have; `positions` may have far to return.
 
     >>> one = Log.from_arrays({"q": np.zeros(100)}, sampling_period=0.01)
     >>> both = joined([one, one])
@@ -52,7 +57,8 @@ def joined(logs: Sequence[Log]) -> Joined:
                 "read them with `resample`"
             )
     names = [name for name in first.signals if all(name in log.signals for log in logs)]
-    n = max(round(_TRANSITION / first.sampling_period), 2 * _ENDS)
+    pairs = [(before[name], after[name]) for name in positions for before, after in pairwise(logs)]
+    n = bridge_samples(pairs, first.sampling_period, 2 * _ENDS)
     signals = {name: _with_transitions([log[name] for log in logs], n) for name in names}
     inside = [np.ones(log.n_samples, dtype=bool) for log in logs]
     transitions = [np.zeros(n, dtype=bool)] * (len(logs) - 1)
@@ -99,6 +105,24 @@ def transition(before: FloatArray, after: FloatArray, n: int) -> FloatArray:
         np.polyfit(k, part, 1) for k, part in ((np.arange(1 - m, 1), before[-m:]), (np.arange(m), after[:m]))
     )
     return bridge((x0, v0), (x1, v1), n)
+
+
+def bridge_samples(pairs: Sequence[tuple[FloatArray, FloatArray]], period: float, least: int) -> int:
+    """Samples of a bridge from the end of each signal of a pair to the beginning of the other one.
+
+    The bridge is at most as long as the longest signal.
+
+    >>> turned = np.arange(1000.0)
+    >>> bridge_samples([(turned, turned)], 0.01, 64), bridge_samples([(turned, turned[::-1])], 0.01, 64)
+    (166, 64)
+    """
+    n, span = max(least, int(_TRANSITION / period)), max(_ENDS, round(_SPEED_OVER / period))
+    for before, after in pairs:
+        fastest = max(float(np.abs(x[span:] - x[:-span]).max(initial=0.0)) / span for x in (before, after))
+        far = abs(float(after[0] - before[-1]))
+        if far > _FASTER * fastest * n:
+            n = min(int(far / (_FASTER * fastest)) if fastest else n, max(before.size, after.size))
+    return n
 
 
 def bridge(left: tuple[float, float], right: tuple[float, float], n: int) -> FloatArray:

@@ -16,10 +16,11 @@ import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data import Log
-from symid.diagnosis.prediction.joined_logs import bridge
+from symid.diagnosis.prediction.joined_logs import bridge, bridge_samples
 from symid.diagnosis.prediction.motion_band import WIDEST
 
-_CONTINUATION = 0.5
+_FEWEST_CONTINUED = 64
+"""Least samples of the continuation."""
 _BAND_OF_MOTION = 2.0
 _END_SECONDS = 0.01
 FEWEST_BINS = 8
@@ -37,13 +38,16 @@ class PeriodicLog:
     """A log as a period of signals, up to a frequency."""
 
     log: Log  # the run
+    # position sensors from whose motion everything is predicted, one for each drive, then the other sensors
+    signals: tuple[str, ...]
     motion_hz: float  # highest frequency at which a driven position moves by more than its noise
 
     @cached_property
     def n_extended(self) -> int:
         """Samples of the periodic continuation of the log."""
-        pad = int(_CONTINUATION * self.log.sampling_frequency)
-        return scipy.fft.next_fast_len(self.log.n_samples + max(pad, 64), real=True)
+        pairs = [(self.log[name], self.log[name]) for name in self.signals]
+        pad = bridge_samples(pairs, self.log.sampling_period, _FEWEST_CONTINUED)
+        return scipy.fft.next_fast_len(self.log.n_samples + pad, real=True)
 
     @property
     def duration(self) -> float:

@@ -50,8 +50,6 @@ class Record(PeriodicLog):
     """A log of an axis, continued periodically, in the frequency domain."""
 
     dynamics: ForwardDynamics  # the axis
-    # position sensors from whose motion everything is predicted, one for each drive, then the other sensors
-    signals: tuple[str, ...]
     # time by which signals were recorded late, s; negative for a force that acts later than recorded
     late: Mapping[str, float] = field(default_factory=dict)
     # joints with measured motion, which are the same in all models

@@ -24,7 +24,11 @@ _RESOLUTIONS = 0.5
 _LONGEST_MARGIN = 0.010
 _SHORTEST_REST = 0.004
 _TAPER = 0.004
-_END = 0.02
+_END, _END_OF_BAND = 0.02, 1.0
+"""Time at the ends of a log that is left out, s, and in periods of the highest frequency used: there the band-limited
+continuation of the log rings."""
+_MOST_OF_LOG = 0.05
+"""Largest share of a log that is left out at either end for that."""
 _UNSEEN = 1e-9
 _MOST_STARTS = 40
 _ROWS_PER_COEFFICIENT = 2
@@ -143,7 +147,8 @@ def weighting_of(
     resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
     for speed in speeds:
         moving &= ~_long_rests(~record.moves(np.abs(speed)), round(max(_SHORTEST_REST, resolution) / step))
-    ends = max(1, round(_END / step))
+    ringing = min(_END_OF_BAND / record.band_hz, _MOST_OF_LOG * record.duration)
+    ends = max(1, round(max(_END, ringing) / step))
     moving[:ends] = False
     last = int(np.flatnonzero(record.in_log)[-1])
     moving[last - ends :] = False

@@ -30,12 +30,19 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     `blocks` belong to the model with the effect. Effects `beside` are known to be present but in neither model yet.
     """
     item, prediction = found.state.placed[-1], found.state.prediction
-    explains = found.mean_square < THRESHOLDS.explains_all * fit.mean_square
+    left = float(
+        np.mean(found.squares_by_noise_of(fit))
+    )  # a heavier axis would make less of its error by its noise
+    explains = left < THRESHOLDS.explains_all * fit.mean_square
     if not item.effect.is_possible(prediction, item):
         return False
     if not (explains or item.effect.is_plausible(prediction, item)):
         return False
-    if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
+    if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks, explains):
+        return False
+    if not explains and _is_far_heavier(fit, found):
+        return False
+    if isinstance(item.effect, LawEffect) and not explains and _turns_friction(fit, found, blocks):
         return False
     if item.effect.name in _DIFFERS and friction_drives(found.state, item.at, beside):
         return False
@@ -44,6 +51,18 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
     return is_determined(item, blocks) and (explains or acting_share(found) > THRESHOLDS.least_acting)
+
+
+def _turns_friction(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+    """Whether a Coulomb friction is clearly negative, and more so than without the last effect: the two cancel.
+
+    On an axis that turns one way a constant force does so, or a Stribeck friction that falls over all of the speeds.
+    """
+    laws = [law for law in fit.state.prediction.axis.laws if isinstance(law, CoulombFriction)]
+    spread = dict(zip(fit.parameters, np.sqrt(np.diag(blocks.covariance)), strict=False))
+    names = {term.parameter for law in laws for term in law.terms()} & spread.keys()
+    most = {n: found.parameters[n] + THRESHOLDS.deviations * spread[n] for n in names}
+    return any(most[n] < min(fit.parameters[n], 0.0) for n in names)
 
 
 def _springs_ran_away(fit: Fit, found: Fit) -> bool:
@@ -109,20 +128,33 @@ def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
     return dry.isdisjoint(along) and item.shape[0] > THRESHOLDS.hardly_falls * joint.top_speed
 
 
-def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+def _same_inertia(fit: Fit, found: Fit, blocks: Blocks, explains: bool) -> bool:
     """Whether the drive moves about the inertia of the model without the effect, or the initial one.
 
     What hides in an error many times its size is no measure of the inertia: where an effect lets the log determine it,
     it may be larger, within the deviation of the model without the effect. A log that does not determine it is no
-    evidence.
+    evidence. Where the effect explains all, it may be any larger one: an inertia that swings slowly takes over most of
+    a weight or spring, with the opposite sign.
     """
-    plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
+    plain = _inertias_before(fit)
     before, after = (
         THRESHOLDS.deviations * _deviation_of_mass(own, of)
         for own, of in ((fit, fit.blocks), (found, blocks))
     )
-    doubt, most = min(after / max(plain), 1.0), fit.state.inertia + before
+    doubt = min(after / max(plain), 1.0)
+    most = max(fit.state.inertia + before, found.state.inertia if explains else 0.0)
     return before > max(plain) or keeps_inertia(found.state, *plain, most, doubt=doubt)
+
+
+def _is_far_heavier(fit: Fit, found: Fit) -> bool:
+    """Whether the inertia is many times that of the model without the effect and far beyond its deviation."""
+    most = fit.state.inertia + THRESHOLDS.deviations * _deviation_of_mass(fit, fit.blocks)
+    return found.state.inertia > max(THRESHOLDS.heavier * max(_inertias_before(fit)), most)
+
+
+def _inertias_before(fit: Fit) -> list[float]:
+    """Inertia of the model without the effect, and the initial one where it is known."""
+    return [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
 
 
 def _deviation_of_mass(fit: Fit, blocks: Blocks) -> float:
