@@ -115,9 +115,14 @@ def test_verdict_without_any_candidate(nominal: float | None, left: float, verdi
     assert found.effect == 0.0
 
 
-@pytest.mark.parametrize(("stationary", "verdict"), [(True, "no_gap"), (False, "unexplained")])
-def test_noise_of_any_colour_is_no_gap_unless_it_knows_of_the_motion(stationary: bool, verdict: str) -> None:
-    assert outcome((), 0, Errors(3.0, 3.0, 3.0, float("nan"), stationary)).verdict == verdict
+@pytest.mark.parametrize(
+    ("stationary", "relative", "verdict"),
+    [(True, 0.03, "no_gap"), (False, 0.03, "unexplained"), (True, 0.2, "unexplained")],
+)
+def test_noise_of_any_colour_is_no_gap_unless_it_knows_of_the_motion_or_is_large(
+    stationary: bool, relative: float, verdict: str
+) -> None:
+    assert outcome((), 0, Errors(3.0, 3.0, 3.0, float("nan"), stationary, relative)).verdict == verdict
 
 
 def test_an_error_of_a_thousandth_of_the_force_is_no_gap_however_quiet_the_sensors() -> None:

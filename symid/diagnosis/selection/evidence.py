@@ -174,7 +174,7 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
         there = min(
             there, THRESHOLDS.unlikely
         )  # neither the noise nor the force shows more than the rounding of a model
-    if errors.largest < (THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white):
+    if errors.largest < _most_of_noise(errors):
         there *= _covers(errors)  # some effect always explains a part of noise, or of errors at reversals
     holds = there * (1 - _removes_too_little(errors))
     causes = holds * _covers(errors) * (1 - _is_outdone(errors))
@@ -182,8 +182,7 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
     if errors.nominal is not None:
         worse = errors.nominal / min(errors.reidentified, errors.nominal)
         good = _logistic((math.log(THRESHOLDS.nominal_is_good) - math.log(worse)) / 0.03)
-    most = THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white
-    excess = min(errors.reidentified / most, errors.relative / THRESHOLDS.negligible)
+    excess = min(errors.reidentified / _most_of_noise(errors), errors.relative / THRESHOLDS.negligible)
     fits = _logistic(-math.log(max(excess, 1e-9)) / 0.08)
     # An effect that was found but does not hold is not evidence against a model that leaves hardly more than noise.
     plain = (1 - holds) * fits
@@ -194,6 +193,12 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
         unexplained=holds - causes + (1 - holds) * (1 - fits),
         holds=holds > _HALF,
     )
+
+
+def _most_of_noise(errors: Errors) -> float:
+    """Error that noise of the colour that it may have here leaves."""
+    coloured = errors.stationary and errors.relative < THRESHOLDS.coloured_share
+    return THRESHOLDS.coloured if coloured else THRESHOLDS.white
 
 
 def _is_likeliest(steps: Sequence[SelectionStep], upheld: int) -> bool:
