@@ -30,15 +30,8 @@ class ResidualCovariance:
 
     @classmethod
     def empty(cls, n_equations: int, max_lag: int) -> ResidualCovariance:
-        """Sums over no samples.
+        """Sums over no samples; SettingError if there is no equation or the lag is negative.
 
-        Raises
-        ------
-        SettingError
-            If there is no equation or the lag is negative.
-
-        Examples
-        --------
         >>> ResidualCovariance.empty(2, 10).products.shape
         (2, 2, 21)
         """
@@ -57,20 +50,10 @@ class ResidualCovariance:
     def update(
         self, residual: FloatArray, valid: BoolArray | None = None, continues: bool = True
     ) -> ResidualCovariance:
-        """Sums with a block of samples added.
+        """Sums with a block of samples in time order added, of shape (n_equations, n_samples).
 
-        Parameters
-        ----------
-        residual : array, shape (n_equations, n_samples)
-            The block, in time order.
-        valid : bool array of the same shape, optional
-            Samples that count; values of others are ignored.
-        continues : bool
-            False if the block starts a new log, so that no pair spans two logs.
+        Only `valid` samples count. No pair of samples spans two logs: a block that starts one `continues` nothing.
 
-        Examples
-        --------
-        >>> import numpy as np
         >>> sums = ResidualCovariance.empty(1, 1).update(np.array([[1.0, 2.0, 3.0]]))
         >>> sums.covariance().round(9).tolist()
         [[[4.0, 4.666666667, 4.0]]]

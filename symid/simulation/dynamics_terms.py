@@ -47,8 +47,6 @@ class Polynomial:
 class PolynomialArrays:
     """Arrays of polynomials, mostly zero, whose products of powers are evaluated once and shared.
 
-    Examples
-    --------
     >>> squared, linear = Polynomial(((2.0, (2, 0)),)), Polynomial(((1.0, (0, 1)), (3.0, (1, 0))))
     >>> arrays = PolynomialArrays([(1,), (1, 1)], [squared, linear])
     >>> [x.tolist() for x in arrays.at([5.0, 7.0])], [x.tolist() for x in arrays.derivative([5.0, 7.0], 0)]

@@ -140,10 +140,10 @@ class ModeNumbers(NamedTuple):
     @classmethod
     def of(cls, mode: StickSlipMode, loop: Loop) -> ModeNumbers:
         """A mode over the pieces of a loop's sample."""
-        flow, laws, n = mode.flow, list(mode.plant.laws), len(mode.plant.bodies)
+        plant, flow, n = loop.plant, mode.flow, len(loop.plant.bodies)
         # state and generalised forces as rows on z
-        against = np.array([law.direction for law, _ in mode.varying]).reshape(-1, n).T
-        forces = np.hstack([mode.plant.drives, -against, mode.constant[:, None]])
+        against = np.array([plant.laws[j].direction for j in mode.varying]).reshape(-1, n).T
+        forces = np.hstack([plant.drives, -against, mode.constant[:, None]])
         state = np.eye(2 * n, 2 * n + forces.shape[1])
         motion = np.vstack([state, np.hstack([np.zeros((n, 2 * n)), forces])])
 
@@ -158,8 +158,8 @@ class ModeNumbers(NamedTuple):
             ends=np.array([np.vstack([end[: 2 * n], checks @ end]) for end in ends]),
             rates=flow.acceleration_rows @ motion,
             stuck=np.array(flow.stuck, dtype=np.int64),
-            varying=np.array([laws.index(law) for law, _ in mode.varying], dtype=np.int64),
-            signs=np.array([sign for _, sign in mode.varying], dtype=float),
+            varying=np.array(mode.varying, dtype=np.int64),
+            signs=np.array([mode.signs[j] for j in mode.varying], dtype=float),
             limits=np.zeros((len(flow.stuck), 2)),
             is_accelerated=loop.is_accelerated,
         )
@@ -258,8 +258,7 @@ class KnownModes:
 
 
 def _kinds(mode: StickSlipMode) -> list[int]:
-    varying = [law for law, _ in mode.varying]
     return [
-        SLIDING * (j in mode.sliding) + STUCK * (j in mode.flow.stuck) + VARYING * (law in varying)
-        for j, law in enumerate(mode.plant.laws)
+        SLIDING * (j in mode.sliding) + STUCK * (j in mode.flow.stuck) + VARYING * (j in mode.varying)
+        for j in range(len(mode.signs))
     ]

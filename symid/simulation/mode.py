@@ -91,49 +91,18 @@ class AffineForce:
     damping: float
 
 
+@dataclass(frozen=True, eq=False)
 class StickSlipMode:
-    """Motion of an axis while the joints in `signs` keep their direction, or stick where that is 0.
+    """Motion of an axis while the joints in `signs` keep their direction, or stick where that is 0."""
 
-    Parameters
-    ----------
-    plant : Plant
-        The axis.
-    flow : Flow
-        Its motion with the joints that stick.
-    signs : tuple of float
-        Direction of motion for each law; 0 if its joint sticks, or if the law can never hold the joint.
-    lines : sequence of AffineForce or None
-        Each law in this mode, if it is affine in displacement and velocity.
-    sliding : sequence of int
-        Laws that could hold their joints but do not in this mode.
-
-    Attributes
-    ----------
-    constant : array of shape (n,)
-        Constant forces of the plant and of the affine laws; the slopes of these laws are part of the flow.
-    varying : tuple of (JointLaw, float)
-        All other laws and their signs.
-    speeds : array of shape (n_sliding, 2 n)
-        Rows whose products with the state are the speeds of the sliding joints, positive while they keep direction.
-    """
-
-    def __init__(
-        self,
-        plant: Plant,
-        flow: Flow,
-        signs: tuple[float, ...],
-        lines: Sequence[AffineForce | None],
-        sliding: Sequence[int],
-    ) -> None:
-        self.plant, self.flow, self.signs = plant, flow, signs
-        n = len(plant.bodies)
-        moving = [j for j in range(len(signs)) if j not in flow.stuck]
-        self.varying = tuple((plant.laws[j], signs[j]) for j in moving if lines[j] is None)
-        levels = [plant.laws[j].direction * line.level for j in moving if (line := lines[j])]
-        self.constant = np.asarray(plant.constant - sum(levels, start=np.zeros(n)))
-        self.sliding = tuple(sliding)
-        rows = np.array([signs[j] * plant.laws[j].direction for j in sliding]).reshape(-1, n)
-        self.speeds = np.hstack([np.zeros_like(rows), rows])
+    flow: Flow  # the motion with the joints that stick, and with the slopes of affine laws
+    signs: tuple[float, ...]  # for each law; 0 if its joint sticks, or if the law can never hold the joint
+    sliding: tuple[int, ...]  # laws that could hold their joints but do not in this mode
+    constant: FloatArray  # constant forces of the plant and of the affine laws, shape (n,)
+    varying: tuple[int, ...]  # all other laws of joints that do not stick
+    # shape (n_sliding, 2 n): rows whose products with the state are the speeds of the sliding joints, positive while
+    # they keep their direction
+    speeds: FloatArray
 
 
 class StickSlipModes:
@@ -164,16 +133,27 @@ class StickSlipModes:
         )
 
     def _of(self, signs: tuple[float, ...]) -> StickSlipMode:
+        plant, n = self.plant, len(self.plant.bodies)
         stuck = tuple(j for j, held in enumerate(self.can_hold) if held and signs[j] == 0)
-        lines = [None if j in stuck else self._line(j, sign) for j, sign in enumerate(signs)]
-        slopes = tuple((line.stiffness, line.damping) if line else (0.0, 0.0) for line in lines)
-        sliding = [j for j, held in enumerate(self.can_hold) if held and j not in stuck]
-        return StickSlipMode(self.plant, self._flow(stuck, slopes), signs, lines, sliding)
+        sliding = tuple(j for j, held in enumerate(self.can_hold) if held and j not in stuck)
+        lines = {j: self._line(j, sign) for j, sign in enumerate(signs) if j not in stuck}
+        affine = {j: line for j, line in lines.items() if line}
+        slopes = tuple((j, line.stiffness, line.damping) for j, line in affine.items())
+        levels = sum((plant.laws[j].direction * line.level for j, line in affine.items()), start=np.zeros(n))
+        rows = np.array([signs[j] * plant.laws[j].direction for j in sliding]).reshape(-1, n)
+        return StickSlipMode(
+            self._flow(stuck, slopes),
+            signs,
+            sliding,
+            constant=np.asarray(plant.constant - levels),
+            varying=tuple(j for j in lines if j not in affine),
+            speeds=np.hstack([np.zeros_like(rows), rows]),
+        )
 
-    def _make_flow(self, stuck: tuple[int, ...], slopes: tuple[tuple[float, float], ...]) -> Flow:
+    def _make_flow(self, stuck: tuple[int, ...], slopes: tuple[tuple[int, float, float], ...]) -> Flow:
         stiffness, damping = self.plant.stiffness, self.plant.damping
-        for law, (spring, damper) in zip(self.plant.laws, slopes, strict=True):
-            square = np.outer(law.direction, law.direction)
+        for j, spring, damper in slopes:
+            square = np.outer(self.plant.laws[j].direction, self.plant.laws[j].direction)
             stiffness, damping = stiffness + spring * square, damping + damper * square
         return Flow(replace(self.plant, stiffness=stiffness, damping=damping), stuck)
 
