@@ -4,7 +4,7 @@ import numpy as np
 
 from symid.jit import compiled, inner
 from symid.simulation.loop_numbers import ModeNumbers
-from symid.simulation.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MAXIMUM, MINIMUM, MULTIPLY, POWER
+from symid.simulation.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MINIMUM, MULTIPLY, POWER
 
 
 @compiled
@@ -20,24 +20,23 @@ def evaluate(operations, operands, arguments, stack):  # type: ignore[no-untyped
         elif operation == ARGUMENT:
             top += 1
             stack[top] = arguments[int(operands[i])]
-        elif operation == ADD:
-            top -= 1
-            stack[top] += stack[top + 1]
-        elif operation == MULTIPLY:
-            top -= 1
-            stack[top] *= stack[top + 1]
-        elif operation == POWER:
-            top -= 1
-            stack[top] = stack[top] ** stack[top + 1]
-        elif operation == MINIMUM:
-            top -= 1
-            stack[top] = min(stack[top], stack[top + 1])
-        elif operation == MAXIMUM:
-            top -= 1
-            stack[top] = max(stack[top], stack[top + 1])
-        else:
+        elif operation >= FUNCTION:
             stack[top] = _function(operation - FUNCTION, stack[top])
+        else:
+            top -= 1
+            stack[top] = _joined(operation, stack[top], stack[top + 1])
     return stack[0]
+
+
+@inner
+def _joined(operation, a, b):  # type: ignore[no-untyped-def]  # compiled for numbers
+    if operation == ADD:
+        return a + b
+    if operation == MULTIPLY:
+        return a * b
+    if operation == POWER:
+        return a**b
+    return min(a, b) if operation == MINIMUM else max(a, b)
 
 
 @compiled
@@ -47,7 +46,7 @@ def built_up(z, path, reach):  # type: ignore[no-untyped-def]  # compiled for nu
     return side - (side - z) * np.exp(-abs(path) / reach)
 
 
-@compiled
+@inner
 def _function(which, x):  # type: ignore[no-untyped-def]  # compiled for numbers
     if which == 0:
         return abs(x)

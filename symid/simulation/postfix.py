@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import ast
 import math
+import operator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 
@@ -18,6 +21,14 @@ from symid.errors import SymidError
 _FUNCTIONS = ("abs", "sign", "heaviside", "sin", "cos", "exp")
 CONSTANT, ARGUMENT, ADD, MULTIPLY, POWER, MINIMUM, MAXIMUM, FUNCTION = range(8)
 """Operations; `FUNCTION` + i is function i of `_FUNCTIONS`."""
+_ARITHMETIC: Final[Mapping[type[ast.operator], tuple[int, Callable[[float, float], Any]]]] = {
+    ast.Add: (ADD, operator.add),
+    ast.Sub: (ADD, operator.sub),
+    ast.Mult: (MULTIPLY, operator.mul),
+    ast.Div: (MULTIPLY, operator.truediv),
+    ast.Pow: (POWER, operator.pow),
+}
+"""Operation of a program for an operator of an expression, and the function of two numbers."""
 _Steps = list[tuple[int, float]]
 
 
@@ -58,17 +69,12 @@ def _append(node: ast.expr, arguments: tuple[str, ...], steps: _Steps) -> int:
             return 1
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return _joined(MULTIPLY, ast.Constant(-1.0), operand, arguments, steps)
-        case ast.BinOp(left=left, op=ast.Add(), right=right):
-            return _joined(ADD, left, right, arguments, steps)
-        case ast.BinOp(left=left, op=ast.Sub(), right=right):
-            return _joined(ADD, left, ast.UnaryOp(ast.USub(), right), arguments, steps)
-        case ast.BinOp(left=left, op=ast.Mult(), right=right):
-            return _joined(MULTIPLY, left, right, arguments, steps)
-        case ast.BinOp(left=left, op=ast.Div(), right=right):
-            inverse = ast.BinOp(right, ast.Pow(), ast.Constant(-1.0))
-            return _joined(MULTIPLY, left, inverse, arguments, steps)
-        case ast.BinOp(left=left, op=ast.Pow(), right=right):
-            return _joined(POWER, left, right, arguments, steps)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _ARITHMETIC:
+            if isinstance(op, ast.Sub):
+                right = ast.UnaryOp(ast.USub(), right)
+            elif isinstance(op, ast.Div):
+                right = ast.BinOp(right, ast.Pow(), ast.Constant(-1.0))
+            return _joined(_ARITHMETIC[type(op)][0], left, right, arguments, steps)
     match (_function_name(node), *getattr(node, "args", ())):
         case "minimum" | "maximum" as name, ast.expr() as left, ast.expr() as right:
             return _joined(MINIMUM if name == "minimum" else MAXIMUM, left, right, arguments, steps)
@@ -112,18 +118,7 @@ def _number(node: ast.expr) -> float | None:
             return math.pi
         case ast.UnaryOp(op=ast.USub(), operand=operand) if (inner := _number(operand)) is not None:
             return -inner
-        case ast.BinOp(left=left, op=op, right=right):
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _ARITHMETIC:
             a, b = _number(left), _number(right)
-            if a is not None and b is not None:
-                match op:
-                    case ast.Add():
-                        return a + b
-                    case ast.Sub():
-                        return a - b
-                    case ast.Mult():
-                        return a * b
-                    case ast.Div():
-                        return a / b
-                    case ast.Pow():
-                        return float(a**b)
+            return None if a is None or b is None else float(_ARITHMETIC[type(op)][1](a, b))
     return None
