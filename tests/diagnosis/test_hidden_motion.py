@@ -34,7 +34,7 @@ PUSH = 60 * np.sin(2 * np.pi * 3 * TIME) + 25 * np.sin(2 * np.pi * 7.3 * TIME)
 LOAD, LOAD_BY_PLACE = 30 * np.cos(2 * np.pi * 5 * TIME), 2000.0
 
 
-def stepped(law: Pointwise, n: int = N) -> tuple[FloatArray, FloatArray]:
+def stepped(law: Pointwise) -> tuple[FloatArray, FloatArray]:
     """Motion and force of a mass on a spring to the ground under a push, with one law more."""
     still = np.zeros(N)
     states, (force,) = _stepped(
@@ -42,7 +42,6 @@ def stepped(law: Pointwise, n: int = N) -> tuple[FloatArray, FloatArray]:
         _Driven(PUSH, LOAD, np.array([LOAD_BY_PLACE, 0.0]), still, still),
         np.array([[0.0, 1.0, 1.0, 0.0]]),
         [law],
-        np.arange(n),
         1,
     )
     return states, force

@@ -193,21 +193,16 @@ def _periodic(
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
     """Hidden coordinate and forces at the points, as periodic courses."""
-    # The way back from the end of the log to its beginning is integrated before the log, which gives the state there,
-    # and after it. Blending both closes the period.
-    n = driven.q.size
-    order = np.concatenate([np.arange(n_log, n), np.arange(n)])
-    states, courses = _stepped(equation, driven, joints, laws, order, stride)
+    # A log begins at rest or in an unknown state, for which the rows allow: the deflection begins at 0. On the way back
+    # from the end of the log to its beginning courses return to their first values, which closes the period.
+    states, courses = _stepped(equation, driven, joints, laws, stride)
     if not np.isfinite(states).all():
         raise OverflowError("the hidden motion grows without bound")
-    back = n - n_log
-    blend = np.linspace(0, 1, back)
-
-    def closed(course: FloatArray) -> FloatArray:
-        last = (1 - blend) * course[n:] + blend * course[:back]
-        return np.concatenate([course[back:n], last])
-
-    return closed(states), [closed(course) for course in courses]
+    n = driven.q.size
+    back = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, n - n_log))
+    for course in (states, *courses):
+        course[n_log:] += back * (course[0] - course[n_log:])
+    return states, courses
 
 
 def _stepped(
@@ -215,10 +210,9 @@ def _stepped(
     driven: _Driven,
     joints: FloatArray,
     laws: Sequence[Pointwise],
-    order: np.ndarray[tuple[int], np.dtype[np.int64]],
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """States and forces at points in an order; neighbours are `stride` points of the fine grid apart."""
+    """States and forces from rest on, at points that are `stride` points of the fine grid apart."""
     from symid.diagnosis.prediction.hidden_steps import (
         integrate_steps,  # numba takes 0.3 s, and most axes need none
     )
@@ -245,7 +239,7 @@ def _stepped(
         arguments,
         np.zeros(max(p.depth for p in programs)),
     )
-    states, forces = integrate_steps(equation, driven, in_joints, order)
+    states, forces = integrate_steps(equation, driven, in_joints)
     for force, law in zip(forces, laws, strict=True):
         if law.dry:
             force[:] = (force + np.append(force[1:], 0.0)) / 2

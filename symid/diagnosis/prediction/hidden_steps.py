@@ -7,8 +7,8 @@ from symid.simulation.evaluation import built_up, evaluate
 
 
 @compiled
-def integrate_steps(equation, driven, laws, order):  # type: ignore[no-untyped-def]  # compiled for records
-    """Hidden coordinate, of shape (n,), and forces of laws, (n_laws, n), at points in an order.
+def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # compiled for records
+    """Hidden coordinate, of shape (n,), and forces of laws, (n_laws, n), from a deflection of 0 at rest on.
 
     Smooth forces follow Heun's rule; dry friction is constant over each step.
     """
@@ -17,17 +17,18 @@ def integrate_steps(equation, driven, laws, order):  # type: ignore[no-untyped-d
     by_driven, by_hidden, on_hidden, on_drive, reach, dry, courses = laws[:7]
     operations, operands, ends, arguments, stack = laws[7:]
     n_laws = dry.size
-    states, forces, before = np.zeros(order.size), np.zeros((n_laws, order.size)), np.zeros(n_laws)
+    n = pushed.size
+    states, forces, before = np.zeros(n), np.zeros((n_laws, n)), np.zeros(n_laws)
     x, rate, total, before_drive = 0.0, 0.0, 0.0, 0.0
-    for i in range(order.size):
-        k, last_total = order[i], total
+    for i in range(n):
+        last_total = total
         if i:  # the linear part is exact for inputs that are linear between two points
-            now, then = pushed[order[i - 1]], pushed[(order[i - 1] + 1) % pushed.size]
+            now, then = pushed[i - 1], pushed[i]
             given, quickened = falling[0] * now + rising[0] * then, falling[1] * now + rising[1] * then
             ahead = transition[0, 0] * x + transition[0, 1] * rate + given - held[0] * total
             rate = transition[1, 0] * x + transition[1, 1] * rate + quickened - held[1] * total
             x = ahead
-        drive = load[k] + by_state[0] * x + by_state[1] * rate
+        drive = load[i] + by_state[0] * x + by_state[1] * rate
         if i:
             for j in range(n_laws):
                 drive += on_drive[j] * forces[j, i - 1]
@@ -38,13 +39,13 @@ def integrate_steps(equation, driven, laws, order):  # type: ignore[no-untyped-d
             arguments[j, 4] = midway if dry[j] else drive
             if not dry[j]:
                 place, speed = (
-                    by_driven[j] * q[k] + by_hidden[j] * x,
-                    by_driven[j] * v[k] + by_hidden[j] * rate,
+                    by_driven[j] * q[i] + by_hidden[j] * x,
+                    by_driven[j] * v[i] + by_hidden[j] * rate,
                 )
                 if np.isfinite(reach[j]):
                     arguments[j, 3] = built_up(arguments[j, 3], place - before[j], reach[j])
                     before[j] = place
-                arguments[j, 0], arguments[j, 1], arguments[j, 2] = place, speed, courses[j, k]
+                arguments[j, 0], arguments[j, 1], arguments[j, 2] = place, speed, courses[j, i]
                 forces[j, i] = _value(j, operations, operands, ends, arguments, stack)
                 total += on_hidden[j] * forces[j, i]
         # Corrector: the change of the smooth forces rises linearly over the step.
@@ -53,10 +54,10 @@ def integrate_steps(equation, driven, laws, order):  # type: ignore[no-untyped-d
         for j in range(n_laws):
             if dry[j]:
                 place, speed = (
-                    by_driven[j] * q[k] + by_hidden[j] * x,
-                    by_driven[j] * v[k] + by_hidden[j] * rate,
+                    by_driven[j] * q[i] + by_hidden[j] * x,
+                    by_driven[j] * v[i] + by_hidden[j] * rate,
                 )
-                arguments[j, 0], arguments[j, 1], arguments[j, 2] = place, speed, courses[j, k]
+                arguments[j, 0], arguments[j, 1], arguments[j, 2] = place, speed, courses[j, i]
                 level = _value(j, operations, operands, ends, arguments, stack)
                 # the force that would stop the joint within the step, or the level of the law if that is smaller
                 own = speed / (by_hidden[j] * held[1] * on_hidden[j])
