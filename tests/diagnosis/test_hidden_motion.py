@@ -8,14 +8,14 @@ import pytest
 import scipy
 
 from symid.arrays import FloatArray
-from symid.axis import CoulombFriction, LoadDependentFriction, load_axis
+from symid.axis import CoulombFriction, LoadDependentFriction, StiffnessNonlinearity, load_axis
 from symid.data import Log
 from symid.diagnosis.effects import Placed, effects_of
 from symid.diagnosis.effects.friction_effects import LoadDependentFrictionEffect, dahl_state
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
 from symid.diagnosis.fitting.start import fitted_axis
-from symid.diagnosis.fitting.state import can_integrate, first_state
+from symid.diagnosis.fitting.state import can_integrate, first_state, with_effects
 from symid.diagnosis.prediction.hidden_motion import (
     Pointwise,
     _discretised,
@@ -42,7 +42,6 @@ def stepped(law: Pointwise) -> tuple[FloatArray, FloatArray]:
         _Driven(PUSH, LOAD, np.array([LOAD_BY_PLACE, 0.0]), still, still),
         np.array([[0.0, 1.0, 1.0, 0.0]]),
         [law],
-        1,
     )
     return states, force
 
@@ -165,6 +164,38 @@ def test_a_structure_that_friction_holds_is_found_from_weak_to_strong(kind: str)
     assert found.state.placed[-1].amplitudes[0] == pytest.approx(size, rel=0.05)
     assert found.mean_square < 0.2 * plain.mean_square
     assert found.parameters["Ks"] == pytest.approx(values["Ks"], rel=0.05)
+
+
+def test_a_stiffening_spring_that_rings_when_the_log_ends_begins_at_rest() -> None:
+    """The motor moves as prescribed; load and drive force come from an integrator of scipy."""
+    values = {"Mm": 80.0, "Fvm": 80.0, "Fsm": 0.0, "Kt": 2e6, "Ft": 300.0, "Ml": 120.0, "Fvl": 100.0}
+    cubic, t, w = 3e13, np.arange(1500) / 1000, 2 * np.pi * 16
+
+    def motor(t: FloatArray) -> FloatArray:
+        """Position, velocity and acceleration of the motor: an oscillation that grows from rest."""
+        x, v = 4e-5 * t**3, 12e-5 * t**2
+        position, speed = x * np.sin(w * t), v * np.sin(w * t) + x * w * np.cos(w * t)
+        return np.stack([position, speed, (24e-5 * t - x * w**2) * np.sin(w * t) + 2 * v * w * np.cos(w * t)])
+
+    def spring(t: FloatArray, y: FloatArray) -> FloatArray:
+        q, v, _ = motor(t)
+        deflection = y[0] - q
+        return values["Kt"] * deflection + cubic * deflection**3 + values["Ft"] * (y[1] - v)
+
+    def rate(t: float, y: FloatArray) -> list[float]:
+        return [y[1], -(spring(np.asarray(t), y) + values["Fvl"] * y[1]) / values["Ml"]]
+
+    load = scipy.integrate.solve_ivp(
+        rate, (0, t[-1]), [0, 0], method="DOP853", t_eval=t, rtol=1e-10, atol=1e-14
+    ).y
+    q, v, a = motor(t)
+    force = values["Mm"] * a + values["Fvm"] * v - spring(t, load)
+    noise = np.random.default_rng(1).normal(size=(2, t.size))
+    log = Log("by hand", 0.0, 1e-3, {"qm": q + 1e-8 * noise[0], "Fm": force + 0.5 * noise[1]})
+    state, weighting = first_state(record_of(forward_dynamics(load_axis("ballscrew_2m1s")), log), values)
+    stiffens = Placed(effects_of(StiffnessNonlinearity)[0], "transmission", (), (cubic,), integrated=True)
+    assert Fit(state, weighting).mean_square > 50
+    assert Fit(with_effects(state, weighting, (stiffens,)), weighting).mean_square < 1.5
 
 
 def test_motion_that_a_sensor_reads_is_integrated_on_demand_only() -> None:

@@ -103,7 +103,7 @@ def integrated_motion(
 ) -> tuple[ComplexArray, tuple[ComplexArray, ...]]:
     """Spectra of the displacements of two bodies, (2, n_bins), and of the force of each law on hidden motion.
 
-    `known` are other forces on the bodies at the points of `Record.course`, (2, n_points). Each law comes with the
+    `known` are other forces on the bodies on the fine grid, (2, n_fine). Each law comes with the
     direction of its joint.
     """
     # The measured position fixes one combination of the two bodies; one coordinate is left. The measured motion enters
@@ -118,15 +118,13 @@ def integrated_motion(
     mass, damping, stiffness = (
         float(hidden.balance @ m @ hidden.free) for m in (plant.mass, plant.damping, plant.stiffness)
     )
-    n_points = pushed.size
-    step = record.period / n_points
+    step = record.period / record.n_fine
     z, forces = _periodic(
         _discretised(mass, damping, stiffness, step),
         _Driven(pushed, load, by_state, *record.driven_courses[:2]),
         np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d, row @ d) for d, _ in laws]),
         [law for _, law in laws],
         math.ceil(record.duration / step),
-        record.n_fine // n_points,
     )
     displacement = np.multiply.outer(hidden.carried, record.motion) + np.multiply.outer(
         hidden.free, record.from_grid(z)
@@ -144,7 +142,7 @@ class _Equation(NamedTuple):
 
 
 class _Driven(NamedTuple):
-    """Motion and forces that the measured motion determines, at the points of the integration, each (n_points,)."""
+    """Motion and forces that the measured motion determines, on the fine grid, each (n_fine,)."""
 
     pushed: FloatArray  # force on the hidden coordinate without that of laws
     load: FloatArray  # drive force without what the hidden coordinate and laws add
@@ -162,7 +160,7 @@ class _JointLaws(NamedTuple):
     on_drive: FloatArray  # share in the drive force
     reach: FloatArray  # of Dahl's state
     dry: BoolArray
-    courses: FloatArray  # shape (n_laws, n_points): factors as functions of time
+    courses: FloatArray  # shape (n_laws, n_fine): factors as functions of time
     operations: np.ndarray[Any, np.dtype[np.int64]]
     operands: FloatArray
     ends: np.ndarray[Any, np.dtype[np.int64]]
@@ -190,12 +188,11 @@ def _periodic(
     joints: FloatArray,
     laws: Sequence[Pointwise],
     n_log: int,
-    stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
     """Hidden coordinate and forces at the points, as periodic courses."""
     # A log begins at rest or in an unknown state, for which the rows allow: the deflection begins at 0. On the way back
     # from the end of the log to its beginning courses return to their first values, which closes the period.
-    states, courses = _stepped(equation, driven, joints, laws, stride)
+    states, courses = _stepped(equation, driven, joints, laws)
     if not np.isfinite(states).all():
         raise OverflowError("the hidden motion grows without bound")
     n = driven.q.size
@@ -210,9 +207,8 @@ def _stepped(
     driven: _Driven,
     joints: FloatArray,
     laws: Sequence[Pointwise],
-    stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """States and forces from rest on, at points that are `stride` points of the fine grid apart."""
+    """States and forces on the fine grid, from rest on."""
     from symid.diagnosis.prediction.hidden_steps import (
         integrate_steps,  # numba takes 0.3 s, and most axes need none
     )
@@ -223,7 +219,7 @@ def _stepped(
     for i, law in enumerate(laws):
         arguments[i, own : own + len(law.values)] = list(law.values.values())
         if law.course is not None:
-            courses[i] = law.course[::stride]
+            courses[i] = law.course
     by_driven, by_hidden, on_hidden, on_drive = joints.T.copy()
     in_joints = _JointLaws(
         by_driven,

@@ -29,8 +29,6 @@ _FLAT = 0.65
 _FINE_HZ = 1000.0
 """Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
 _FINEST = 8
-_POINTS_PER_ROW = 2
-"""Points of an integration for each row."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -135,10 +133,6 @@ class PeriodicLog:
     def rows(self, spectrum: ComplexArray) -> FloatArray:
         """Signal of a spectrum at the rows, of shape (..., n_rows)."""
         return self.grid(spectrum, self.n_rows)
-
-    def course(self, spectrum: ComplexArray) -> FloatArray:
-        """Signal at the points of an integration: the band ends at a quarter of their rate."""
-        return self.grid(spectrum, _POINTS_PER_ROW * self.n_rows)
 
     def grid(self, spectrum: ComplexArray, n: int) -> FloatArray:
         """Signal at any number of evenly spaced points of a period."""

@@ -108,8 +108,8 @@ class Prediction:
 
     @cached_property
     def law_courses(self) -> FloatArray:
-        """`law_forces` at the points of an integration, of shape (n_bodies, n_points)."""
-        return self.record.course(self.law_forces.T)
+        """`law_forces` on the fine grid, of shape (n_bodies, n_fine)."""
+        return self.record.fine(self.law_forces.T)
 
     def along(self, direction: FloatArray) -> Joint:
         """The motion along a direction over the bodies."""
@@ -292,7 +292,7 @@ def prediction_of(
     if integrated:
         known = np.zeros((n, 1)) if before is None else before.law_courses
         if of_effects.any():
-            known = known + record.course(of_effects.T)
+            known = known + record.fine(of_effects.T)
         moved, pushes = integrated_motion(record, response.plant, known, integrated)
         own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
         return Prediction(

@@ -133,9 +133,9 @@ class Record(PeriodicLog):
 
     @cached_property
     def driven_courses(self) -> FloatArray:
-        """First driven position, its velocity and its acceleration at points of an integration; shape (3, n_points)."""
+        """First driven position, its velocity and its acceleration on the fine grid; shape (3, n_fine)."""
         s = 1j * self.omega
-        return self.course(np.stack([self.motion, s * self.motion, s**2 * self.motion]))
+        return self.fine(np.stack([self.motion, s * self.motion, s**2 * self.motion]))
 
     @cached_property
     def measured(self) -> ComplexArray:

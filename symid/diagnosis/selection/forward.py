@@ -191,13 +191,14 @@ def _stages(
             Start.of(fit, c.placed)
             for c in _promising([c for c in found if c.placed.key not in tried], fit)[:6]
         ]
-    if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
-        if nominal is not None:  # values may still be far off
-            yield [Start.of(nominal, c.placed) for c in _best_first(confirmed)[:_AGAIN]]
-            # A body that sticks at times moves as no frequency response says, even where its motion is read.
-            best, *others = _best_first(confirmed)
-            alike = (best, *(c for c in others if best.placed.contains(c.key)))
-            yield _integrated([Start.of(nominal, c.placed) for c in alike], nominal, read=True)
+    if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square and nominal is not None:
+        # values may still be far off
+        yield [Start.of(nominal, c.placed) for c in _best_first(confirmed)[:_AGAIN]]
+        # A body that sticks at times moves as no frequency response says, even where its motion is read.
+        best, *others = _best_first(confirmed)
+        alike = (best, *(c for c in others if best.placed.contains(c.key)))
+        yield _integrated([Start.of(nominal, c.placed) for c in alike], nominal, read=True)
+    if _explains(fit, confirmed):
         return
     if nominal is None:
         joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
@@ -206,12 +207,23 @@ def _stages(
         return
     other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
-    if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
+    if _explains(fit, confirmed):
         return
     yield _integrated(other, nominal)[:_INTEGRATED]
     yield islice(from_other_places(fit, [c.fit for c in _best_first(confirmed)]), _OTHER_PLACES)
-    if _least_left(confirmed) > THRESHOLDS.hardly * fit.mean_square:
+    if not _explains(fit, confirmed):
         yield of_grid(fit, nominal, library)
+
+
+def _explains(fit: Fit, confirmed: Mapping[Key, Confirmed]) -> bool:
+    """Whether a candidate takes away nearly all of the error.
+
+    Where motion is hidden it must leave little more than noise too: many a law imitates a spring that stiffens near a
+    resonance down to a tenth of its error.
+    """
+    prediction, left = fit.state.prediction, _least_left(confirmed)
+    hidden = any(prediction.record.is_hidden(joint.direction) for joint in prediction.springs.values())
+    return left < THRESHOLDS.hardly * fit.mean_square and (left < THRESHOLDS.clear_gap or not hidden)
 
 
 def _integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> list[Start]:
