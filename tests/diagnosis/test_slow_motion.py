@@ -8,6 +8,11 @@ import pytest
 
 from benchmarks.diagnosis.real import recordings
 from symid import Log, diagnose, load_axis
+from symid.diagnosis.findings.feedback import driven_backwards
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.joined_logs import joined
 
 TIME = np.arange(0, 40, 0.01)
 RATES = 2 * np.pi * np.array([0.11, 0.19, 0.31])  # rad/s, of a motion of at most 0.3 m/s^2
@@ -37,6 +42,16 @@ def test_a_force_that_friction_alone_shows_to_be_reversed_is_said() -> None:
     found = diagnose(load_axis("rigid_1m"), replace(log, signals={"q": log["q"], "F": -log["F"]}))
     assert found.verdict == "recording"
     assert "the sign of F or of a position is wrong" in found.sentence
+
+
+@pytest.mark.parametrize(("sign", "said"), [(1.0, False), (-1.0, True)])
+def test_a_drive_that_supplies_energy_is_not_reversed_whatever_a_model_says(sign: float, said: bool) -> None:
+    """Friction of a model that lacks much may come out negative."""
+    log = slow_log(level=0.65, weight=0.0)
+    turned = replace(log, signals={"q": log["q"], "F": sign * log["F"]})
+    data = data_of(load_axis("rigid_1m"), (joined([turned]), None), Recorded({}, None))
+    model = Fit(*first_state(data.record, {"M": 2.0, "Fv": -3.0, "Fs": -0.65}))
+    assert bool(driven_backwards(model)) is said
 
 
 def test_a_joint_of_a_robot_with_a_negative_torque_constant_is_called_reversed() -> None:

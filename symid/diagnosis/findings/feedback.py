@@ -69,8 +69,11 @@ def driven_backwards(fit: Fit) -> str:
     covariance = fit.blocks.covariance[: units.size, : units.size]
     deviation = float(np.sqrt(units @ covariance @ units))
     inside, driven = record.in_log, prediction.joints_of_drives[0]
-    of_drive = float(np.mean(np.abs(record.fine(record.measured[0]) * driven.v)[inside]))
-    if not power < -max(_SURELY * deviation, _OF_POWER * of_drive):
+    supplied = (record.fine(record.measured[0]) * driven.v)[inside]
+    least = max(_SURELY * deviation, _OF_POWER * float(np.mean(np.abs(supplied))))
+    if not (
+        power < -least and np.mean(supplied) < 0
+    ):  # a model that lacks much may imitate it, the drive does not
         return ""
     negative = ", ".join(f"{name} {fit.parameters[name]:.3g}" for name in powers if fit.parameters[name] < 0)
     return (
