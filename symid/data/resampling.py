@@ -72,6 +72,16 @@ class QuinticSpline:
         first = _BEYOND + margin + whole - _REACH
         return np.correlate(known[first : first + self.values.size + weights.size - 1], weights, mode="valid")
 
+    def mean_earlier(self, samples: float, over: float) -> FloatArray:
+        """Mean of the signal over a time around the one by which it is moved, such as that for which a force is held.
+
+        Two values at +-`over`/sqrt(12), by Gauss, are exact for a cubic.
+        """
+        if not over:
+            return self.earlier(samples)
+        apart = over / math.sqrt(12)
+        return (self.earlier(samples - apart) + self.earlier(samples + apart)) / 2
+
 
 def _b_spline(x: FloatArray) -> FloatArray:
     """Cardinal B-spline of fifth order, as a sum of truncated powers; 0 beyond 3 on either side."""

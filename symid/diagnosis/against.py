@@ -107,8 +107,14 @@ def diagnose_against(
     recorded = Recorded(dict(late or {}), held, thinned=whole.thinned)
     runs = joined(whole.logs[:1]), joined(whole.logs[1:]) if validation else None
     data = data_of(axis, runs, recorded)
-    at = replace(recorded, thinned=1).times(axis, simulated.sampling_period)
-    own = record_of(data.record.dynamics, as_noisy(simulated, data.record), None, at)
+    at, period = replace(recorded, thinned=1), simulated.sampling_period
+    own = record_of(
+        data.record.dynamics,
+        as_noisy(simulated, data.record),
+        None,
+        at.times(axis, period),
+        at.holds(axis, period),
+    )
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)

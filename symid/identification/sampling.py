@@ -43,6 +43,7 @@ class Filtered:
     recorded: FloatArray  # shape (n,): the signal
     low_pass: ZeroPhaseFilter | None  # what it passes
     earlier: float = 0.0  # samples by which it is moved to an earlier time
+    held: float = 0.0  # samples for which it is held, over which it is averaged
 
     @property
     def size(self) -> int:
@@ -52,13 +53,14 @@ class Filtered:
     def __getitem__(self, part: slice) -> FloatArray:
         first, last, _ = part.indices(self.size)
         reach = self.low_pass.reach if self.low_pass else 0
-        reach += QuinticSpline.reach(self.earlier) if self.earlier else 0
+        moved = bool(self.earlier or self.held)
+        reach += QuinticSpline.reach(abs(self.earlier) + self.held) if moved else 0
         low, high = max(first - reach, 0), min(last + reach, self.size)
         values = self.recorded[low:high]
         if self.low_pass:
             values = self.low_pass.apply(values)
-        if self.earlier:
-            values = QuinticSpline(values).earlier(self.earlier)
+        if moved:
+            values = QuinticSpline(values).mean_earlier(self.earlier, self.held)
         return values[first - low : last - low]
 
 
@@ -253,9 +255,10 @@ def filtered(
     for name in names:
         passes = low_pass if chosen.filter_force or name not in model.forces else None
         earlier = chosen.late.get(name, 0.0) / log.sampling_period
-        one = Filtered(log[name], passes, earlier)
+        held = chosen.hold / log.sampling_period if name in model.forces else 0.0
+        one = Filtered(log[name], passes, earlier, held)
         if log.n_samples <= SHORT:  # rows of several kinds are made of it
-            found[name] = log.kept((name, passes, earlier), partial(one.__getitem__, slice(None)))
+            found[name] = log.kept((name, passes, earlier, held), partial(one.__getitem__, slice(None)))
         else:
             found[name] = one
     return found

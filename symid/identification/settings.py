@@ -62,8 +62,11 @@ class Preparation:
         Seconds by which signals were recorded later than the others; they are moved back by it. A force that acts
         later than it is recorded has a negative value. Delays that the axis declares of its sensors need not be given.
     held : bool, optional
-        Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded; as
-        the axis declares it if not given.
+        Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded, as
+        its mean over a sample; as the axis declares it if not given.
+    hold : float
+        Seconds for which forces are held, over which they are averaged, without the half of it in `late`; it follows
+        from `held`.
     difference_order : int
         Order of accuracy of the differences that take the place of derivatives, an even number; 2 is the paper's.
     coulomb : tuple of float, optional
@@ -84,6 +87,7 @@ class Preparation:
     standstill: float | None = None
     late: Mapping[str, float] = field(default_factory=dict)
     held: bool | None = None
+    hold: float = 0.0
     difference_order: int = DIFFERENCE_ORDER
     coulomb: tuple[float, ...] | None = None
     widening: float | None = None
@@ -109,9 +113,13 @@ class Preparation:
         is_low_passed = self.filter_force and 2 * self.cutoff_hz * sampling_period * factor <= _LOW_PASSED
         return 1 if is_low_passed else factor
 
+    def is_held(self, model: GeneratedModel) -> bool:
+        """Whether forces are held: as given, else as declared."""
+        return model.held if self.held is None else self.held
+
     def with_hold(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
         """Seconds by which the signals of a log were recorded late: as given, else as declared; a hold included."""
-        held = model.held if self.held is None else self.held
+        held = self.is_held(model)
         late = {**model.delays, **self.late}
         for force in model.forces:
             late = with_hold(late, force, held=held, sampling_period=sampling_period)
@@ -264,9 +272,17 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
     edge = min(edge, log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
     late = given.with_hold(model, log.sampling_period)
+    hold = log.sampling_period if given.is_held(model) else given.hold
     widening = given.widening or (widening_of(log, model, cutoff) if given.filter_force else 1.0)
     return replace(
-        given, cutoff_hz=cutoff, decimation=decimation, trim=trim, late=late, held=False, widening=widening
+        given,
+        cutoff_hz=cutoff,
+        decimation=decimation,
+        trim=trim,
+        late=late,
+        held=False,
+        hold=hold,
+        widening=widening,
     )
 
 

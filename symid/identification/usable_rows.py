@@ -43,7 +43,7 @@ def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[
     scheme = Scheme(chosen.difference_order)
     signals += max(model.highest_derivatives.values()) * scheme.reach
     if chosen.late:
-        signals += QuinticSpline.reach(max(abs(late) for late in chosen.late.values()) / period)
+        signals += QuinticSpline.reach((max(map(abs, chosen.late.values())) + chosen.hold) / period)
     rows = Sampling(model, chosen, scheme, period, {}, {}, 0, 0).reach
     rests = _RESTS_OF_DERIVATIVES if model.coulomb_at_drive else _RESTS
     return signals, rows + ((rests + 2) * _standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)

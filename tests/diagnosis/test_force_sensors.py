@@ -14,7 +14,7 @@ from symid.simulation import chirp, plant_of, simulate, tuned_cascade
 
 REFERENCE = chirp(0.5, 20.0, 3.0, 0.002, sampling_period=5e-4)
 TRANSDUCER = Force("fd", DRIVE, noise=0.1)
-SCALED = Position("ql", LOAD, gain="cq", offset="oq", noise=1e-8)
+SCALED = Position("ql", LOAD, gain="cq", offset="oq", noise=5e-8)
 
 
 def diagnosed(axis: Axis, *effects: symid.Element, **values: float) -> Diagnosis:

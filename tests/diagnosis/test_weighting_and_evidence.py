@@ -13,7 +13,7 @@ from symid import Log, load_axis
 from symid.diagnosis.findings.shares import closed_fraction
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.record import record_of
-from symid.diagnosis.prediction.weighting import autoregression
+from symid.diagnosis.prediction.weighting import _rests, autoregression
 from symid.diagnosis.selection import evidence
 from symid.diagnosis.selection.evidence import Errors, outcome
 from symid.simulation import forward_dynamics
@@ -140,3 +140,11 @@ def test_effects_below_noise_and_a_thousandth_of_the_force_are_no_cause() -> Non
         patch.setattr(evidence, "_is_likeliest", lambda *_: True)
         assert outcome((step,), 1, small).verdict == "parameters"  # type: ignore[arg-type]  # of a step it is all
         assert outcome((step,), 1, replace(small, relative=0.01)).verdict == "effect"  # type: ignore[arg-type]
+
+
+def test_an_axis_that_sticks_briefly_rests_and_one_that_reverses_does_not() -> None:
+    through = np.abs(np.linspace(-10.0, 10.0, 21) + 0.3)
+    stuck = np.concatenate([through[:9], np.full(5, 0.1), through[12:]])
+    for speed, rests in ((through, 0), (stuck, 5)):
+        assert _rests(speed, speed > 1.5, long=20, short=2).sum() == rests
+    assert _rests(through, through > 1.5, long=3, short=2).sum() == 3

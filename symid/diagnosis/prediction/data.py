@@ -35,10 +35,14 @@ class Recorded:
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the forces included."""
         late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
-        for drive in axis.drives:
-            held = drive.held if self.held is None else self.held
-            late = with_hold(late, drive.signal, held=held, sampling_period=sampling_period / self.thinned)
+        for force, hold in self.holds(axis, sampling_period).items():
+            late = with_hold(late, force, held=True, sampling_period=hold)
         return late
+
+    def holds(self, axis: Axis, sampling_period: float) -> dict[str, float]:
+        """Time for which each force that is held from sample to sample is held, s."""
+        held = (d.signal for d in axis.drives if (d.held if self.held is None else self.held))
+        return dict.fromkeys(held, sampling_period / self.thinned)
 
     def may_be_held(self, axis: Axis) -> bool:
         """Whether a hold of the forces is neither known nor excluded."""
@@ -72,13 +76,17 @@ def data_of(axis: Axis, runs: Runs, recorded: Recorded) -> Data:
     """Logs in the frequency domain, see `diagnose`."""
     dynamics = forward_dynamics(axis)
     run, validation = runs
-    record = record_of(dynamics, run.log, None, recorded.times(axis, run.log.sampling_period))
+
+    def recorded_as(log: Log, motion_hz: float | None) -> Record:
+        period = log.sampling_period
+        return record_of(dynamics, log, motion_hz, recorded.times(axis, period), recorded.holds(axis, period))
+
+    record = recorded_as(run.log, None)
     inside = _within(record, run)
     if validation is None:
         training, held_out = training_and_held_out(record)
         return Data(record, record, training & inside, held_out & inside)
-    late = recorded.times(axis, validation.log.sampling_period)
-    other = record_of(dynamics, validation.log, record.motion_hz, late)
+    other = recorded_as(validation.log, record.motion_hz)
     return Data(record, other, inside, _within(other, validation))
 
 

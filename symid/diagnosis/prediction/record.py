@@ -52,6 +52,8 @@ class Record(PeriodicLog):
     dynamics: ForwardDynamics  # the axis
     # time by which signals were recorded late, s; negative for a force that acts later than recorded
     late: Mapping[str, float] = field(default_factory=dict)
+    # time for which a force is held, s; half of it is in `late`
+    holds: Mapping[str, float] = field(default_factory=dict)
     # joints with measured motion, which are the same in all models
     driven_joints: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
     # cache of values that follow from the log alone
@@ -148,8 +150,12 @@ class Record(PeriodicLog):
         return self._in_time(name, self.continued(self.log[name], smoothly=True))
 
     def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
-        """Spectrum of a signal, corrected for the time by which it was recorded late."""
-        return np.asarray(self.from_grid(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
+        """Spectrum of a signal, corrected for the time by which it was recorded late, and for a hold.
+
+        A force held for T is the mean over T of the force that was recorded: the factor is sin(w T/2)/(w T/2).
+        """
+        held = np.sinc(self.omega * self.holds.get(name, 0.0) / (2 * np.pi))
+        return np.asarray(self.from_grid(values) * held * np.exp(1j * self.omega * self.late.get(name, 0.0)))
 
     @cached_property
     def whole_forces(self) -> FloatArray:
@@ -231,12 +237,13 @@ def record_of(
     log: Log,
     motion_hz: float | None = None,
     late: Mapping[str, float] | None = None,
+    holds: Mapping[str, float] | None = None,
 ) -> Record:
     """A log in the frequency domain.
 
     `motion_hz` is the highest frequency of its motion; by default the frequency at which the spectrum of the position
     falls to its noise, or less if that noise would hide the velocity. `late` are the times by which signals were
-    recorded late, s.
+    recorded late, s; `holds` those for which forces are held.
     """
     signals = signals_of(dynamics, log)
     if log.n_samples < _LEAST_SAMPLES:
@@ -246,6 +253,7 @@ def record_of(
     driven = signals[: len(dynamics.axis.drives)]
     band = motion_hz or max(motion_band(log[name], log.sampling_frequency) for name in driven)
     record = Record(dynamics=dynamics, log=log, signals=signals, motion_hz=band, late=dict(late or {}))
+    record = replace(record, holds=dict(holds or {}))
     while motion_hz is None and record.is_drowned and record.n_bins > FEWEST_BINS:
         record = replace(record, motion_hz=record.motion_hz * _SLOWER)
     return record

@@ -20,9 +20,11 @@ from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from symid.diagnosis.prediction.record import Record
 
 _RESOLUTIONS = 0.5
-"""Margin around a rest, and shortest rest, in periods of the highest frequency used; a shorter one is a reversal."""
+"""Margin around a rest, and shortest rest, in periods of the highest frequency used."""
 _LONGEST_MARGIN = 0.010
 _SHORTEST_REST = 0.004
+_LONGER = 1.5
+"""Duration of low speed, relative to that of a reversal, from which on the axis sticks."""
 _TAPER = 0.004
 _END, _END_OF_BAND = 0.02, 1.0
 """Time at the ends of a log that is left out, s, and in periods of the highest frequency used: there the band-limited
@@ -146,7 +148,8 @@ def weighting_of(
     step = record.fine_time[1]
     resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
     for speed in speeds:
-        moving &= ~_long_rests(~record.moves(np.abs(speed)), round(max(_SHORTEST_REST, resolution) / step))
+        long = round(max(_SHORTEST_REST, resolution) / step)
+        moving &= ~_rests(np.abs(speed), record.moves(np.abs(speed)), long, round(resolution / step))
     ringing = min(_END_OF_BAND / record.band_hz, _MOST_OF_LOG * record.duration)
     ends = max(1, round(max(_END, ringing) / step))
     moving[:ends] = False
@@ -196,11 +199,23 @@ def _orthonormal(columns: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.qr((columns[seen] / norms[seen, None]).T)[0])
 
 
-def _long_rests(still: BoolArray, least: int) -> BoolArray:
-    """Points of rests that have at least a given length."""
-    labels, n = scipy.ndimage.label(still)
-    lengths = np.bincount(labels, minlength=n + 1)
-    return np.asarray(still & (lengths >= least)[labels])
+def _rests(speed: FloatArray, moves: BoolArray, long: int, short: int) -> BoolArray:
+    """Points of rests: of those with at least a `long` length, and of shorter ones in which the axis sticks.
+
+    A reversal passes through the slow points at the slopes with which the speed falls before and rises after them. An
+    axis that is slow for `_LONGER` times as long sticks: friction then balances the force, and has not its level.
+    """
+    slow = np.concatenate([[False], ~moves, [False]])
+    first, last = np.flatnonzero(slow[1:] & ~slow[:-1]), np.flatnonzero(slow[:-1] & ~slow[1:]) - 1
+    before, after = np.maximum(first - 1, 0), np.minimum(last + 1, speed.size - 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        passing = speed[first] / (speed[before] - speed[first]) + speed[last] / (speed[after] - speed[last])
+    length = last - first + 1
+    sticks = (length >= short) & (length - 1 > _LONGER * passing)
+    rests = np.zeros(speed.size, dtype=bool)
+    for k in np.flatnonzero((length >= long) | sticks):
+        rests[first[k] : last[k] + 1] = True
+    return rests
 
 
 def _window(moving: BoolArray, margin: int, taper: int) -> FloatArray:
