@@ -176,6 +176,11 @@ class Thresholds:
     # most probability of an effect beside others: it may stand in for what they leave of each other (of 17 drawn ones
     # with 0.9 and more, 1.00 among them, 13 to 15 were there)
     further_effect: float = 0.95
+    # other_order, order_off: factor on the probability of an effect that repeats an integer number of times in a pitch
+    # of cogging, which has one order in the library, and relative deviation up to which the number is an integer
+    # (cogging of orders 7 and 14, real)
+    other_order: float = 0.5
+    order_off: float = 0.02
     # impossible_deviations, impossible: deviations below zero from which on a value that cannot be negative speaks
     # against the effects beside it, and their probability at most then (an encoder of a load one sample late, called a
     # delay with 0.96: damping of -71 times its nominal value, 200 deviations; right effects of drawn cases had 3)

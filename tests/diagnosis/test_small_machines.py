@@ -77,3 +77,6 @@ def test_cogging_is_found_though_other_values_make_less_of_the_noise():
     assert found.effects[0].effect == "cogging"
     assert found.effects[0].parameters["pitch"].value == pytest.approx(2 * np.pi / 7, rel=0.01)
     assert found.gap.explained.relative < 0.4 * found.gap.reidentified.relative
+    (twice,) = (own for own in found.effects if own.effect == "position_dependent_friction")
+    assert twice.parameters["pitch"].value == pytest.approx(2 * np.pi / 14, rel=0.02)
+    assert twice.probability < 0.5  # turned one way, it is cogging of order 14

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from symid.data import Log
-from symid.diagnosis.effects import effects_of_element
+from symid.diagnosis.effects import Placed, effects_of_element
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.curves import signal_curves, spectrum_of, weighted_of
 from symid.diagnosis.findings.diagnosis_result import Diagnosis, DriveError
@@ -25,6 +25,7 @@ from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _LISTED = 20
+_COGGING = "cogging"
 
 
 def concluded(
@@ -168,6 +169,8 @@ def _effects(
         chance = probabilities(step, named - {best})
         rivals = [k for k, p in chance.items() if p >= THRESHOLDS.indistinguishable and k != best]
         there = chances.effect if i == 0 else THRESHOLDS.further_effect * is_there(step)
+        if _may_be_an_order(item, last.state.placed):
+            there *= THRESHOLDS.other_order
         felt = comparison.felt_by(i + 2)
         found.append(
             FoundEffect(
@@ -185,6 +188,15 @@ def _effects(
             )
         )
     return tuple(found)
+
+
+def _may_be_an_order(item: Placed, placed: Sequence[Placed]) -> bool:
+    """Whether an effect repeats several times in a pitch of the cogging: it may stand in for a higher order of that."""
+    if item.effect.name == _COGGING or "pitch" not in item.effect.shape_names:
+        return False
+    pitches = [other.shape[0] for other in placed if other.effect.name == _COGGING]
+    orders = [pitch / item.shape[0] for pitch in pitches]
+    return any(n > 1.5 and abs(n - round(n)) < THRESHOLDS.order_off * n for n in orders)
 
 
 def _alternatives(comparison: Comparison, step: SelectionStep, chances: Outcome) -> tuple[Alternative, ...]:
