@@ -38,9 +38,8 @@ def faults_of(
         or disagreement_of(model, parts)
         or ac_coupling_of(found, parts, fit)
         or ("" if drift else smoothing_by_residual(found, parts, fit))
-        or ("" if drift else more.sensor_gain()),  # a lag changes gains too
+        or ("" if drift else more.sensor_gain() or more.uneven_gain()),  # a lag changes gains too
         poor_fit=contradicting_part(model, parts, fit)
-        or more.uneven_gain()
         or more.force_nonlinearity()
         or _change_statement(found, change)
         or more.gain_drift()

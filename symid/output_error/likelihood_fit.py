@@ -31,8 +31,8 @@ from symid.simulation import ForwardDynamics
 
 _PASSES = 3
 """Number of updates of the unmeasured motion and the timing."""
-_ITERATIONS = 20
-"""Iterations on the whole logs; from the end of the trials, fits of undamaged logs converge within half of them."""
+_ITERATIONS = 40
+"""Iterations on the whole logs; a noise ratio that a step took far off needs more than 20 of them to come back."""
 _HOPELESS = 100.0
 """Ratio of a trial's mean square to the best one above which the trial is dropped after its first iterations."""
 _SAME = 1e-3

@@ -37,5 +37,5 @@ def test_a_gain_that_differs_by_direction_is_named(of: str, gain: float) -> None
     found = identify(
         load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": recorded}, sampling_period=1e-3)
     )
-    assert found.status == ("ok" if gain == 1.0 else "poor_fit"), found.message
+    assert found.status == ("ok" if gain == 1.0 else "recording"), found.message
     assert ("differs by direction" in found.message) == (gain != 1.0)
