@@ -143,8 +143,14 @@ class ForwardDynamics:
         _, heavy = self._free_bodies
         moved = plant.mass if heavy.all() else plant.mass[np.ix_(heavy, heavy)]
         if not np.all(np.linalg.eigvalsh(moved) > 0):
+            given = ", ".join(
+                f"{name} {parameters[name]:g}"
+                for name in self.parameters
+                if name in self.parameters_of("mass")
+            )
             raise SettingError(
-                f"the masses of axis {self.axis.name!r} are {np.diag(plant.mass).tolist()}: they must be positive"
+                f"the masses of axis {self.axis.name!r} are not positive with {given}: no machine has such values; "
+                "give others, or none where they can be identified"
             )
         return plant
 

@@ -4,10 +4,12 @@ import sys
 
 import numpy as np
 import pytest
+from hand_made import rigid_log
 
 from symid import load_axis
 from symid.data import Log
 from symid.diagnosis import Diagnosis, diagnose
+from symid.errors import SettingError
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 SCREW = load_axis("ballscrew_2m1s")
@@ -49,3 +51,9 @@ def test_the_reading_that_makes_it_impossible_is_named() -> None:
     found = late_load()
     assert found.faults[0].startswith("ql is read 1 ms late against qm")
     assert {own.name: own.explained for own in found.parameters} == pytest.approx(VALUES, rel=0.03)
+
+
+def test_a_negative_nominal_mass_is_named() -> None:
+    """As least squares give it for a model that lacks much."""
+    with pytest.raises(SettingError, match=r"not positive with M -5\.6: .* give others, or none"):
+        diagnose(load_axis("rigid_1m"), rigid_log(), nominal={"M": -5.6, "Fv": 8.0, "Fs": 0.1})
