@@ -94,8 +94,8 @@ class Thresholds:
     # share of what a limit or a bent gain makes of the force that must differ from the course of the force: of a
     # sine cut to a fifth it is 0.016, of a force of two levels 0 (relay test of a cart, real)
     own_course: float = 0.01
-    # share of the mean square up to which what is left speaks for an unusual size: a gain that bends by most of
-    # it, a command that an integrator winds up to many times a limit
+    # share of the mean square above that of noise up to which what is left speaks for an unusual size: a gain that
+    # bends by most of it, a command that an integrator winds up to many times a limit
     explains_all: float = 0.01
     fit_of_noise: float = 1.5  # mean square of a fit that leaves noise alone
     # share of the mean square up to which a fit from another stiffness is the better one: it found the resonance

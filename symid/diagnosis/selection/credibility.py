@@ -30,10 +30,9 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     `blocks` belong to the model with the effect. Effects `beside` are known to be present but in neither model yet.
     """
     item, prediction = found.state.placed[-1], found.state.prediction
-    left = float(
-        np.mean(found.squares_by_noise_of(fit))
-    )  # a heavier axis would make less of its error by its noise
-    explains = left < THRESHOLDS.explains_all * fit.mean_square
+    # By the noise of the model before: a heavier axis passes more noise on and would seem to leave less.
+    left = float(np.mean(found.squares_by_noise_of(fit)))
+    explains = left - 1 < THRESHOLDS.explains_all * (fit.mean_square - 1)
     if not item.effect.is_possible(prediction, item):
         return False
     if not (explains or item.effect.is_plausible(prediction, item)):
