@@ -34,7 +34,7 @@ _LOWEST_MODES = (0.5, 3.0)
 _SHARE_OF_MOTION = 0.9
 _MODES_APART = 1.5
 """Steps of the frequency of a mode, relative to its damping ratio: half the width of its resonance is 2."""
-_MODES_TRIED = 6  # for each damping ratio
+_MODES_TRIED = 6  # for each damping ratio, with the neighbours of each
 _LEAST_LEFT = 1e-3  # of the square of a mode that inertia, damping and stiffness leave: less is not resolved
 _MOST_DAMPING = 0.3  # damping ratio from which on a mode, beside a delay, looks like a lag
 # Half of the squared acceleration must be more than 25 % off the mode, as a single sine does not separate the mode
@@ -271,7 +271,8 @@ class FlexibleModeEffect(LinearEffect):
             hertz = np.geomspace(lowest, highest, 1 + math.ceil(octaves / (_MODES_APART * damping)))
             score = self._scores(prediction, place, matched_filter, [(float(f), damping) for f in hertz])
             peaks = best_peaks(np.pad(score, 1), np.pad(hertz, 1, "edge"), _MODES_TRIED)
-            found += [(f, damping) for f in peaks]
+            apart = np.abs(np.log(np.divide.outer(hertz, peaks))).min(axis=1)
+            found += [(float(f), damping) for f in hertz[apart < 1.01 * _MODES_APART * damping]]
         return found
 
     def _scores(
@@ -280,20 +281,23 @@ class FlexibleModeEffect(LinearEffect):
         """Square of the residual that each mode explains, as if the weights acted on frequencies alone."""
         body, record = prediction.bodies[place], prediction.record
         response = -prediction.response.of_force(body.direction)
-        power = np.abs(response * prediction.density * record.taper * body.modelled) ** 2
+        weighted = response * prediction.density * record.taper * body.modelled
+        amplitude = np.linalg.norm(weighted, axis=0)
         # Apart from the inertia, damping and stiffness that the axis has: projection on 1, s and s^2.
-        plain = np.stack([(1j * record.omega) ** k for k in range(3)]) * np.sqrt(power.sum(axis=0))
+        plain = np.stack([(1j * record.omega) ** k for k in range(3)]) * amplitude
         scale = np.linalg.norm(plain, axis=1, keepdims=True)
-        plain /= np.where(scale > 0, scale, 1.0)
-        modes = np.stack([self.stiffness(record.omega, shape) for shape in shapes])
-        wanted = record.from_grid(matched_filter(response)) * body.modelled.conj()
-        explained = (modes.conj() @ wanted).real
-        modes *= np.sqrt(power.sum(axis=0))
-        taken = (modes @ plain.conj().T).real
+        plain = (plain / np.where(scale > 0, scale, 1.0)).conj()
         gram = np.linalg.pinv((plain @ plain.conj().T).real, rcond=1e-10, hermitian=True)
-        whole = np.sum(np.abs(modes) ** 2, axis=1)
-        left = whole - np.sum(taken @ gram * taken, axis=1)
-        return np.asarray(np.maximum(explained, 0.0) ** 2 / np.maximum(left, _LEAST_LEFT * whole))
+        wanted = record.from_grid(matched_filter(response)).conj() * body.modelled
+        scores = np.zeros(len(shapes))
+        for i, shape in enumerate(shapes):
+            mode = self.stiffness(record.omega, shape)
+            explained = max(float((mode @ wanted).real), 0.0)
+            mode *= amplitude
+            taken, whole = (plain @ mode).real, float(np.vdot(mode, mode).real)
+            if whole > 0:
+                scores[i] = explained**2 / max(whole - taken @ gram @ taken, _LEAST_LEFT * whole)
+        return scores
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
         lowest, highest = _modes_seen(prediction.record)

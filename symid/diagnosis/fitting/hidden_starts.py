@@ -15,7 +15,7 @@ from itertools import product
 import numpy as np
 
 from symid.axis import Between, Body, Spring
-from symid.diagnosis.effects import Effect, JointEffect, Placed
+from symid.diagnosis.effects import Effect, JointEffect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, can_integrate, first_state, with_effects
 from symid.diagnosis.prediction.places import place_of
@@ -88,15 +88,17 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
     The re-identified model `fit` gives all values that are not hidden; `nominal` is the model before re-identification.
     """
     for spring, body in _hidden_springs(nominal.state.prediction):
-        grid = list(_near_nominal(fit, nominal, spring, body))
-        for effect, place in product(library, {place_of(spring), body.name}):
-            starts = [
-                Start(near, nominal.weighting, placed)
-                for near in grid
-                for placed in _placed(effect, place, near.prediction, spring)
-                if can_integrate(near.prediction, placed)
-            ]
-            yield from sorted(starts, key=_sum_of_squares)[:_KEPT]
+        places, found = dict.fromkeys((place_of(spring), body.name)), dict[Key, list[tuple[float, Start]]]()
+        for near in _near_nominal(fit, nominal, spring, body):
+            kept = near.released(nominal.weighting)  # a start holds no arrays that follow from it
+            for effect, place in product(library, places):
+                for placed in _placed(effect, place, near.prediction, spring):
+                    if can_integrate(near.prediction, placed):
+                        left = _sum_of_squares(Start(near, nominal.weighting, placed))
+                        own = left, Start(kept, nominal.weighting, placed)
+                        found.setdefault(placed.key, []).append(own)
+        for starts in found.values():
+            yield from (start for _, start in sorted(starts, key=lambda own: own[0])[:_KEPT])
 
 
 def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) -> Iterable[Placed]:

@@ -56,25 +56,33 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
     """
     floor = whole.state.prediction.noise_through(whole.weighting.density)
     known, own = len(first.state.placed), _excess(whole, floor)
+
+    def left(*placed: Placed) -> float:
+        """What a model with other effects leaves, fitted from its values; infinite if that fails."""
+        try:
+            state = with_effects(whole.state, whole.weighting, placed)
+            return _excess(fitted(state, whole.weighting, _ITERATIONS), floor)
+        except (SettingError, np.linalg.LinAlgError, OverflowError):
+            return math.inf
+
     item = whole.state.placed[known]
     # What refines the effect would take its place, as presliding friction takes that of Coulomb friction.
     others = tuple(x for x in whole.state.placed if x is not item and not x.contains(item.key))
     if own <= 0 or item.effect.name in _FIRST_TERMS:
         return LackOfFit()
-    found = ((law, fit) for law in _laws(item, whole) if (fit := _with(whole, (*others, law))) is not None)
-    law, best = min(found, key=lambda pair: _excess(pair[1], floor), default=(None, whole))
-    share = _excess(best, floor) / own
-    if law is None or share >= THRESHOLDS.outdone:
-        return LackOfFit(share=share)
-    without, both = _with(whole, others), _with(whole, (*whole.state.placed, law))
-    if without is None or both is None:
+    least, law = math.inf, None
+    for tried in _laws(item, whole):
+        if (after := left(*others, tried)) < least:
+            least, law = after, tried
+    if law is None or least >= THRESHOLDS.outdone * own:
+        return LackOfFit(share=1.0 if law is None else least / own)
+    without, both = left(*others), left(*whole.state.placed, law)
+    if not math.isfinite(without) or not math.isfinite(both):
         return LackOfFit()
     # Where much else is missing, a law may explain more of that. The effect is then as good beside the law.
-    kept = (_excess(best, floor) - _excess(both, floor)) / max(
-        _excess(without, floor) - own, np.finfo(float).tiny
-    )
+    kept = (least - both) / max(without - own, np.finfo(float).tiny)
     assert isinstance(law.effect, NonparametricLaw)
-    return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in else LackOfFit()
+    return LackOfFit(law.effect.of, least / own) if kept < THRESHOLDS.stands_in else LackOfFit()
 
 
 def _laws(item: Placed, fit: Fit) -> Iterator[Placed]:
@@ -85,14 +93,6 @@ def _laws(item: Placed, fit: Fit) -> Iterator[Placed]:
         for law in _LAWS:
             if fit.n_rows >= _ROWS_PER_VALUE * len(law.amplitudes):
                 yield Placed(law, place, (), (0.0,) * len(law.amplitudes))
-
-
-def _with(whole: Fit, placed: tuple[Placed, ...]) -> Fit | None:
-    """A model with other effects, fitted from its values; None if that fails."""
-    try:
-        return fitted(with_effects(whole.state, whole.weighting, placed), whole.weighting, _ITERATIONS)
-    except (SettingError, np.linalg.LinAlgError, OverflowError):
-        return None
 
 
 def _excess(fit: Fit, floor: FloatArray) -> float:
