@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import sympy as sp
+from sympy.polys.matrices import DomainMatrix
 
 from symid.axis import Axis
 from symid.errors import SettingError
@@ -43,7 +44,7 @@ def feedforward(axis: Axis) -> Feedforward:
         term.xreplace(known)
         for term in (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drives, dynamics.constant)
     )
-    free = [sp.Matrix([1])] if len(dynamics.bodies) == 1 else stiffness.nullspace()
+    free = [sp.Matrix([1])] if len(dynamics.bodies) == 1 else _nullspace(stiffness)
     works = [sp.cancel((drive.T * motion)[0]) for motion in free]
     if len(free) != 1 or works[0] == 0:
         raise SettingError(
@@ -71,6 +72,13 @@ def feedforward(axis: Axis) -> Feedforward:
             "determines: leave out imperfections with memory or time"
         )
     return Feedforward((friction + other) / gain, friction / gain)
+
+
+def _nullspace(matrix: sp.Matrix) -> list[sp.Matrix]:
+    """Basis of the null space, the last entry of each vector 1, over rational functions, where zero needs no search."""
+    rows = DomainMatrix.from_Matrix(matrix).to_field().nullspace().to_Matrix()
+    lasts = (next(entry for entry in reversed(list(rows.row(i))) if entry != 0) for i in range(rows.rows))
+    return [(rows.row(i).T / last).applyfunc(sp.cancel) for i, last in enumerate(lasts)]
 
 
 def _at_drive(jump: sp.Expr) -> sp.Expr:

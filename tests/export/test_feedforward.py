@@ -10,15 +10,28 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy as sp
 from axes.catalogue import cases, derived
 from axes.shipped import VALUES, write_parameters
 from blark.parse import parse_source_code
 from command_line import run
 from export.compiler import compiler
 
-from symid import ActuatorLag, PayloadChange, PreslidingFriction, load_axis
+from symid import (
+    ActuatorLag,
+    Axis,
+    Between,
+    Body,
+    Drive,
+    PayloadChange,
+    Position,
+    PreslidingFriction,
+    Spring,
+    load_axis,
+)
 from symid.errors import SettingError
 from symid.export import c_source, structured_text
+from symid.export.feedforward import feedforward
 from symid.symbolic import derive
 
 G = 9.80665
@@ -188,3 +201,15 @@ def test_imperfections_are_left_out_of_the_block_which_says_so() -> None:
     ]
     for element in (presliding, lag):
         assert element.formula.split()[0] in exported.text
+
+
+def test_a_long_chain_moves_as_one_mass() -> None:
+    """Springs of symbols between eight bodies, where a search for zeros took minutes."""
+    bodies = [Body(f"b{i}", mass=f"m{i}") for i in range(8)]
+    springs = (
+        Spring(f"s{i}", Between(first=bodies[max(i - 2, 0)], second=bodies[i]), stiffness=f"K{i}")
+        for i in range(1, 8)
+    )
+    axis = Axis("chain", (*bodies, *springs), Drive("F", bodies[0]), (Position("q", bodies[0]),))
+    total = sum(sp.Symbol(f"m{i}") for i in range(8))
+    assert sp.expand(feedforward(axis).force - total * sp.Symbol("acceleration_")) == 0
