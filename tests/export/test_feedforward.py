@@ -204,7 +204,7 @@ def test_imperfections_are_left_out_of_the_block_which_says_so() -> None:
 
 
 def test_a_long_chain_moves_as_one_mass() -> None:
-    """Springs of symbols between eight bodies, where a search for zeros took minutes."""
+    """Springs of symbols between eight bodies, where a search for zeros took long."""
     bodies = [Body(f"b{i}", mass=f"m{i}") for i in range(8)]
     springs = (
         Spring(f"s{i}", Between(first=bodies[max(i - 2, 0)], second=bodies[i]), stiffness=f"K{i}")
