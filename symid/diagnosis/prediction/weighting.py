@@ -26,7 +26,7 @@ _SHORTEST_REST = 0.004
 _LONGER = 1.5
 """Duration of low speed, relative to that of a reversal, from which on the axis sticks."""
 _TAPER = 0.004
-_END, _END_OF_BAND = 0.02, 1.0
+_END, _END_OF_BAND = 0.02, 0.5
 """Time at the ends of a log that is left out, s, and in periods of the highest frequency used: there the band-limited
 continuation of the log rings."""
 _MOST_OF_LOG = 0.05
