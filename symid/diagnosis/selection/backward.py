@@ -254,7 +254,9 @@ def _chain(
         if whole is not None and (not later or member.placed.integrated) and len(chain) == i:
             starts.append(_with_values_of(whole, first, members[: i + 1]))
         tried = (confirmed_from(before, start, beside=later) for start in starts)
-        found = max((own for own in tried if own is not None), key=lambda own: own.gain, default=None)
+        # starts of one model: the lowest error is its fit, whichever start predicts blocks better
+        fits = (own for own in tried if own is not None)
+        found = min(fits, key=lambda own: own.fit.mean_square, default=None)
         if found is None and justified and i:
             continue
         if found is None:
