@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.controller import Cascade
 from symid.simulation.plant import Plant
@@ -15,12 +16,16 @@ _SLOWEST, _FASTEST = 1e-6, 1e6
 """Range of bandwidths, Hz: beyond it powers of them overflow."""
 _SHARED = 1e-9
 """Singular value, relative to the largest, below which drives count as moving the same mass."""
+_RESOLVED = 1e-6
+"""Rate at which the mass is resolved, relative to the fastest mode."""
+_ALIKE = 3.0
+"""Factor by which friction and springs to the ground may change the mass that a loop is tuned to, at most."""
 
 
 def tuned_cascade(
     plant: Plant, signal: str, bandwidth_hz: float = 20.0, force_limit: float = math.inf
 ) -> Cascade:
-    """Cascade tuned to the mass that the drive moves at low frequency.
+    """Cascade tuned to the mass that the drive moves at low frequency, whatever the friction and springs to the ground.
 
     The velocity loop crosses over at `bandwidth_hz`; the position loop and the integral at a fifth of it.
 
@@ -88,17 +93,32 @@ def tuned_cascades(
                 f"{signal!r} is not a position sensor of this axis: a cascade controls a position, so declare one; "
                 "an identification need not use it"
             )
-    rows = np.array([plant.sensors[signal].row for signal in signals])
     angular = 2 * math.pi * bandwidth_hz
-    s = 1j * angular / 100
-    response = rows @ np.linalg.solve(
-        plant.mass * s**2 + plant.damping * s + plant.stiffness, plant.drives.astype(complex)
-    )
-    # At low frequency the response is 1 / (mass s^2). It is singular if drives move one mass: the pseudoinverse then
-    # shares the mass among them.
-    moved = np.linalg.pinv(response * s**2, rcond=_SHARED).sum(axis=1)
-    masses = np.copysign(np.abs(moved), moved.real)  # negative where a force drives its sensor backwards
+    masses = _moved_masses(plant, np.array([plant.sensors[signal].row for signal in signals]), angular / 100)
     return tuple(
         Cascade(signal, angular / 5, mass * angular, angular / 5, force_limit=force_limit)
         for signal, mass in zip(signals, masses.tolist(), strict=True)
     )
+
+
+def _moved_masses(plant: Plant, rows: FloatArray, rate: float) -> FloatArray:
+    """Mass that each drive moves if all rows move together slowly; negative where it drives its row backwards.
+
+    The force at this rate tells it, unless friction or springs to the ground make most of that force: the loop would
+    then cross over far from its bandwidth.
+    """
+    # Slower, rounding would hide the mass beside the stiffest spring.
+    rate = max(rate, _RESOLVED * math.sqrt(max(np.linalg.solve(plant.mass, plant.stiffness).trace(), 0.0)))
+    # Force per acceleration. It is singular if drives move one mass: the pseudoinverse then shares the mass among them.
+    s = 1j * rate
+    dynamic = plant.mass * s**2 + plant.damping * s + plant.stiffness
+    response = rows @ np.linalg.solve(dynamic, plant.drives)
+    felt = np.abs(np.linalg.pinv(response * s**2, rcond=_SHARED).sum(axis=1))
+    # Without friction, and at a real rate, the force per displacement is k + m s^2; m is its derivative by s^2.
+    static = plant.mass * rate**2 + plant.stiffness
+    moved, weights = np.linalg.solve(static, plant.drives), np.linalg.solve(static.T, rows.T)
+    forces = np.linalg.pinv(rows @ moved, rcond=_SHARED)
+    slopes = weights.T @ plant.mass @ moved
+    masses = np.abs((forces @ slopes @ forces).sum(axis=1))
+    alike = (felt < _ALIKE * masses) & (masses < _ALIKE * felt)
+    return np.asarray(np.where(alike, felt, masses) * np.sign(np.diag(slopes)))

@@ -29,7 +29,7 @@ PAIR = Axis(
 TRUE = {"M1": 30.0, "Fv1": 150.0, "Fs1": 12.0, "M2": 50.0, "Fv2": 260.0, "K": 2e5, "C": 600.0}
 NOISE = "--noise F1=1 --noise F2=1 --noise q1=1e-7 --noise q2=1e-7"
 COMMON = "travel=0.2m,speed=0.5,acceleration=5"
-RUN = "--seconds 2.5 --rate 1000 --seeds 0 --runs 4 --bandwidth 10"
+RUN = "--seconds 2.5 --rate 1000 --seeds 0 --runs 4 --bandwidth 40"
 OUTPUT = "-o r.csv --overwrite --json r.json"
 
 
@@ -58,7 +58,7 @@ def test_drives_that_may_differ_determine_what_is_between_them(folder: Path) -> 
     written = pd.read_csv("r.csv")
     assert list(written) == ["t", "reference", "reference_F2"]
     assert 1e-4 < np.abs(written["reference"] - written["reference_F2"]).max() < 0.002
-    follow = f"--trajectory r.csv --rate 1000 --bandwidth 10 {NOISE} --seed 9 -o run.csv"
+    follow = f"--trajectory r.csv --rate 1000 --bandwidth 40 {NOISE} --seed 9 -o run.csv"
     assert run("simulate", "pair.py", "--parameters", "P.json", *follow.split()) == 0
     log = pd.read_csv("run.csv")
     assert np.abs(log["q1"] - log["q2"]).max() < 0.002 + 1e-6
