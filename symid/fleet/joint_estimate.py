@@ -26,6 +26,7 @@ from symid.errors import SettingError
 from symid.estimation import LeastSquares, TriangularFactor, estimate, triangular_factors
 from symid.identification import Identification, PhysicalEstimate, physical_estimates
 from symid.identification.identification_result import EstimatedParameters
+from symid.identification.log_agreement import LogEstimate, disagreement_between
 from symid.identification.verdict import Status, verdict
 
 
@@ -188,10 +189,15 @@ def identify_jointly(
         physical: tuple[PhysicalEstimate, ...] = ()
         if fit.status == "ok":
             physical = physical_estimates(model, fit.parameters, covariance, nominal)
-        judged = verdict(model, fit, physical)
-        disagreement, freedom = _disagreement(logs, fit)
+        status, message = verdict(model, fit, physical)
+        alone = _alone(logs) if fit.status == "ok" else []
+        disagreement, freedom = _disagreement(alone)
+        if status == "ok" and (apart := _apart(model, fit, covariance, physical[0], alone)):
+            status, message = "poor_fit", apart
     names = tuple(log.log for log in logs)
-    return JointIdentification(model, names, fit, covariance, physical, *judged, disagreement, freedom)
+    return JointIdentification(
+        model, names, fit, covariance, physical, status, message, disagreement, freedom
+    )
 
 
 def _check(model: GeneratedModel, logs: Sequence[LogFactors]) -> None:
@@ -226,21 +232,52 @@ def _covariance(logs: Sequence[LogFactors], fit: LeastSquares) -> FloatArray:
     return read_only(covariance)
 
 
-def _disagreement(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[float, int]:
-    """Chi-square of the separate estimates about their weighted mean, and its degrees of freedom."""
-    alone = [
-        (own.parameters, log.covariance)
+@dataclass(frozen=True, eq=False)
+class _Alone:
+    """Estimate of the minimal parameters from one log."""
+
+    log: str
+    parameters: FloatArray
+    covariance: FloatArray
+
+
+def _alone(logs: Sequence[LogFactors]) -> list[_Alone]:
+    """Estimates from the logs that determine all parameters alone."""
+    return [
+        _Alone(log.log, own.parameters, log.covariance)
         for log, own in ((log, estimate(log.factors)) for log in logs)
         if own.status == "ok" and np.all(np.isfinite(log.covariance))
     ]
-    if len(alone) < 2 or fit.status != "ok":
+
+
+def _apart(
+    model: GeneratedModel,
+    fit: LeastSquares,
+    covariance: FloatArray,
+    physical: PhysicalEstimate,
+    alone: Sequence[_Alone],
+) -> str:
+    """Statement on a log whose own physical parameters, to first order, differ from the joint ones; else empty."""
+
+    def estimated(log: str, minimal: FloatArray, spread: FloatArray) -> LogEstimate:
+        values = physical.parameters + physical.sensitivity @ (minimal - fit.parameters)
+        named = dict(zip(model.physical_units, values, strict=True))
+        return LogEstimate(log, named, physical.propagated_deviations(spread))
+
+    each = [estimated(one.log, one.parameters, one.covariance) for one in alone]
+    return disagreement_between(estimated("all", fit.parameters, covariance), each)
+
+
+def _disagreement(alone: Sequence[_Alone]) -> tuple[float, int]:
+    """Chi-square of the separate estimates about their weighted mean, and its degrees of freedom."""
+    if len(alone) < 2:
         return float("nan"), 0
     # In units of their typical deviations, neither large nor small parameters lose digits. The mean is weighted with
     # the inverse covariances; the sum of squared Mahalanobis distances from it is the chi-square.
-    scale = np.sqrt(np.mean([np.diag(covariance) for _, covariance in alone], axis=0))
+    scale = np.sqrt(np.mean([np.diag(one.covariance) for one in alone], axis=0))
     scale = np.where(scale > 0, scale, 1.0)
-    precisions = [np.linalg.pinv(C / np.outer(scale, scale), hermitian=True) for _, C in alone]
-    values = [X / scale for X, _ in alone]
+    precisions = [np.linalg.pinv(one.covariance / np.outer(scale, scale), hermitian=True) for one in alone]
+    values = [one.parameters / scale for one in alone]
     weighted = [P @ X for P, X in zip(precisions, values, strict=True)]
     mean = np.linalg.solve(sum(precisions), np.sum(weighted, axis=0))
     total = sum(float((X - mean) @ P @ (X - mean)) for P, X in zip(precisions, values, strict=True))

@@ -81,6 +81,10 @@ class Criteria:
     # in the larger printed deviation, from which it depends on the cutoff: right undamaged logs show up to 1.8
     cutoff_change: float = 0.05
     cutoff_certain: float = 2.5
+    # log_change, log_certain: relative difference of a parameter between one log and all, and its size in the
+    # deviation of the one, from which the logs are not of one machine
+    log_change: float = 0.05
+    log_certain: float = 4.0
     # printed deviation, as part of the value, up to which a result is as precise as wanted; beyond it, other
     # cutoffs are tried
     precise: float = 0.01

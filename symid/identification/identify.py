@@ -34,6 +34,7 @@ from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_lo
 from symid.identification.identification_result import Identification, best_covariance
 from symid.identification.inseparable import estimates_by_priors
 from symid.identification.lagging import lag_of
+from symid.identification.log_agreement import LogEstimate, disagreement_between
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.reliability import with_faults
@@ -135,7 +136,24 @@ def identify(
     found, tried = least_uncertain(estimation, trial, found_at)
     if examine == "bias":
         return with_constraint_check(found)
-    return with_checks(found, parts_of(found.observations), every, tried=tried)
+    checked = with_checks(found, parts_of(found.observations), every, tried=tried)
+    if len(every) == 1 or checked.status != "ok":
+        return checked
+    alone = partial(
+        identify,
+        model,
+        method=method,
+        preparation=preparation,
+        nominal=checked.physical_parameters,
+        constraints=constraints,
+    )
+    each = [_estimate_of(one) for one in map(alone, every) if one.status == "ok"]
+    apart = disagreement_between(_estimate_of(checked), each)
+    return replace(checked, status="poor_fit", message=apart) if apart else checked
+
+
+def _estimate_of(found: Identification) -> LogEstimate:
+    return LogEstimate(", ".join(found.logs), found.physical_parameters, found.physical_deviations)
 
 
 def found_from(

@@ -8,12 +8,12 @@ import numpy as np
 
 from symid.identification import Identification
 from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.log_agreement import LogEstimate, disagreement_between
 from symid.identification.noise import noise_deviations
 from symid.identification.physical import negative_parameters, open_by_structure
 from symid.identification.poor_fit import unexplained_statement
 from symid.identification.verdict import not_by_structure
 from symid.output_error.controller_check import controller_mismatch
-from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification, Status
 
 _VAGUE = 50.0
@@ -23,8 +23,6 @@ _NO_FRICTION = 1e-3
 """Three deviations of a friction level, as a share of the rms force, below which the friction counts as absent."""
 _CORRELATED = 1.5
 """Least ratio of the deviations of correlated innovations to those of white ones for a note."""
-_TOGETHER = 1.5
-"""Highest ratio of a log's innovations in the joint fit to those in a fit of this log alone."""
 _DISAGREE = 3.0
 """Difference of two methods, in deviations, that is accepted: deviations do not cover all errors of a method."""
 _NOTICEABLE = 0.05
@@ -38,13 +36,13 @@ _MUCH_CORRELATED = 8.0
 def verdict_of(
     found: OutputErrorIdentification,
     regression: Identification | None = None,
-    alone: Sequence[LikelihoodFit] = (),
+    alone: Sequence[OutputErrorIdentification] = (),
     criteria: Criteria = CRITERIA,
 ) -> tuple[Status, str]:
     """Status of an estimate, and a sentence on its meaning and cure; empty for "ok".
 
     A fault of a channel that least squares found in the same logs holds here too, and others where the innovations are
-    not white either. `alone` are the estimates of each of several logs.
+    not white either. `alone` are the results of each of several logs.
     """
     if found.fit is None:
         return (
@@ -169,14 +167,15 @@ def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
     )
 
 
-def _apart_remark(found: OutputErrorIdentification, alone: Sequence[LikelihoodFit]) -> str:
-    """Remark on logs that their own parameters explain much better than the common ones."""
-    if found.fit is None or len(alone) != len(found.logs):
-        return ""
-    levels = zip(found.logs, found.fit.search.levels, alone, strict=True)
-    worse = [log.source for log, level, one in levels if level > _TOGETHER * one.search.levels[0]]
-    cure = "they are of different axes, or one is damaged; identify each alone"
-    return f"common parameters do not explain {', '.join(worse)} as its own do: {cure}" if worse else ""
+def _apart_remark(found: OutputErrorIdentification, alone: Sequence[OutputErrorIdentification]) -> str:
+    """Remark on logs whose own parameters, where a log alone is "ok", differ from the common ones."""
+    sound = [_estimate_of(one) for one in alone if one.status == "ok"]
+    return disagreement_between(_estimate_of(found), sound)
+
+
+def _estimate_of(found: OutputErrorIdentification) -> LogEstimate:
+    source = ", ".join(log.source for log in found.logs)
+    return LogEstimate(source, found.physical_parameters, found.physical_deviations)
 
 
 def _regression_remark(found: OutputErrorIdentification, regression: Identification | None) -> str:

@@ -94,7 +94,8 @@ def identify_output_error(
         held = axis.drives[0].held or (False if is_timed else None)
     comparisons = _comparisons(whole, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
-        regression = _least_squares(visible, runs, replace(prepared, held=bool(held)), nominal)
+        settings = replace(prepared, held=bool(held))
+        regression = _least_squares(visible, runs, settings, nominal)
         starts = _starts(whole, comparisons[0].dynamics, runs, regression, nominal)
         if regression is not None and regression.status == "recording":
             starts = starts[:1]  # a channel is damaged: no start leads to parameters that can be trusted
@@ -103,10 +104,13 @@ def identify_output_error(
             *notes_on_declared(delays, prepared.late, () if loop else passed_over(axis)),
         )
         agreed = regression if visible is whole else None
-        found = _judged(axis, whole, runs, _best_fit(comparisons, runs, starts), notes, agreed)
+        each = [_least_squares(visible, [run], settings, nominal) for run in runs if agreed and len(runs) > 1]
+        found = _judged(axis, whole, runs, _best_fit(comparisons, runs, starts), notes, agreed, each)
         if found.status == "not_physical" and agreed is not None and agreed.status == "ok":
             # a model whose force hardly acts can be likelier: it predicts smooth readings by themselves
-            nearest = _judged(axis, whole, runs, _best_fit(comparisons, runs, starts[:1]), notes, agreed)
+            nearest = _judged(
+                axis, whole, runs, _best_fit(comparisons, runs, starts[:1]), notes, agreed, each
+            )
             found = found if nearest.status in ("not_physical", "not_converged", "no_start") else nearest
     if found.status == "not_converged" and visible is not whole and loop is None:
         message = "predictions do not determine friction at hidden bodies: give `controller`, its gains"
@@ -121,8 +125,9 @@ def _judged(
     best: tuple[LikelihoodFit | None, ErrorModel, list[LikelihoodFit]],
     notes: tuple[str, ...],
     regression: Identification | None,
+    each: Sequence[Identification | None] = (),
 ) -> OutputErrorIdentification:
-    """Result of a fit with its status, and notes besides those given."""
+    """Result of a fit with its status, and notes besides those given; `each` are the regressions of single logs."""
     fit, comparison, own = best
     found = OutputErrorIdentification(
         axis=axis,
@@ -134,7 +139,10 @@ def _judged(
         message="",
         notes=notes,
     )
-    status, message = verdict_of(found, regression, own)
+    # of several logs with regressions, each is judged alone, too; a single log has neither `own` nor `each`
+    singles = zip(logs, own, each, strict=True) if each and len(own) == len(each) else ()
+    alone = [_judged(axis, model, (log,), (one, comparison, []), (), single) for log, one, single in singles]
+    status, message = verdict_of(found, regression, alone)
     return replace(found, status=status, message=message, notes=(*notes, *remarks_on(found)))
 
 

@@ -107,3 +107,13 @@ def test_mistakes_are_reported() -> None:
         identify_jointly(MODEL, [LogFactors("other", (factor,), np.eye(2))])
     with pytest.raises(SettingError, match="identify each log alone"):
         log_factors(identify(MODEL, [run(1, 1.0), run(2, 1.0)], examine=False))
+
+
+@pytest.mark.parametrize(("mass", "status"), [(5.0, "ok"), (5.6, "poor_fit")])
+def test_a_precise_log_of_another_mass_is_told_from_right_ones(mass: float, status: str) -> None:
+    logs = [run(40, 0.02, mass), run(41, 2.0), run(42, 2.0)]
+    each = [identify(MODEL, log) for log in logs]
+    together, joined = identify(MODEL, logs), identify_jointly(MODEL, [log_factors(one) for one in each])
+    assert {one.status for one in each} == {"ok"}
+    assert (together.status, joined.status) == (status, status)
+    assert all("M is " in one.message for one in (together, joined) if status != "ok")

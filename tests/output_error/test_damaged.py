@@ -99,3 +99,12 @@ def test_a_lag_beside_white_innovations_is_reported() -> None:
     found = identify_output_error(load_axis(case.axis), load_generated(case.axis, case.measured), log)
     assert found.status == "timing"
     assert found.message.startswith("F lags")
+
+
+@pytest.mark.parametrize("mass", [100.0, 112.0])
+def test_logs_are_told_apart_where_one_has_another_payload(rigid: Log, mass: float) -> None:
+    logs = [rigid, swept({**RIGID, "M": mass}, seed=2)]
+    found = identify_output_error(load_axis("rigid_1m"), load_generated("rigid_1m"), logs, held=True)
+    same = mass == RIGID["M"]
+    assert found.status == ("ok" if same else "poor_fit"), found.message
+    assert same or "differ between the logs" in found.message
