@@ -16,12 +16,12 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Log
+from symid.data import AnyLog
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, Method, TriangularFactor, estimate, refine_blocks
 from symid.identification.coulomb import factors_without
 from symid.identification.criteria import CRITERIA
-from symid.identification.excerpts import Excerpt
+from symid.identification.excerpts import excerpts
 from symid.identification.identification_result import Identification
 from symid.identification.poor_fit import unexplained
 from symid.identification.row_blocks import Run, blocks_of_runs
@@ -118,11 +118,8 @@ class Estimation:
         """Largest residual of an equation as part of its output, beyond noise; inf without all parameters."""
         if found.fit.status != "ok":
             return math.inf
-        pairs = enumerate(zip(self.logs, found.runs, strict=True))
-        seen = [
-            Excerpt(self.model, log, run.observation, k) for k, (log, run) in pairs if isinstance(log, Log)
-        ]
-        return float(np.max(unexplained(self.model, seen, found.fit))) if seen else 0.0
+        parts = excerpts(self.model, self.logs, [run.observation for run in found.runs])
+        return float(np.max(unexplained(self.model, parts, found.fit)))
 
     def _is_drowned(self, found: CutoffTrial) -> bool:
         """Whether so much of an equation is left that no estimate at this cutoff is accepted, be it noise."""
@@ -186,9 +183,8 @@ def least_uncertain(
     best = widened(first)
     tried = [best]
     sizes = _relative_deviations(best)
-    in_memory = all(isinstance(log, Log) for log in estimation.logs)
     few = sum(log.n_samples for log in estimation.logs) <= _MANY_ROWS
-    is_open = estimation.preparation.cutoff_hz is None and in_memory and few
+    is_open = estimation.preparation.cutoff_hz is None and few
     if is_open and best.status == "too_few_rows":  # half a period of the cutoff is lost at each reversal
         others = (estimation.scaled(first, f) for f in _upward(estimation.highest(first, is_coherent=False)))
         enough = ((one, widened(one)) for one in others if one is not None)

@@ -141,3 +141,11 @@ def test_a_trim_that_leaves_nothing_is_refused() -> None:
 def test_an_empty_block_is_refused() -> None:
     with pytest.raises(SettingError, match="holds nothing"):
         LongLog.of(rigid(1000), 0)
+
+
+def test_other_cutoffs_are_tried_as_they_are_in_memory() -> None:
+    model, log = load_generated("rigid_1m"), rigid(6000)
+    first = identify(model, log, examine=False)
+    memory, blocks = (identify(model, one) for one in (log, LongLog.of(log, block=2000)))
+    cutoffs = [one.observations[0].preparation.cutoff_hz for one in (first, memory, blocks)]
+    assert cutoffs[0] != cutoffs[1] == cutoffs[2]
