@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -50,10 +51,17 @@ def confirmed_from(
 
 
 def _judged(fit: Fit, found: Fit, beside: Sequence[Placed]) -> Confirmed | None:
-    """Cross-validated gain of a model over the model without its last effect."""
+    """Cross-validated gain of a model over the model without its last effect, in the weights of the latter.
+
+    A fit that began elsewhere has other weights; errors in these would not compare.
+    """
     if not (np.isfinite(found.mean_square) and np.isfinite(found.columns).all()):
         return None
-    blocks = found.blocks
+    compared = found
+    if not np.array_equal(found.weighting.density, fit.weighting.density):
+        weighting = replace(found.weighting, density=fit.weighting.density)
+        compared = found.with_weights(found.state.weighted(weighting), weighting)
+    blocks = compared.blocks
     if not is_credible(fit, found, blocks, beside):
         return None
     n = found.n_rows
