@@ -30,9 +30,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     `blocks` belong to the model with the effect. Effects `beside` are known to be present but in neither model yet.
     """
     item, prediction = found.state.placed[-1], found.state.prediction
-    # By the noise of the model before: a heavier axis passes more noise on and would seem to leave less.
-    left = float(np.mean(found.squares_by_noise_of(fit)))
-    explains = left - 1 < THRESHOLDS.explains_all * (fit.mean_square - 1)
+    explains = _explains(fit, found)
     if not item.effect.is_possible(prediction, item):
         return False
     if not (explains or item.effect.is_plausible(prediction, item)):
@@ -50,6 +48,14 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
     return is_determined(item, blocks) and (explains or acting_share(found) > THRESHOLDS.least_acting)
+
+
+def _explains(fit: Fit, found: Fit) -> bool:
+    """Whether a model before which more than noise was left takes away nearly all that exceeds noise."""
+    # By the noise of the model before: a heavier axis passes more noise on and would seem to leave less.
+    left = float(np.mean(found.squares_by_noise_of(fit)))
+    before = fit.mean_square
+    return before > THRESHOLDS.fit_of_noise and left - 1 < THRESHOLDS.explains_all * (before - 1)
 
 
 def _turns_friction(fit: Fit, found: Fit, blocks: Blocks) -> bool:
