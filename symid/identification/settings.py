@@ -119,11 +119,8 @@ class Preparation:
 
     def with_hold(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
         """Seconds by which the signals of a log were recorded late: as given, else as declared; a hold included."""
-        held = self.is_held(model)
-        late = {**model.delays, **self.late}
-        for force in model.forces:
-            late = with_hold(late, force, held=held, sampling_period=sampling_period)
-        return late
+        holds = dict.fromkeys(model.forces, sampling_period) if self.is_held(model) else {}
+        return with_holds({**model.delays, **self.late}, holds)
 
 
 def notes_on_declared(
@@ -159,15 +156,13 @@ def notes_on_declared(
     return tuple(notes)
 
 
-def with_hold(
-    late: Mapping[str, float], force: str, *, held: bool, sampling_period: float
-) -> dict[str, float]:
-    """Seconds by which signals were recorded late; a force that is held acts half a sample after it is recorded.
+def with_holds(late: Mapping[str, float], holds: Mapping[str, float]) -> dict[str, float]:
+    """Seconds by which signals were recorded late; a held force acts half the time of its hold after it is recorded.
 
-    >>> with_hold({"F": 1e-3}, "F", held=True, sampling_period=1e-3)
+    >>> with_holds({"F": 1e-3}, {"F": 1e-3})
     {'F': 0.0005}
     """
-    return {**late, force: late.get(force, 0.0) - sampling_period / 2} if held else dict(late)
+    return {**late, **{force: late.get(force, 0.0) - hold / 2 for force, hold in holds.items()}}
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,9 +71,8 @@ def driven_backwards(fit: Fit) -> str:
     inside, driven = record.in_log, prediction.joints_of_drives[0]
     supplied = (record.fine(record.measured[0]) * driven.v)[inside]
     least = max(_SURELY * deviation, _OF_POWER * float(np.mean(np.abs(supplied))))
-    if not (
-        power < -least and np.mean(supplied) < 0
-    ):  # a model that lacks much may imitate it, the drive does not
+    # a model that lacks much may seem to supply energy: then the drive does not absorb it
+    if not power < -least or not np.mean(supplied) < 0:
         return ""
     negative = ", ".join(f"{name} {fit.parameters[name]:.3g}" for name in powers if fit.parameters[name] < 0)
     return (

@@ -14,7 +14,7 @@ from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.joined_logs import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
-from symid.identification.settings import with_hold
+from symid.identification.settings import with_holds
 from symid.simulation import Cascade
 from symid.simulation.forward_dynamics import forward_dynamics
 
@@ -35,9 +35,7 @@ class Recorded:
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the forces included."""
         late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
-        for force, hold in self.holds(axis, sampling_period).items():
-            late = with_hold(late, force, held=True, sampling_period=hold)
-        return late
+        return with_holds(late, self.holds(axis, sampling_period))
 
     def holds(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time for which each force that is held from sample to sample is held, s."""

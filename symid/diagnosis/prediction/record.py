@@ -252,8 +252,14 @@ def record_of(
         )
     driven = signals[: len(dynamics.axis.drives)]
     band = motion_hz or max(motion_band(log[name], log.sampling_frequency) for name in driven)
-    record = Record(dynamics=dynamics, log=log, signals=signals, motion_hz=band, late=dict(late or {}))
-    record = replace(record, holds=dict(holds or {}))
+    record = Record(
+        dynamics=dynamics,
+        log=log,
+        signals=signals,
+        motion_hz=band,
+        late=dict(late or {}),
+        holds=dict(holds or {}),
+    )
     while motion_hz is None and record.is_drowned and record.n_bins > FEWEST_BINS:
         record = replace(record, motion_hz=record.motion_hz * _SLOWER)
     return record

@@ -30,7 +30,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     `blocks` belong to the model with the effect. Effects `beside` are known to be present but in neither model yet.
     """
     item, prediction = found.state.placed[-1], found.state.prediction
-    explains = _explains(fit, found)
+    explains = _explains_all(fit, found)
     if not item.effect.is_possible(prediction, item):
         return False
     if not (explains or item.effect.is_plausible(prediction, item)):
@@ -50,8 +50,8 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     return is_determined(item, blocks) and (explains or acting_share(found) > THRESHOLDS.least_acting)
 
 
-def _explains(fit: Fit, found: Fit) -> bool:
-    """Whether a model before which more than noise was left takes away nearly all that exceeds noise."""
+def _explains_all(fit: Fit, found: Fit) -> bool:
+    """Whether an effect takes away nearly all that exceeds noise, of an error of more than noise."""
     # By the noise of the model before: a heavier axis passes more noise on and would seem to leave less.
     left = float(np.mean(found.squares_by_noise_of(fit)))
     before = fit.mean_square
