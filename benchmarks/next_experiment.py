@@ -19,7 +19,7 @@ from symid.diagnosis.experiment.design import rivals_of
 from symid.diagnosis.experiment.discrimination import Rivals
 from symid.diagnosis.experiment.simulated import simulated_experiment
 from symid.diagnosis.fitting.applied import applied
-from symid.diagnosis.fitting.fit import fitted
+from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Trajectory, multisine, plant_of, simulate, trapezoids, tuned_cascade
 

@@ -32,7 +32,8 @@ from symid.diagnosis.findings.parameter_changes import effect_values
 from symid.diagnosis.findings.wording import sentence_against
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.deviations import standard_deviations
-from symid.diagnosis.fitting.fit import ITERATIONS, Fit, converged, fitted
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import ITERATIONS, converged, fitted
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.in_motion.motion import with_motion

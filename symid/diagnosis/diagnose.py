@@ -236,7 +236,7 @@ def _strongest_first(
     Logs excite effects differently, and an effect that is found first takes over what it has in common with others. One
     that removes less than half of the largest share shows only beside the others and is not the first.
     """
-    accepted = [step for step in steps if step.accepts][: comparison.upheld]
+    accepted = [step for step in steps if step.accepts][: comparison.validated]
     if len(accepted) < 2 or accepted[0].confirmed[0].effect.name == LATE_READING:
         return steps, comparison
     shares = [comparison.removed(i + 1, i + 2).share for i in range(len(accepted))]
@@ -247,7 +247,7 @@ def _strongest_first(
         ordered = brought_first(accepted, int(at))
         other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
         as_good = other.relative_error**2 < THRESHOLDS.as_good * comparison.relative_error**2
-        if as_good and other.upheld > 0 and other.removed(1, 2).share >= least:
+        if as_good and other.validated > 0 and other.removed(1, 2).share >= least:
             return ordered, other
     return steps, comparison
 

@@ -21,7 +21,7 @@ from symid import (
 )
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import LIBRARY, FlexibleModeEffect, PayloadChangeEffect, Placed, SaturationEffect
-from symid.diagnosis.effects.forces import PeriodicDisturbanceEffect
+from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect
 from symid.diagnosis.fitting.cross_validation import Blocks
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects

@@ -11,8 +11,10 @@ from symid.arrays import FloatArray
 from symid.axis import CoulombFriction, LoadDependentFriction, StiffnessNonlinearity, load_axis
 from symid.data import Log
 from symid.diagnosis.effects import Placed, effects_of
-from symid.diagnosis.effects.friction_effects import LoadDependentFrictionEffect, dahl_state
-from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect
+from symid.diagnosis.effects.presliding_friction import dahl_state
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import can_integrate, first_state, with_effects

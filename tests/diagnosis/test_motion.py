@@ -14,7 +14,8 @@ from symid.axis import STANDARD_GRAVITY
 from symid.codegen import model_of
 from symid.diagnosis import diagnose, diagnose_against
 from symid.diagnosis.effects import effects_of
-from symid.diagnosis.fitting.fit import Fit, fitted_on
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted_on
 from symid.diagnosis.fitting.state import evaluated
 from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_with_effects
 from symid.diagnosis.in_motion.motion import is_contradicted

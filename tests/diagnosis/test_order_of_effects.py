@@ -8,8 +8,8 @@ import pytest
 from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import diagnose
-from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.findings.strength import strengths_of
+from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.prediction.data import Recorded, data_of
@@ -18,7 +18,7 @@ from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import brought_first
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
-comparison_module = sys.modules[compared.__module__]
+applied_module = sys.modules[applied.__module__]
 diagnose_module = sys.modules["symid.diagnosis.diagnose"]  # the package holds the function of that name
 RIGID = load_axis("rigid_1m")
 VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
@@ -105,14 +105,14 @@ def test_hidden_bodies_go_on_when_a_mass_changes(moment: float) -> None:
 def test_a_model_that_grows_without_bound_on_the_validation_log_is_left_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    under = comparison_module.applied
+    under = applied
 
     def grows(model: State, *others: object) -> tuple[State, Weighting]:
         if model.placed:
             raise OverflowError("the hidden motion grows without bound")
         return under(model, *others)
 
-    monkeypatch.setattr(comparison_module, "applied", grows)
+    monkeypatch.setattr(applied_module, "applied", grows)
     found = diagnose(
         RIGID, slide([0.05, 0.1, 0.3], 1), validation=slide([0.1, 0.3, 0.5], 2), nominal=VALUES, held=True
     )

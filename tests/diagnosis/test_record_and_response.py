@@ -19,8 +19,9 @@ from symid import (
     load_axis,
 )
 from symid.diagnosis.effects import ActuatorLagEffect, EncoderRippleEffect, Placed, effects_of
-from symid.diagnosis.effects.forces import FlexibleModeEffect
-from symid.diagnosis.effects.friction_effects import LoadDependentFrictionEffect, dahl_state
+from symid.diagnosis.effects.flexible_mode import FlexibleModeEffect
+from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect
+from symid.diagnosis.effects.presliding_friction import dahl_state
 from symid.diagnosis.fitting.sensitivity import parameter_columns, prediction_jacobian
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.held_out import training_and_held_out

@@ -21,7 +21,7 @@ from symid import (
 from symid.axis import Between
 from symid.diagnosis import diagnose
 from symid.diagnosis.fitting import start
-from symid.diagnosis.fitting.fit import converged
+from symid.diagnosis.fitting.gauss_newton import converged
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined

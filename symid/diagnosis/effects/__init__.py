@@ -16,20 +16,13 @@ from symid.diagnosis.effects.effect import (
     Placed,
     Shape,
 )
-from symid.diagnosis.effects.forces import (
-    FlexibleModeEffect,
-    PayloadChangeEffect,
-    PeriodicDisturbanceEffect,
-)
-from symid.diagnosis.effects.friction_effects import (
-    FrictionDriftEffect,
-    LoadDependentFrictionEffect,
-    PreslidingFrictionEffect,
-    SteadyFrictionDriftEffect,
-    is_part,
-    with_parts,
-)
+from symid.diagnosis.effects.flexible_mode import FlexibleModeEffect
+from symid.diagnosis.effects.friction_drift import FrictionDriftEffect, SteadyFrictionDriftEffect
 from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_laws
+from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect
+from symid.diagnosis.effects.payload_change import PayloadChangeEffect
+from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect
+from symid.diagnosis.effects.presliding_friction import PreslidingFrictionEffect, is_part, with_parts
 from symid.diagnosis.effects.repeating import (
     CoggingEffect,
     EncoderRippleEffect,

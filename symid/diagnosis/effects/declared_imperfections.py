@@ -24,13 +24,11 @@ from symid.axis import (
 )
 from symid.axis.imperfections import JointImperfection
 from symid.diagnosis.effects.effect import ACTUATOR, Effect, Placed, Shape
-from symid.diagnosis.effects.forces import PayloadChangeEffect, PeriodicDisturbanceEffect
-from symid.diagnosis.effects.friction_effects import (
-    FrictionDriftEffect,
-    LoadDependentFrictionEffect,
-    PreslidingFrictionEffect,
-    SteadyFrictionDriftEffect,
-)
+from symid.diagnosis.effects.friction_drift import FrictionDriftEffect, SteadyFrictionDriftEffect
+from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect
+from symid.diagnosis.effects.payload_change import PayloadChangeEffect
+from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect
+from symid.diagnosis.effects.presliding_friction import PreslidingFrictionEffect
 from symid.diagnosis.effects.repeating import EncoderRippleEffect, ForceConstantRippleEffect
 from symid.diagnosis.effects.signals import (
     ActuatorLagEffect,

@@ -21,7 +21,8 @@ from symid.data import Log
 from symid.diagnosis.effects import JointEffect, Key
 from symid.diagnosis.experiment.candidates import Envelope, candidate_motions
 from symid.diagnosis.fitting.applied import applied
-from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import State, with_errors
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.weighting import Weighting

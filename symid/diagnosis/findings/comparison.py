@@ -10,11 +10,10 @@ import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data.density import power_density
-from symid.diagnosis.findings.gap import Gap, Level, NotRepeated, Removed, Reversal
-from symid.diagnosis.findings.repetition import repetition
-from symid.diagnosis.findings.shares import closed_fraction, closed_interval, removed_share
+from symid.diagnosis.findings.gap import Level, Removed
+from symid.diagnosis.findings.shares import removed_share
 from symid.diagnosis.findings.strength import strengths_of
-from symid.diagnosis.fitting.applied import applied, errors_of, fitted_to_log
+from symid.diagnosis.fitting.applied import applied, applied_or_none, errors_of, fitted_to_log
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.record import Record
@@ -25,7 +24,6 @@ from symid.diagnosis.thresholds import THRESHOLDS
 _UNEVEN = 2.0
 _REVERSAL = 0.02
 """Seconds around a reversal that do not count for the strength of an effect: the longest response of its band."""
-_FEW = 8
 _ENOUGH = 60
 """Least number of rows; each half then shows the level of its errors to about 20 %."""
 
@@ -79,7 +77,7 @@ class Comparison:
         return np.asarray(self.record.measured[self.drive])
 
     @property
-    def upheld(self) -> int:
+    def validated(self) -> int:
         """Number of effects that hold on these data; further ones increase the error, or may do so."""
         errors = [self._relative_error(model) for model in range(1, len(self.states))]
         held = [n for n in range(1, len(errors)) if errors[n] <= THRESHOLDS.falls * min(errors[:n])]
@@ -110,7 +108,7 @@ class Comparison:
     @property
     def relative_error(self) -> float:
         """Error with the effects that hold, relative to the re-identified model."""
-        return self._relative_error(1 + self.upheld)
+        return self._relative_error(1 + self.validated)
 
     def _relative_error(self, model: int) -> float:
         """Rms error over all outputs, each relative to the error of the re-identified model."""
@@ -187,7 +185,7 @@ class Comparison:
         return float(1 / self.weighting.density[self.drive].max())
 
     @property
-    def _relative_density(self) -> FloatArray:
+    def relative_density(self) -> FloatArray:
         """Weight of the force error relative to its maximum, of shape (n_bins,)."""
         density = self.weighting.density[self.drive]
         return np.asarray(density / density.max())
@@ -195,35 +193,16 @@ class Comparison:
     @cached_property
     def size(self) -> float:
         """Root mean square of the measured force over the kept rows, with the same weights."""
-        force = self.record.rows(self.measured * self._relative_density * self.record.taper)
+        force = self.record.rows(self.measured * self.relative_density * self.record.taper)
         return float(np.sqrt(np.mean(force[self.weighting.kept] ** 2)))
 
     def level(self, model: int) -> Level:
         """Force error of a model."""
-        return self._level(float(np.sqrt(np.mean(self.squares(model)))))
+        return self.level_of(float(np.sqrt(np.mean(self.squares(model)))))
 
-    def _level(self, multiple: float) -> Level:
+    def level_of(self, multiple: float) -> Level:
+        """An error in multiples of the noise as a level of the force."""
         return Level(multiple * self.unit, multiple * self.unit / self.size)
-
-    def gap(self) -> Gap:
-        """The gap before and after."""
-        axis, signal = self.record.dynamics.axis, self.record.forces[self.drive]
-        re, explained = self.squares(1), self.squares(len(self.errors) - 1)
-        return Gap(
-            signal=signal,
-            unit=str(axis.signal_units[signal]),
-            band_hz=self.half_power_hz,
-            nominal=None if self.errors[0] is None else self.level(0),
-            reidentified=self.level(1),
-            explained=self.level(len(self.errors) - 1),
-            noise_floor=self._level(self.floor),
-            steps=tuple(self.level(i) for i in range(2, len(self.errors))),
-            closed_fraction=closed_fraction(re, explained, self.floor),
-            closed_interval=closed_interval(re, explained, self.floor),
-            unexplained_share=self.unexplained_share,
-            reversal=self.reversal(),
-            not_repeated=self.not_repeated(),
-        )
 
     @property
     def unexplained_share(self) -> float:
@@ -245,12 +224,7 @@ class Comparison:
         return min(left / before, 1.0) if before > n_drives * THRESHOLDS.no_excess else float("nan")
 
     @cached_property
-    def near_reversal(self) -> BoolArray:
-        """Kept rows near a reversal or a standstill of the driven joint."""
-        return near(self._turns, self.row_rate)[self.weighting.kept]
-
-    @cached_property
-    def _turns(self) -> BoolArray:
+    def turns(self) -> BoolArray:
         """Rows at which the driven joint turns or stands, of shape (n_rows,)."""
         record = self.record
         velocity = record.rows(1j * record.omega * self.motion)
@@ -265,7 +239,7 @@ class Comparison:
         base, last = self.states[1], self.states[-1]
         if base is None or last is None:
             return np.zeros(len(self.states) - 2)
-        away = ~near(self._turns, self.row_rate, _REVERSAL)[self.weighting.kept]
+        away = ~near(self.turns, self.row_rate, _REVERSAL)[self.weighting.kept]
         if away.sum() < _ENOUGH:  # an axis that does little but turn
             away = np.ones(away.size, dtype=bool)
         return strengths_of(last, self.weighting, away, len(base.placed))
@@ -288,33 +262,6 @@ class Comparison:
             if max(halves) > _UNEVEN * min(halves):
                 return False
         return True
-
-    def reversal(self) -> Reversal | None:
-        """Force error near reversals; None where the log has none."""
-        near = self.near_reversal
-        if near.sum() < _FEW:
-            return None
-        re, explained = (
-            self._level(float(np.sqrt(np.mean(self.squares(i)[near])))) for i in (1, len(self.errors) - 1)
-        )
-        return Reversal(re, explained)
-
-    def not_repeated(self) -> NotRepeated | None:
-        """Part of the last model's force error that differs in each repetition; None if the motion does not repeat."""
-        record, inside = self.record, self.record.rows_in_log
-        errors = self.errors[-1]
-        if errors is None:
-            return None
-        motion, error = record.rows(self.motion)[inside], np.nan_to_num(errors[self.drive])[inside]
-        found = repetition(motion, error, self.weighting.kept[inside])
-        return None if found is None else NotRepeated(found.rows / self.row_rate, self._level(found.rms))
-
-    @cached_property
-    def half_power_hz(self) -> float:
-        """Frequency at which the weight of the force error has fallen by 3 dB."""
-        fallen = np.flatnonzero(self._relative_density < np.sqrt(0.5))
-        bins = fallen[fallen > 8]
-        return float(self.record.omega[bins[0]] / (2 * np.pi)) if bins.size else self.record.band_hz
 
     @property
     def row_rate(self) -> float:
@@ -343,19 +290,7 @@ def compared(
     """
     base, weighting = applied(fits[0].state, record, allowed)
     models = [nominal, *(fit.state for fit in fits[1:])]
-    states = [_applied(model, record, allowed, weighting) for model in models]
+    states = [applied_or_none(model, record, allowed, weighting) for model in models]
     states.insert(1, base)
     errors = (None if state is None else errors_of(state, weighting) for state in states)
     return Comparison(weighting, tuple(states), tuple(errors))
-
-
-def _applied(
-    model: State | None, record: Record, allowed: BoolArray | None, weighting: Weighting
-) -> State | None:
-    """A model under a record; None without a model, or if its hidden motion diverges there."""
-    if model is None:
-        return None
-    try:
-        return applied(model, record, allowed)[0].weighted(weighting)
-    except OverflowError:
-        return None

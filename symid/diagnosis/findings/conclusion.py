@@ -15,6 +15,7 @@ from symid.diagnosis.findings.diagnosis_result import Diagnosis, DriveError
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.found_effects import Alternative, FoundEffect
 from symid.diagnosis.findings.gap import Gap, Level
+from symid.diagnosis.findings.gap_of_comparison import gap_of
 from symid.diagnosis.findings.location import located, maps
 from symid.diagnosis.findings.parameter_changes import effect_values, parameter_changes
 from symid.diagnosis.findings.wording import next_experiment
@@ -41,17 +42,17 @@ def concluded(
     `fits` are the re-identified model and those with the accepted effects, one more in each; `comparison` has them and
     the nominal model on the validation data. `logs` are the identification log and the validation log, if there is one.
     """
-    upheld = comparison.upheld
-    comparison, fits = comparison.with_effects(upheld).of_largest, fits[: 1 + upheld]
+    validated = comparison.validated
+    comparison, fits = comparison.with_effects(validated).of_largest, fits[: 1 + validated]
     gaps, found = _gaps(comparison), maps(comparison)
     share = comparison.unexplained_of_all
     nonparametric = _nonparametric_fit(gaps, share, fits)
     chances = outcome(
-        steps, upheld, _errors(gaps, share, comparison.is_stationary, fits[0], nonparametric.share)
+        steps, validated, _errors(gaps, share, comparison.is_stationary, fits[0], nonparametric.share)
     )
     verdict = _verdict(chances, gaps, share, damaged.fatal)
     # Effects are reported where the verdict names them; otherwise the gap stays that of the re-identified model.
-    accepted = [step for step in steps if step.accepts][:upheld] if verdict in ("effect", "partly") else []
+    accepted = [step for step in steps if step.accepts][:validated] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
         gaps, found = _gaps(comparison), maps(comparison)
@@ -91,13 +92,13 @@ def concluded(
 def _gaps(comparison: Comparison) -> tuple[Gap, ...]:
     """Gap of the force of the comparison, then of the other forces."""
     others = (own for own in comparison.of_drives if own.drive != comparison.drive)
-    return tuple(own.gap() for own in (comparison, *others))
+    return tuple(gap_of(own) for own in (comparison, *others))
 
 
 def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
     """The force error of each drive."""
     return tuple(
-        DriveError(own.gap(), signal_curves(own), spectrum_of(own), weighted_of(own))
+        DriveError(gap_of(own), signal_curves(own), spectrum_of(own), weighted_of(own))
         for own in comparison.of_drives
     )
 

@@ -11,7 +11,8 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.data.stuck import inspect_spans
 from symid.diagnosis.effects import Placed, force_at
-from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state
 from symid.identification.criteria import CRITERIA
 from symid.identification.recording import channel_fault

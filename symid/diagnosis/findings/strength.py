@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, IntArray
-from symid.diagnosis.fitting.fit import solved
+from symid.diagnosis.fitting.gauss_newton import solved
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated
 from symid.diagnosis.prediction.weighting import Weighting

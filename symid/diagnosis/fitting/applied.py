@@ -9,7 +9,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.fitting.fit import ITERATIONS, fitted, solved
+from symid.diagnosis.fitting.gauss_newton import ITERATIONS, fitted, solved
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, first_state, leveled, with_effects
 from symid.diagnosis.prediction.record import Record
@@ -32,6 +32,18 @@ def applied(
         state = _timed(state, weighting)
     weighting = with_restarts(weighting, state.prediction.hidden)
     return state.weighted(weighting), weighting
+
+
+def applied_or_none(
+    model: State | None, record: Record, allowed: BoolArray | None, weighting: Weighting
+) -> State | None:
+    """A model under a record; None without a model, or if its hidden motion diverges there."""
+    if model is None:
+        return None
+    try:
+        return applied(model, record, allowed)[0].weighted(weighting)
+    except OverflowError:
+        return None
 
 
 def _levels_on(record: Record, model: State) -> list[float]:

@@ -23,42 +23,23 @@ from symid.simulation.plant import direction_of
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Motion of every joint of an axis under a record, and its outputs, at given parameters.
+    """Motion of every joint of an axis under a record, and its outputs, at given parameters."""
 
-    Parameters
-    ----------
-    record : Record
-        The log.
-    parameters : mapping of str to float
-        Physical parameters, SI.
-    response : Response
-        Frequency responses of the axis at these parameters.
-    displacements : array of shape (n_bodies, n_bins)
-        Motion of the bodies that follows from the driven positions.
-    observed : array of shape (n_bodies, n_bins)
-        Motion of the bodies corrected to the readings of further position sensors; laws are evaluated at it.
-    forces : array of shape (n_bins, n_bodies)
-        Forces of effects on the bodies.
-    of_integrated : array of shape (n_bins, n_bodies), optional
-        Forces of effects that were integrated with the hidden motion; `displacements` are then the integrated ones,
-        and the response has equivalent springs and dampers in place of these effects.
-    impedances : tuple of Impedance
-        Further impedances on the axis.
-    levels : tuple of float
-        Errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty.
-    integrated_terms : tuple of (int, int)
-        Entries of `Record.hidden_terms` that are integrated with the hidden motion.
-    """
-
-    record: Record
-    parameters: Mapping[str, float]
-    response: Response
+    record: Record  # the log
+    parameters: Mapping[str, float]  # physical parameters, SI
+    response: Response  # frequency responses of the axis at these parameters
+    # shape (n_bodies, n_bins): motion of the bodies that follows from the driven positions
     displacements: ComplexArray
+    # the same, corrected to the readings of further position sensors; laws are evaluated at it
     observed: ComplexArray
-    forces: ComplexArray
+    forces: ComplexArray  # shape (n_bins, n_bodies): forces of effects on the bodies
+    # shape (n_bins, n_bodies): forces of effects that were integrated with the hidden motion; `displacements` are then
+    # the integrated ones, and the response has equivalent springs and dampers in place of these effects
     of_integrated: ComplexArray | None = None
-    impedances: tuple[Impedance, ...] = ()
+    impedances: tuple[Impedance, ...] = ()  # further ones on the axis
+    # errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty
     levels: tuple[float, ...] = ()
+    # entries of `Record.hidden_terms` that are integrated with the hidden motion
     integrated_terms: tuple[tuple[int, int], ...] = ()
 
     def leveled(self, levels: Sequence[float]) -> Prediction:
@@ -257,26 +238,12 @@ def prediction_of(
     integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
     integrated_terms: tuple[tuple[int, int], ...] = (),
 ) -> Prediction:
-    """The axis under a record.
+    """The axis under a record at physical parameters, SI.
 
-    Parameters
-    ----------
-    record : Record
-        The log.
-    parameters : mapping of str to float
-        Physical parameters, SI.
-    before : Prediction, optional
-        An earlier prediction, whose law forces move hidden joints; without it, only the linear part moves them.
-    like : Prediction, optional
-        A prediction whose frequency response and impedances are reused.
-    forces : array of shape (n_bins, n_bodies), optional
-        Forces of effects on the bodies.
-    impedances : sequence of Impedance
-        Further impedances on the axis.
-    integrated : sequence of (array, callable)
-        Direction and force of laws in hidden joints that are integrated with their motion.
-    integrated_terms : tuple of (int, int)
-        Declared terms among them, see `Prediction`.
+    The law forces of the prediction `before` move hidden joints; without it, only the linear part does. The frequency
+    response and impedances of the prediction `like` are reused. Effects add `forces` on the bodies, of shape (n_bins,
+    n_bodies), `impedances`, and laws `integrated` with the hidden motion by direction; `integrated_terms` are the
+    declared terms among them, see `Prediction`.
     """
     if before is not None and before.integrated_terms != integrated_terms:
         before = replace(before, integrated_terms=integrated_terms)
@@ -289,29 +256,31 @@ def prediction_of(
         response = response_of(record, parameters, impedances)
     n = len(response.plant.bodies)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
+    of_integrated = None
     if integrated:
         known = np.zeros((n, 1)) if before is None else before.law_courses
         if of_effects.any():
             known = known + record.fine(of_effects.T)
         moved, pushes = integrated_motion(record, response.plant, known, integrated)
-        own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
-        return Prediction(
-            record,
-            parameters,
-            response,
-            moved,
-            moved,
-            of_effects,
-            np.asarray(own),
-            tuple(impedances),
-            levels,
-            integrated_terms,
+        observed = moved
+        of_integrated = np.asarray(
+            -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
         )
-    acting = of_effects if before is None else of_effects + before.law_forces
-    moved = response.displacements(record.motions, acting)
-    observed = _as_measured(record, response, moved)
+    else:
+        acting = of_effects if before is None else of_effects + before.law_forces
+        moved = response.displacements(record.motions, acting)
+        observed = _as_measured(record, response, moved)
     return Prediction(
-        record, parameters, response, moved, observed, of_effects, None, tuple(impedances), levels
+        record,
+        parameters,
+        response,
+        displacements=moved,
+        observed=observed,
+        forces=of_effects,
+        of_integrated=of_integrated,
+        impedances=tuple(impedances),
+        levels=levels,
+        integrated_terms=integrated_terms if integrated else (),
     )
 
 

@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 
 from symid.diagnosis.effects import Effect, Key, Placed, is_part
 from symid.diagnosis.fitting.cross_validation import deviation
-from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
@@ -114,12 +115,7 @@ def most_probable(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
     """Steps in which each effect is replaced by its rival if that is more probable beside all others, fitted again.
 
     An effect is chosen by its gain. Prior knowledge, such as the level of a friction, decides only now, when the other
-    effects are known.
-
-    Parameters
-    ----------
-    steps : sequence of SelectionStep
-        Steps that accept their effects.
+    effects are known. All steps accept their effects.
     """
     for at in range(len(steps)):
         step = steps[at]

@@ -11,7 +11,8 @@ import numpy as np
 from symid.diagnosis.effects import Key, LawEffect, Placed
 from symid.diagnosis.fitting.cross_validation import certainty, deviation, log_likelihood
 from symid.diagnosis.fitting.deviations import standard_deviations
-from symid.diagnosis.fitting.fit import Fit, continued, fitted, refitted
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import continued, fitted, refitted
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.selection.credibility import is_credible

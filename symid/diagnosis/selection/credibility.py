@@ -9,11 +9,12 @@ import numpy as np
 
 from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
-from symid.diagnosis.effects.forces import PeriodicDisturbanceEffect, is_mode
-from symid.diagnosis.effects.friction_effects import declared_level, moving_along
+from symid.diagnosis.effects.declared_friction import declared_level, moving_along
 from symid.diagnosis.effects.from_law import joints_with
+from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect, is_mode
 from symid.diagnosis.fitting.cross_validation import Blocks, least_fall
-from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
+from symid.diagnosis.fitting.fit import Fit, stiffnesses
+from symid.diagnosis.fitting.gauss_newton import keeps_inertia
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.thresholds import THRESHOLDS
 

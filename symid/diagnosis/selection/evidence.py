@@ -163,12 +163,12 @@ class Errors:
         return max(self.reidentified, self.others)
 
 
-def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outcome:
-    """Probabilities of the verdicts; `upheld` is the number of effects that hold on the validation data."""
+def outcome(steps: Sequence[SelectionStep], validated: int, errors: Errors) -> Outcome:
+    """Probabilities of the verdicts; `validated` is the number of effects that hold on the validation data."""
     if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(steps[0]) if steps else 0.0
-    if not upheld or errors.largest <= THRESHOLDS.noise_alone or not _is_likeliest(steps, upheld):
+    if not validated or errors.largest <= THRESHOLDS.noise_alone or not _is_likeliest(steps, validated):
         there = min(there, THRESHOLDS.unlikely)
     if errors.largest < THRESHOLDS.white and errors.relative < THRESHOLDS.negligible:
         there = min(
@@ -201,9 +201,9 @@ def _most_of_noise(errors: Errors) -> float:
     return THRESHOLDS.coloured if coloured else THRESHOLDS.white
 
 
-def _is_likeliest(steps: Sequence[SelectionStep], upheld: int) -> bool:
+def _is_likeliest(steps: Sequence[SelectionStep], validated: int) -> bool:
     """Whether the first effect found is the most probable candidate or indistinguishable from it."""
-    first, *others = [step.confirmed[0].key for step in steps if step.accepts][:upheld]
+    first, *others = [step.confirmed[0].key for step in steps if step.accepts][:validated]
     return probabilities(steps[0], others)[first] >= THRESHOLDS.indistinguishable
 
 

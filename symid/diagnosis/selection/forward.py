@@ -8,7 +8,8 @@ from dataclasses import replace
 from itertools import islice
 
 from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
-from symid.diagnosis.fitting.fit import Fit, fitted, refitted, settled
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
 from symid.diagnosis.fitting.state import can_integrate, with_effects
 from symid.diagnosis.prediction.weighting import Weighting

@@ -19,7 +19,8 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.effects.nonparametric_law import NonparametricLaw
-from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError

@@ -12,7 +12,8 @@ from dataclasses import replace
 
 from symid.diagnosis.effects import LATE_FORCES
 from symid.diagnosis.fitting.cross_validation import log_likelihood
-from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.step import Confirmed
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from symid.axis import CoulombFriction
 from symid.diagnosis.effects import LawEffect, Placed
-from symid.diagnosis.effects.friction_effects import moving_along
+from symid.diagnosis.effects.declared_friction import moving_along
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.thresholds import THRESHOLDS
 

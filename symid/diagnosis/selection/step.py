@@ -8,7 +8,8 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, is_part
-from symid.diagnosis.fitting.fit import Fit, fitted_on
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted_on
 from symid.diagnosis.fitting.start import from_other_moments
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate

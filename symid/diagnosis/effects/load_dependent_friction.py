@@ -1,0 +1,46 @@
+"""The effect of friction proportional to the force of the drive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from symid.arrays import ComplexArray
+from symid.diagnosis.effects.effect import JointEffect, Placed, Shape, sampled
+from symid.diagnosis.prediction.hidden_motion import Pointwise
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction
+
+_LARGEST_COEFFICIENT = 0.5
+_COEFFICIENTS = (0.02, 0.06, 0.15, 0.35)  # initial coefficients in a hidden joint
+
+
+class LoadDependentFrictionEffect(JointEffect):
+    """mu abs(drive force) sign(v), with the modelled drive force, which contains this friction.
+
+    With the recorded force as load, the effect would explain the record by itself: F = mu abs(F) sign(v) holds with
+    mu = 1 wherever the force has the sign of the velocity. The implicit equation is solved by iteration, which
+    converges for mu < 1 with a given motion; in hidden joints it is part of each integration step.
+    """
+
+    name = "load_dependent_friction"
+    amplitudes = ("mu",)
+    positive = True
+    implicit = True
+
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        return 0 <= placed.amplitudes[0] < _LARGEST_COEFFICIENT
+
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+        drive = prediction.record.fine(prediction.outputs[prediction.drive_of(joint)])
+        return sampled(prediction, np.abs(drive) * np.sign(joint.v), joint=joint)
+
+    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        return [((), (mu,)) for mu in _COEFFICIENTS]
+
+    def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        return Pointwise("amplitude * np.abs(_load)", {"amplitude": amplitudes[0]}, dry=True)
+
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        return ("1",)

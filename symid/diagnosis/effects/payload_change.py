@@ -1,0 +1,126 @@
+"""The effect of a mass that changes during a log."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.effects.effect import (
+    Effect,
+    MatchedFilter,
+    Placed,
+    Shape,
+    best_peaks,
+    joint_units,
+)
+from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.response import response_of
+from symid.diagnosis.prediction.weighting import starting_pulses
+from symid.units import Unit
+
+_TRIALS = 4
+_MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
+_USUAL_CHANGE = 0.1
+_MOST_OF_OTHER = 2.0
+_MOMENTS_TRIED = np.linspace(0.1, 0.9, 17)
+"""Times relative to the log at which the usual change is also tried."""
+_CHANGES_WITHIN = np.array([0.1, 0.9])
+"""Part of the log in which a mass may change: at its ends, unknown states decay."""
+_MOMENTS = np.linspace(0.03, 0.97, 48)
+"""Times of a change that are tried in another log, relative to its length."""
+_UNSETTLED = 12
+"""Points around the change, and after the end of the log, at which pulses have not yet decayed."""
+
+
+class PayloadChangeEffect(Effect):
+    """The mass of a body is larger by dm from the time t0 on; before and after, the axis is linear."""
+
+    name = "payload_change"
+    amplitudes = ("share",)
+    shape_names = ("dm", "t0")
+    moments = ("t0",)
+    fixed = True
+    per_log = True
+
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        return tuple(prediction.bodies)
+
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        body, record = prediction.bodies[place], prediction.record
+        response = -prediction.response.of_force(body.direction)
+        inertial = record.from_grid(body.a)
+        energy = np.sum(record.fine(response * prediction.density * inertial) ** 2, axis=0) * record.in_log
+        if not 0 < energy.sum() < np.inf:
+            return []
+        # Matched filter for an inertial force from each time on: its correlation with the residual, less the part that
+        # a constant change of the mass would explain, relative to its energy.
+        later = np.cumsum((matched_filter(response) * body.a * record.in_log)[::-1])[::-1]
+        after = np.cumsum(energy[::-1])[::-1] / energy.sum()
+        score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
+        step = max(1, score.size // 400)
+        times = best_peaks(score[::step], record.fine_time[::step], _TRIALS)
+        mass = abs(float(body.direction @ prediction.response.plant.mass @ body.direction))
+        first, last = _CHANGES_WITHIN * record.log.n_samples * record.log.sampling_period
+        spread = record.duration * _MOMENTS_TRIED
+        moments = {
+            x: [*times, *map(float, spread)] if abs(x) == _USUAL_CHANGE else times for x in _MASS_CHANGES
+        }
+        return [(x * mass, t) for x in _MASS_CHANGES for t in moments[x] if first < t < last]
+
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
+        """The larger of both masses is less than twice the other: else one of them has lost its inertia."""
+        direction = prediction.bodies[placed.at].direction
+        before = float(direction @ prediction.response.plant.mass @ direction)
+        smaller, larger = sorted((before, before + placed.shape[0]))
+        return larger < _MOST_OF_OTHER * smaller
+
+    def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
+        return [(shape[0], float(share * record.duration)) for share in _MOMENTS]
+
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        """Change of the outputs by the added inertia, computed with the axis that has it throughout.
+
+        The motion x of the axis as modelled obeys (M + dm) x'' + ... = f + dm x''. From t0 on the last term is absent,
+        so that the outputs change by the response of the axis with dm to -dm x'' from then on. The hidden bodies keep
+        their motion at t0.
+        """
+        record, (change, moment) = prediction.record, shape
+        body = prediction.bodies[place]
+        other, free = prediction.response.memory.of(
+            (self, place), change, lambda: self._with_change(prediction, body.direction, change)
+        )
+        time = record.fine_time
+        later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log
+        changed = -change * other * record.from_grid(body.a * later)
+        return self._ended(record, changed, free, moment)[None]
+
+    def _with_change(
+        self, prediction: Prediction, direction: FloatArray, change: float
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """For the axis with the other mass: outputs for a force on the body, and for pulses at the end of the log."""
+        record = prediction.record
+        inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
+        other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
+        hidden = [other.of_force(free) for free in prediction.free_directions]
+        return other.of_force(direction), starting_pulses(record, hidden, (record.duration,))
+
+    def _ended(
+        self, record: Record, changed: ComplexArray, free: ComplexArray, moment: float
+    ) -> ComplexArray:
+        """The change without the free motion after the log, which a periodic record continues before the change."""
+        if not len(free):
+            return changed
+        # Pulses at the end of the log are fitted to the outputs where these should be zero, and subtracted.
+        time, margin = record.fine_time, _UNSETTLED * record.fine_time[1]
+        quiet = (time > record.duration + margin) | (time < moment - margin)
+        columns = record.fine(free[:, 0])[:, quiet].T
+        scale = np.linalg.norm(columns, axis=0)
+        amounts = np.linalg.lstsq(columns / scale, record.fine(changed[0])[quiet], rcond=None)[0] / scale
+        return np.asarray(changed - np.tensordot(amounts, free, 1))
+
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        force, length = joint_units(prediction, place)
+        return "1", str(force * Unit.of("s") ** 2 / length), "s"

@@ -1,0 +1,214 @@
+"""Damped Gauss-Newton steps that fit the values of a model, within the bounds of machines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.diagnosis.effects import Key, Placed
+from symid.diagnosis.fitting.bounds import beyond_bounds, moved_to_bounds
+from symid.diagnosis.fitting.fit import Fit, stiffnesses
+from symid.diagnosis.fitting.state import State, evaluated, leveled
+from symid.diagnosis.prediction.weighting import Weighting, with_restarts
+from symid.diagnosis.thresholds import THRESHOLDS
+from symid.errors import SettingError, SymidError
+
+_LARGEST_SHAPE_STEP = 0.3
+_LARGEST_MOMENT_STEP = 0.01
+"""Largest step of the moment of a change, relative to the log: its derivative is valid only nearby."""
+_SMALLER = 0.3
+"""Least factor by which a mass or stiffness may change in a step, which keeps it positive."""
+_DAMPINGS = (0.0, 1e-4, 1e-2, 0.3, 5.0)
+"""Damping relative to the squares of the columns; the last one leaves a sixth of the steepest-descent step."""
+_SETTLED = 1e-5
+"""Least relative decrease of the sum of squares in a step; with thousands of rows, a few percent of likelihood."""
+_RANK = 1e-10
+ITERATIONS = 10
+"""Most iterations of a fit that may begin far off."""
+_MOST_FITS, _FALLS = 6, 0.98
+"""Most fits that continue another, as long as each leaves less than this share of the error before it."""
+
+
+def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolArray | None = None) -> Fit:
+    """Fit a state and its effects by Gauss-Newton steps; `free` marks the values that may change."""
+    return continued(Fit(state, weighting), iterations, free)
+
+
+def continued(fit: Fit, iterations: int, free: BoolArray | None = None) -> Fit:
+    """A fit after further Gauss-Newton steps."""
+    for _ in range(iterations):
+        found = _step_within_bounds(fit, free)
+        if found is None:
+            break
+        before, fit = fit.cost, found
+        if fit.cost > before * (1 - _SETTLED):
+            break
+    return fit
+
+
+def refitted(fit: Fit, iterations: int = 3) -> Fit:
+    """Fit again with an unknown state of the hidden motion after each standstill."""
+    weighting = with_restarts(fit.weighting, fit.state.prediction.hidden)
+    return continued(fit.with_weights(fit.state.weighted(weighting), weighting), iterations)
+
+
+def converged(state: State, weighting: Weighting) -> Fit:
+    """Fit from a state, then fit again with the weights of the result, see `settled`.
+
+    A model that has lost its inertia keeps the first weights: its own would allow for more noise of the position, which
+    would lower the inertia further, down to nothing.
+    """
+    start = settled(Fit(state, weighting))
+    first = continued(start, ITERATIONS)
+    again = first
+    if keeps_inertia(first.state, state.inertia):
+        again = refitted(settled(first))
+    kept = keeps_inertia(again.state, state.inertia)
+    return replace(again if kept else first, begun=state.inertia)
+
+
+def fitted_on(fit: Fit) -> Fit:
+    """A fit continued with its own weights until the error hardly falls.
+
+    The search itself stops fitting a model as soon as it can choose.
+    """
+    for _ in range(_MOST_FITS):
+        try:
+            after = converged(fit.state, fit.weighting).after(fit)
+        except (SymidError, ArithmeticError, np.linalg.LinAlgError):
+            return fit
+        if not after.mean_square < fit.mean_square:
+            return fit
+        before, fit = fit, after
+        if not after.mean_square < _FALLS * before.mean_square:
+            break
+    return fit
+
+
+def settled(fit: Fit) -> Fit:
+    """The same values with weights computed from them, which allow for the remaining error."""
+    state, weighting = leveled(fit.state, fit.weighting.allowed, fit.levels)
+    weighting = with_restarts(weighting, state.prediction.hidden)
+    return fit.with_weights(state.weighted(weighting), weighting)
+
+
+def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
+    """Whether the inertia that the drive moves is within a factor of two of the range of other models.
+
+    Parameters
+    ----------
+    found : State
+        The model.
+    *plain : float
+        Inertias of the other models.
+    doubt : float
+        Further relative deviation, allowed where the log does not determine the inertia.
+    """
+    low, high = min(plain) / THRESHOLDS.least_inertia, max(plain) * THRESHOLDS.least_inertia
+    return low / (1 + doubt) < found.inertia < high * (1 + doubt)
+
+
+def _step_within_bounds(fit: Fit, free: BoolArray | None) -> Fit | None:
+    """The next step of a fit, with declared effects within the bounds of machines; None if no step lowers the cost.
+
+    Where a step leaves a bound, the effect goes to its bound and the other values take a step again (active set).
+    """
+    found = _stepped(fit, free)
+    if found is None or not (outside := beyond_bounds(found.state)):
+        return found
+    held = _free_without(fit, free, outside)
+    placed = moved_to_bounds(fit.state, found.state.placed, outside)
+    bound = Fit(evaluated(fit.state, fit.weighting, fit.parameters, placed), fit.weighting)
+    after = _stepped(bound, held) or bound
+    return after if after.cost < fit.cost else _stepped(fit, held)
+
+
+def _free_without(fit: Fit, free: BoolArray | None, keys: set[Key]) -> BoolArray:
+    """The values that may change, without those of some effects."""
+    moves = np.ones(len(fit.columns), dtype=bool) if free is None else free.copy()
+    at = len(fit.state.prediction.record.dynamics.parameters)
+    for item in fit.state.placed:
+        moves[at : at + item.n_free] &= item.key not in keys
+        at += item.n_free
+    return moves
+
+
+def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
+    """The least damped Levenberg-Marquardt step that lowers the cost; None if no step lowers it noticeably.
+
+    Damping restrains only directions to which the rows are hardly sensitive, such as a stiffness and the mass on it in
+    a fixed ratio; a shorter step would restrain all directions.
+    """
+    state, weighting, error = fit.state, fit.weighting, fit.error
+    moves = np.ones(len(fit.columns), dtype=bool) if free is None else free
+    flat = fit.known_columns if free is None else fit.known_columns[free]
+    if not (np.isfinite(flat).all() and np.isfinite(error).all()):
+        return None
+    scale = np.linalg.norm(flat, axis=1)
+    scale = np.where(scale > 0, scale, 1.0)
+    flat = flat / scale[:, None]
+    normal, gradient = flat @ flat.T, flat @ error
+    try:
+        undamped = np.linalg.lstsq(flat.T, error, rcond=_RANK)[0] / scale
+    except np.linalg.LinAlgError:
+        undamped = np.zeros(len(flat))
+    # The Gauss-Newton step predicts by how much the cost can fall at best.
+    if (gradient * scale) @ undamped < _SETTLED * fit.cost:
+        return None
+    for damping in _DAMPINGS:
+        try:
+            left = normal + damping * np.eye(len(normal))
+            step = np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else undamped
+            whole = np.zeros(moves.size)
+            whole[moves] = step
+            found = Fit(evaluated(state, weighting, *_moved(state, whole)), weighting)
+            if found.cost < fit.cost:
+                return found
+        except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
+            continue
+    return None
+
+
+def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Placed, ...]]:
+    parameters = dict(state.prediction.parameters)
+    names = state.prediction.record.dynamics.parameters
+    masses = state.prediction.record.dynamics.parameters_of("mass")
+    positive = {*masses, *stiffnesses(state.prediction.axis)}
+    for name, change in zip(names, step, strict=False):
+        moved_to = parameters[name] + float(change)
+        if name in positive and parameters[name] > 0:
+            moved_to = max(moved_to, _SMALLER * parameters[name])
+        if name in state.bounds:
+            low, high = state.bounds[name]
+            moved_to = min(max(moved_to, low), high)
+        parameters[name] = moved_to
+    place, placed = len(names), []
+    for item in state.placed:
+        amplitudes = item.amplitudes
+        if not item.effect.fixed:
+            changes = step[place : place + len(amplitudes)]
+            amplitudes = tuple(float(a + c) for a, c in zip(amplitudes, changes, strict=True))
+            place += len(amplitudes)
+        limits = [
+            _LARGEST_MOMENT_STEP * state.prediction.record.duration
+            if name in item.effect.moments
+            else _LARGEST_SHAPE_STEP * abs(x)
+            for name, x in zip(item.effect.shape_names, item.shape, strict=True)
+        ]
+        changes = np.clip(step[place : place + len(item.shape)], np.negative(limits), limits)
+        moved = tuple(float(x + c) for x, c in zip(item.shape, changes, strict=True))
+        shape = item.effect.bounded(state.prediction, item.at, moved)
+        if item.effect.bounded(state.prediction, item.at, item.shape) != item.shape:
+            shape = moved  # declared beyond the bounds of a search
+        place += len(shape)
+        placed.append(replace(item, amplitudes=amplitudes, shape=shape))
+    return parameters, tuple(placed)
+
+
+def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
+    """Least-squares solution for columns of any scale."""
+    scale = np.linalg.norm(columns, axis=0)
+    scale = np.where(scale > 0, scale, 1.0)
+    return np.asarray(np.linalg.lstsq(columns / scale, error, rcond=_RANK)[0] / scale)
