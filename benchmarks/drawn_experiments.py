@@ -80,7 +80,7 @@ def outcome(label: dict[str, Any], folder: Path, runs: int) -> Outcome:
         noisy = draw.measured(replace(setting, seed=setting.seed + 1 + k), run.readings, "experiment")
         signals = {record.forces[0] if name == "F" else name: x[begin:] for name, x in noisy.items()}
         log = Log.from_arrays(signals, sampling_period=1 / gap.RATE, source="experiment")
-        performed = record_of(record.dynamics, log, record.motion_hz, dict(record.late))
+        performed = record_of(record.dynamics, log, record.motion_hz, record.late, record.holds)
         right += chosen(pair, performed, cause) == cause
     (signal,) = draw.driven(setting)
     motion, force = run.readings[signal][begin:], run.readings["F"][begin:]

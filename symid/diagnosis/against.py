@@ -108,14 +108,9 @@ def diagnose_against(
     recorded = Recorded(dict(late or {}), held, thinned=whole.thinned)
     runs = joined(whole.logs[:1]), joined(whole.logs[1:]) if validation else None
     data = data_of(axis, runs, recorded)
-    at, period = replace(recorded, thinned=1), simulated.sampling_period
-    own = record_of(
-        data.record.dynamics,
-        as_noisy(simulated, data.record),
-        None,
-        at.times(axis, period),
-        at.holds(axis, period),
-    )
+    holds = replace(recorded, thinned=1).holds(axis, simulated.sampling_period)
+    noisy = as_noisy(simulated, data.record)
+    own = record_of(data.record.dynamics, noisy, None, recorded.delays(axis), holds)
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)

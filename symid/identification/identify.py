@@ -19,6 +19,7 @@ from symid.codegen import GeneratedModel, as_generated
 from symid.data import AnyLog, Log, LongLog
 from symid.errors import SettingError
 from symid.estimation import (
+    CorrelatedCovariance,
     LeastSquares,
     Method,
     ObservationBlock,
@@ -170,21 +171,10 @@ def found_from(
 ) -> Identification:
     """Identification of an estimate: its corrected covariance, physical parameters and status.
 
-    Parameters
-    ----------
-    model, nominal, constraints
-        As in `identify`.
-    logs, observations : sequence of logs and tuple of Observation
-        Rows of each log; of a long log, its first block.
-    fit : LeastSquares
-        The estimate.
-    blocks : callable, optional
-        Returns all rows each time it is called, where the observations do not hold them.
-    instruments : tuple of array, optional
-        For each observation an array of the shape of its W, for an estimate by instrumental variables.
-    parts_of : callable, optional
-        Excerpts of the observations, on which the bias by noise is estimated and taken off, and what widens the
-        deviations is added.
+    `observations` are the rows of each log; of a long log, its first block, and `blocks` returns all rows at each call.
+    An estimate by instrumental variables has `instruments`, for each observation an array of the shape of its W. On the
+    excerpts `parts_of` the observations, the bias by noise is estimated and taken off, and what widens the deviations
+    is added.
     """
     rows = blocks or partial(iter, blocks_of(observations, instruments))
     correlated = corrected_covariance_of_blocks(rows, fit)
@@ -198,17 +188,7 @@ def found_from(
             correction.grown(_scatter(segments(whole_logs(parts, logs, observations), fit), fit)),
         )
         fit, correlated = correction.applied(fit, correlated)
-    # From here on the covariance includes the correlation of the residual, and scatter and bias where they are known.
-    physical: tuple[PhysicalEstimate, ...] = ()
-    if fit.status == "ok":
-        covariance = best_covariance(fit, correlated)
-        physical = physical_estimates(model, fit.parameters, covariance, nominal)
-        if constraints and not physical:
-            physical = estimates_by_priors(model, fit.parameters, covariance, constraints, nominal)
-        if constraints:
-            physical = (
-                constrained_estimates(model, fit.parameters, covariance, physical, constraints) or physical
-            )
+    physical = _physical(model, fit, correlated, nominal, constraints) if fit.status == "ok" else ()
     found = Identification(
         model=model,
         logs=tuple(log.source for log in logs),
@@ -219,14 +199,12 @@ def found_from(
         physical=physical,
         status="ok",
         message="",
-        notes=(
-            *(note for log in logs for note in log.notes),
-            *notes_on_declared(
-                model.delays,
-                observations[0].preparation.late,
-                model.passed_over,
-                hold=logs[0].sampling_period / 2,
-            ),
+        notes=tuple(note for log in logs for note in log.notes)
+        + notes_on_declared(
+            model.delays,
+            observations[0].preparation.late,
+            model.passed_over,
+            hold=logs[0].sampling_period / 2,
         ),
         bias=bias,
         scatter=spread,
@@ -236,6 +214,23 @@ def found_from(
         model, fit, physical, correlated, has_start=nominal is not None, deviations=deviations
     )
     return replace(found, status=status, message=message)
+
+
+def _physical(
+    model: GeneratedModel,
+    fit: LeastSquares,
+    correlated: CorrelatedCovariance,
+    nominal: Mapping[str, float] | None,
+    constraints: Constraints | None,
+) -> tuple[PhysicalEstimate, ...]:
+    """Physical parameters of an estimate, with the covariance of its correlated residual."""
+    covariance = best_covariance(fit, correlated)
+    physical = physical_estimates(model, fit.parameters, covariance, nominal)
+    if not constraints:
+        return physical
+    if not physical:
+        physical = estimates_by_priors(model, fit.parameters, covariance, constraints, nominal)
+    return constrained_estimates(model, fit.parameters, covariance, physical, constraints) or physical
 
 
 def with_checks(

@@ -26,17 +26,14 @@ class LogEstimate:
 
     def difference(self, alone: LogEstimate, criteria: Criteria = CRITERIA) -> tuple[float, str]:
         """Largest difference of one log's own parameters, in deviations, and its statement; 0 for small ones."""
-        joint, own = np.array(list(self.values.values())), np.array(list(alone.values.values()))
-        if joint.shape != own.shape:
-            return 0.0, ""
-        with np.errstate(invalid="ignore", divide="ignore"):
+        found = (0.0, "")
+        for name, std in zip(alone.values, alone.deviations, strict=True):
+            joint, own = self.values.get(name, np.nan), alone.values[name]
             # the variance of the difference is that of the log alone less that of all, which the difference widens
-            certain = np.abs(own - joint) / alone.deviations
-        large = np.abs(own - joint) > criteria.log_change * np.abs(joint)
-        certain = np.where(large, np.nan_to_num(certain), 0.0)
-        k = int(np.argmax(certain))
-        name = list(self.values)[k]
-        return float(certain[k]), f"{name} is {own[k]:.4g} in {alone.log}, {joint[k]:.4g} in all logs"
+            certain = abs(own - joint) / std if std else np.inf
+            if certain > found[0] and abs(own - joint) > criteria.log_change * abs(joint):
+                found = float(certain), f"{name} is {own:.4g} in {alone.log}, {joint:.4g} in all logs"
+        return found
 
 
 def disagreement_between(

@@ -119,8 +119,10 @@ class Preparation:
 
     def with_hold(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
         """Seconds by which the signals of a log were recorded late: as given, else as declared; a hold included."""
-        holds = dict.fromkeys(model.forces, sampling_period) if self.is_held(model) else {}
-        return with_holds({**model.delays, **self.late}, holds)
+        late = {**model.delays, **self.late}
+        half = sampling_period / 2 if self.is_held(model) else 0.0
+        # a held force acts, on average, half the time of its hold after it is recorded
+        return late | {force: late.get(force, 0.0) - half for force in model.forces if half}
 
 
 def notes_on_declared(
@@ -154,15 +156,6 @@ def notes_on_declared(
             f"{'it' if one else 'them'}"
         )
     return tuple(notes)
-
-
-def with_holds(late: Mapping[str, float], holds: Mapping[str, float]) -> dict[str, float]:
-    """Seconds by which signals were recorded late; a held force acts half the time of its hold after it is recorded.
-
-    >>> with_holds({"F": 1e-3}, {"F": 1e-3})
-    {'F': 0.0005}
-    """
-    return {**late, **{force: late.get(force, 0.0) - hold / 2 for force, hold in holds.items()}}
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,12 +89,8 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
     references, noise, steps, misread = channels.references, channels.noise, channels.steps, channels.misread
     readings, rows, ages, places = channels.readings, channels.rows, channels.ages, channels.places
     begins, ends, held, n_varying, rates = mode.begins, mode.ends, mode.limits, mode.varying.size, mode.rates
-    n_state, n_drives, n_memory, n_known = (
-        states.shape[1],
-        given.shape[1],
-        memory.size,
-        law_after.shape[1] - given.shape[1],
-    )
+    n_state, n_drives, n_memory = states.shape[1], given.shape[1], memory.size
+    n_known = law_after.shape[1] - n_drives
     n_remembered, is_timed, is_accelerated = laws.reaches.size, laws.any_timed, mode.is_accelerated
     inputs, out, z = np.zeros(law_after.shape[1]), np.zeros(ends.shape[1]), np.zeros(ends.shape[2])
     z[:n_state], z[-1] = states[begin], 1.0
@@ -110,9 +106,7 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
             value += noise[k, i]
             readings[i] = steps[i] * np.rint(value / steps[i]) if steps[i] > 0 else value
             inputs[n_known - ages.size + i] = readings[i]
-        asked = False
-        for i in range(n_drives):
-            inputs[n_known + i] = 0.0
+        inputs[n_known:], asked = 0.0, False
         for i in range(n_drives):
             forces[k, i] = given[k, i] + _dot(law_sent, i, inputs)
             asked |= not abs(forces[k, i]) <= limits[i]

@@ -22,7 +22,6 @@ from symid.diagnosis.in_motion.declared import axis_with_effects
 from symid.diagnosis.in_motion.replayed import Part, driver_of, without_noise
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.errors import SettingError
-from symid.identification.settings import with_holds
 from symid.simulation import (
     Cascade,
     Extremes,
@@ -126,7 +125,7 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
     # The axis may declare sensors that the log lacks.
     seen = {name: run.log[name] for name in (*like.driven, *like.outputs)}
     log = replace(run.log, signals=seen, source=trajectory.name)
-    return record_of(like.dynamics, log, like.motion_hz, with_holds({}, holds), holds), run
+    return record_of(like.dynamics, log, like.motion_hz, holds=holds), run
 
 
 def _controller(rivals: Rivals, drive: int, tuned: Cascade) -> Cascade:

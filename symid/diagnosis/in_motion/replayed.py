@@ -126,7 +126,7 @@ class Part:
     @cached_property
     def forces(self) -> FloatArray:
         """Drive force that acted, on average, from each sample of the simulated controller to the next."""
-        acted = self.path.time + self.path.sampling_period / 2 + self.record.late.get(self.force, 0.0)
+        acted = self.path.time + self.path.sampling_period / 2 + self.record.time_late(self.force)
         return np.asarray(np.interp(acted, since_begin(self.log), self.log[self.force]))
 
     @property

@@ -14,7 +14,6 @@ from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.joined_logs import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
-from symid.identification.settings import with_holds
 from symid.simulation import Cascade
 from symid.simulation.forward_dynamics import forward_dynamics
 
@@ -32,10 +31,9 @@ class Recorded:
     controller: Cascade | Sequence[Cascade] | None = None
     thinned: int = 1  # samples recorded for one of the logs that are looked at
 
-    def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
-        """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the forces included."""
-        late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
-        return with_holds(late, self.holds(axis, sampling_period))
+    def delays(self, axis: Axis) -> dict[str, float]:
+        """Time by which signals of a log were recorded late, s: as given, else as declared; apart from holds."""
+        return {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
 
     def holds(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time for which each force that is held from sample to sample is held, s."""
@@ -76,8 +74,8 @@ def data_of(axis: Axis, runs: Runs, recorded: Recorded) -> Data:
     run, validation = runs
 
     def recorded_as(log: Log, motion_hz: float | None) -> Record:
-        period = log.sampling_period
-        return record_of(dynamics, log, motion_hz, recorded.times(axis, period), recorded.holds(axis, period))
+        holds = recorded.holds(axis, log.sampling_period)
+        return record_of(dynamics, log, motion_hz, recorded.delays(axis), holds)
 
     record = recorded_as(run.log, None)
     inside = _within(record, run)

@@ -50,9 +50,9 @@ class Record(PeriodicLog):
     """A log of an axis, continued periodically, in the frequency domain."""
 
     dynamics: ForwardDynamics  # the axis
-    # time by which signals were recorded late, s; negative for a force that acts later than recorded
+    # time by which signals were recorded late, s, apart from holds; negative for a force that acts later than recorded
     late: Mapping[str, float] = field(default_factory=dict)
-    # time for which a force is held, s; half of it is in `late`
+    # time for which a force is held, s
     holds: Mapping[str, float] = field(default_factory=dict)
     # joints with measured motion, which are the same in all models
     driven_joints: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
@@ -155,7 +155,11 @@ class Record(PeriodicLog):
         A force held for T is the mean over T of the force that was recorded: the factor is sin(w T/2)/(w T/2).
         """
         held = np.sinc(self.omega * self.holds.get(name, 0.0) / (2 * np.pi))
-        return np.asarray(self.from_grid(values) * held * np.exp(1j * self.omega * self.late.get(name, 0.0)))
+        return np.asarray(self.from_grid(values) * held * np.exp(1j * self.omega * self.time_late(name)))
+
+    def time_late(self, name: str) -> float:
+        """Time by which a signal was recorded late, s; a held force acts half its hold after it is recorded."""
+        return self.late.get(name, 0.0) - self.holds.get(name, 0.0) / 2
 
     @cached_property
     def whole_forces(self) -> FloatArray:
@@ -243,7 +247,7 @@ def record_of(
 
     `motion_hz` is the highest frequency of its motion; by default the frequency at which the spectrum of the position
     falls to its noise, or less if that noise would hide the velocity. `late` are the times by which signals were
-    recorded late, s; `holds` those for which forces are held.
+    recorded late, s, apart from `holds`, the times for which forces are held.
     """
     signals = signals_of(dynamics, log)
     if log.n_samples < _LEAST_SAMPLES:
