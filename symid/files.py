@@ -111,7 +111,7 @@ def is_finite_number(value: object) -> bool:
 
 
 def shortened(value: object, longest: int = 60) -> str:
-    """How a value of a JSON file is named in a message.
+    """Value of a JSON file, shortened for a message.
 
     >>> shortened("12"), shortened([0] * 100, 10)
     ("'12'", '[0, 0, ...')

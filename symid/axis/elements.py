@@ -133,7 +133,7 @@ class Body(Parametrised):
 
     @property
     def gears(self) -> tuple[Geared, ...]:
-        """Its transmissions; none for a body with its own coordinate."""
+        """Transmissions of the body; empty for a body with its own coordinate."""
         if self.geared is None:
             return ()
         return self.geared if isinstance(self.geared, tuple) else (self.geared,)

@@ -91,7 +91,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     A few dozen jerk-limited moves, chirps and multisines are simulated under the controller, with the noise of the
     sensors, and identified; the one with the smallest worst relative deviation is written. Travel, speed, acceleration
     and force are those of the simulated axis, jerk is that of the reference. Several drives share one reference, unless
-    --limits apart=... says by how much they may differ: each then has a column of its own.
+    --limits apart=... says by how much they may differ: each then has its own column.
     """
     reference_file(output)
     declared = with_imperfections(load_axis(axis), options)

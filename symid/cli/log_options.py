@@ -1,4 +1,4 @@
-"""Which logs a command reads, and how they are prepared: options that several commands share."""
+"""Options that several commands share: the logs, and their preparation."""
 
 from __future__ import annotations
 

@@ -187,7 +187,7 @@ def numbers(values: tuple[str, ...], option: str, known: Collection[str] | None 
 
 _EXAMPLES = {"--known": "Ml=0,12.5kg", "--bounds": "Fv=0..300", "--fix": "Ml=12.5kg", "--unit": "q2=mm"}
 _EXAMPLES |= {"--gain": "q2=-1", "--late": "q2=125us", "--noise": "q2=1e-6", "--controller-gain": "Kpp=30"}
-"""What options that set a value by name are set to, by option."""
+"""Kind of value of each option that sets values by name."""
 
 
 def assignments(values: tuple[str, ...], option: str, known: Collection[str] | None = None) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""From polynomials and signal expressions to flat NumPy assignments.
+"""Lowering of polynomials and signal expressions to flat NumPy assignments.
 
 Polynomials are written in Horner's form, one variable after the other in the order of the declaration. Common
 subexpressions are written once: the minimal parameters of a chain share almost everything, and the 45 000 terms of an

@@ -1,4 +1,4 @@
-"""Which column of a file holds which signal, and the factor that makes it SI."""
+"""Mapping of the columns of a file to signals, with the factors that make them SI."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _HEADER: Final = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*")
 
 @dataclass(frozen=True)
 class Source:
-    """Where a signal comes from: position of its column, the factor that makes it SI, whether its unit is known."""
+    """Source of a signal: position of its column, factor to SI, and whether its unit is known."""
 
     signal: str
     position: int

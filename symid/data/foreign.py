@@ -123,7 +123,7 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
 
 
 def _described(header: str, values: FloatArray) -> ForeignColumn:
-    """What a column seems to be, by its header and its finite values, and what is odd about it."""
+    """Quantity and unit of a column as guessed from its header and finite values, with remarks."""
     if not values.size:
         return replace(_guessed(header, np.zeros(1)), constant=True)
     guessed = _guessed(header, values)

@@ -1,4 +1,4 @@
-"""How a CSV file is laid out: encoding, separator, decimal mark, lines above the header; guessed from its beginning."""
+"""Layout of a CSV file, guessed from its beginning: encoding, separator, decimal mark, lines above the header."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
 @dataclass(frozen=True)
 class Layout:
-    """How a CSV file is laid out.
+    """Layout of a CSV file.
 
     Parameters
     ----------

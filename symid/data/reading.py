@@ -1,4 +1,4 @@
-"""From the columns of a table to the checked signals of a log, in SI units."""
+"""Checked signals of a log, in SI units, from the columns of a table."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def _require_sound(
 
 
 def positions_of(expected: Mapping[str, Unit], signals: Collection[str]) -> list[str]:
-    """Those signals that are positions or angles."""
+    """Signals that are positions or angles."""
     return [name for name in signals if expected.get(name) in (Unit.of("m"), Unit.of("rad"))]
 
 

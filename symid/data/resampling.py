@@ -194,7 +194,7 @@ class _Written:
         return period > _SLOWER * self.period
 
     def at(self, time: FloatArray, period: float) -> FloatArray:
-        """Its values at other times, without the frequencies that their rate cannot represent."""
+        """Values at other times, without the frequencies that their rate cannot represent."""
         if not self.is_slower(period):
             return np.asarray(scipy.interpolate.CubicSpline(self.time, self.values)(time))
         grid = np.arange(self.time[0], self.time[-1], self.period)

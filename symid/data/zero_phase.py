@@ -130,7 +130,7 @@ class ZeroPhaseFilter:
     def transients(self, places: FloatArray) -> FloatArray:
         """Real and imaginary parts of powers of the poles, shape (n_places, n_poles), at samples from an end.
 
-        What the signal is taken to be beyond an end adds a sum of these columns to the filtered signal.
+        The assumed signal beyond an end adds a sum of these columns to the filtered signal.
 
         >>> from symid.data.sections import butterworth
         >>> ZeroPhaseFilter(butterworth(1, 0.25), 3).transients(np.arange(3.0))[:, 0].round(3).tolist()

@@ -136,7 +136,7 @@ class Thresholds:
     # signals show it at high frequencies, and a wandering record has several times of it at low ones
     white: float = 1.6
     coloured: float = 6.0
-    # error, relative to the force, from which on it is no wandering of a record, whatever its course (drawn worldly
+    # error, relative to the force, from which on it is not a slow drift of a record, whatever its course (drawn worldly
     # cases: some percent; a pendulum without its friction, whose error seemed independent of the motion, 0.2)
     coloured_share: float = 0.1
     # error, relative to the force, that a model may leave whatever the noise: the instants of reversals are known

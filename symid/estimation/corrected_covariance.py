@@ -58,7 +58,7 @@ class ObservationBlock:
 
     @property
     def equations(self) -> slice:
-        """Its equations among those of the fit."""
+        """Equations of the block among those of the fit."""
         return slice(self.equation, self.equation + len(self.W))
 
 

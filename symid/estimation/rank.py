@@ -1,4 +1,4 @@
-"""Which parameters an observation determines, and which of them only in combination.
+"""Parameters that an observation determines, alone or only in combination.
 
 Decisions are made on columns of unit norm, so that they do not depend on the units of the parameters.
 """

@@ -34,11 +34,11 @@ FINAL_RUNS = 150
 """Runs of the chosen reference, whose errors then tell more than printed deviations: of an error that varies from run
 to run they give the rms to 6 %."""
 _SHARE_OF_DEFAULTS = 5
-"""The defaults are given one run for so many of the chosen reference."""
+"""Number of runs of the chosen reference for each run of the default ones."""
 _TRIES = 4
 _MARGIN = 0.99
 _OF_ESTIMATE = 4
-"""Runs that the printed deviations are worth beside the errors that runs have."""
+"""Weight of the printed deviations, in runs, beside the errors of the runs."""
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ static void note({name}_way *way, int lane, double time, double value)
     if (way->lane[lane].count < cells) way->lane[lane].count++;
 }}
 
-/* What was noted for a time: on a line between two notes, the oldest before all of them, the newest after. */
+/* Interpolated value at a time; the oldest value before all of them, the newest after. */
 static double noted(const {name}_way *way, int lane, double time)
 {{
     const int cells = {cells}, count = way->lane[lane].count, newest = way->lane[lane].newest;

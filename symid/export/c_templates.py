@@ -35,7 +35,7 @@ void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], {f
 /* Advance the state x by h under a constant {force}. Friction sticks and breaks loose; of first order in h. */
 void {name}_step(const {name}_parameters *p, double x[{n_state}], {forces}, double h);
 
-/* What the sensors read, y = {{{sensors}}}; dx is what {name}_derivative gave. */
+/* Readings of the sensors, y = {{{sensors}}}; dx is what {name}_derivative gave. */
 void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}]);
 
 {feedforward_header}{way_header}

@@ -206,7 +206,7 @@ class _Variable:
     start: float | None = None
 
     def element(self, reference: int, fmi: FmiVersion) -> str:
-        """Its element in the description."""
+        """XML element of the variable in the model description."""
         unit = f" unit={quoteattr(str(self.unit))}" if self.unit is not None and str(self.unit) else ""
         start = "" if self.start is None else f' start="{float(self.start)!r}"'
         named = f'name={quoteattr(self.name)} valueReference="{reference}"'

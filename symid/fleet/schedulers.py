@@ -82,7 +82,7 @@ class Processes:
                     yield task, self._alone(work, task)
 
     def _alone(self, work: Callable[[Task], Result], task: Task) -> Result | None:
-        """Result of a suspected task in a process of its own.
+        """Result of a suspected task in a separate process.
 
         None if the task kills two processes, or one after more than half of its time limit.
         """

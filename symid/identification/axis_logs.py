@@ -1,4 +1,4 @@
-"""Which columns an axis expects of a log, and which of its sensors a log holds."""
+"""Columns that an axis expects of a log, and its sensors that a log holds."""
 
 from __future__ import annotations
 

@@ -278,7 +278,7 @@ class _Problem:
 
 
 def _alone(free: PhysicalEstimate, is_open: BoolArray) -> PhysicalEstimate:
-    """What the log alone says: nothing of the parameters that it leaves open."""
+    """Information of the log alone: none on the parameters that it does not determine."""
     closed = np.where(is_open, np.nan, 1.0)
     return replace(
         free,

@@ -35,16 +35,9 @@ def leave_out_spoiled(
 ) -> None:
     """Mark the rows as not usable in which a transient of one of the ends stands out.
 
-    Parameters
-    ----------
-    low_pass : LowPass
-        Filter that all columns have passed.
-    sampling_frequency : float
-        Samples per second, Hz.
-    rows : W, y and usable, arrays of shape (n_equations, n_rows, n_columns) and (n_equations, n_rows)
-        Rows of a log.
-    ends : two arrays of shape (n_rows,)
-        Samples from the first one of the log to each row, and from each row to the last.
+    All columns have passed the filter `low_pass`. `rows` are W, y and usable, of shapes (n_equations, n_rows,
+    n_columns) and (n_equations, n_rows); `ends` the samples from the first one of the log to each row, and from each
+    row to the last.
     """
     passed = low_pass.zero_phase(sampling_frequency)
     reach = _PERIODS * sampling_frequency / low_pass.cutoff_hz

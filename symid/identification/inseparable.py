@@ -31,17 +31,8 @@ def estimates_by_priors(
 ) -> tuple[PhysicalEstimate, ...]:
     """Physical parameters that the log determines with priors of inseparable ones.
 
-    Parameters
-    ----------
-    model, minimal, covariance, start
-        As in `physical_estimates`, which finds no single solution.
-    constraints : Constraints
-        Priors, of which as few are used as determine all parameters.
-
-    Returns
-    -------
-    tuple of PhysicalEstimate
-        With the deviations of the priors that are used; empty if the priors leave parameters open.
+    It serves where `physical_estimates` finds no solution. As few priors are used as determine all parameters. Empty if
+    they leave parameters undetermined.
     """
     used: list[str] = []
     for name in open_by_structure(model):

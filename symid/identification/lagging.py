@@ -77,7 +77,7 @@ def ac_coupling_of(
         one = (
             _by_other_sensors(model, parts, integrals, name)
             or _filtered_before(parts, fit, integrals, starts)
-            or _filtered_before(parts, fit, integrals)  # the model has a constant of its own
+            or _filtered_before(parts, fit, integrals)  # the model has its own constant
         )
         passed += [(one, name)] if one else []
     for one, name in sorted(passed, key=lambda pair: pair[0].remaining):
@@ -168,7 +168,7 @@ def _filtered_before(
 ) -> _Filter | None:
     """Factor of rows that a derivative or an integral of a signal makes of each part; None if it is not determined.
 
-    With `constants` each part has one of its own, from which an integral starts.
+    With `constants` each part has its own, from which an integral starts.
     """
     seen = [part.observation for part in parts]
     before = estimate([f for o in seen for f in triangular_factors(o.W, o.y, o.valid)])

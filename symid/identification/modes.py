@@ -19,7 +19,7 @@ _POINTS = 32
 _LEAST = 1e-9
 """Coefficient, over the largest, that is rounding."""
 _DAMPED = 0.5
-"""Damping ratio above which a root is no mode: structures have 0.002 to 0.1."""
+"""Damping ratio above which a root does not count as a mode: structures have 0.002 to 0.1."""
 _RIGID = 2
 """Highest derivatives of a rigid axis."""
 _STIFFNESSES = ("N/m", "N*m/rad")

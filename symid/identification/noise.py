@@ -175,7 +175,7 @@ def response_of_rows(
 def noise_limited_widening(
     model: GeneratedModel, log: Log, cutoff_hz: float, levels: Mapping[str, float], widest: float
 ) -> float:
-    """How many times wider motion is filtered, from 2 up to `widest`, so that laws that jump keep their reversals.
+    """Factor by which motion is filtered wider, from 2 up to `widest`, so that laws that jump keep their reversals.
 
     Beyond 2, the noise of a sliding velocity stays below 0.3 % of the highest speed. 1 is returned if nothing jumps.
     Levels of forces are not needed.

@@ -1,4 +1,4 @@
-"""From a log to the observation matrix W and the output y, with the rows that may be used."""
+"""Observation matrix W and output y of a log, with the rows that may be used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From minimal to physical parameters: the inverse map with its branches, fitted where it is overdetermined.
+"""Physical from minimal parameters: the inverse map with its branches, fitted where it is overdetermined.
 
 The physical parameters theta minimise (X - X(theta))' C^-1 (X - X(theta)), C being the covariance of the estimated
 minimal parameters X. Their covariance is (J' C^-1 J)^-1 with J = dX/dtheta. Where there are as many of one kind as
@@ -81,7 +81,7 @@ class PhysicalEstimate:
 
 @dataclass(frozen=True, eq=False)
 class Restricted:
-    """How bounds and priors changed an estimate, and what the deviations of priors add to its covariance.
+    """Effect of bounds and priors on an estimate and on its covariance.
 
     `held` gives, for each parameter at a bound, what the bound costs, as a chi-square; `instead` gives mean and
     deviation of the priors of parameters that the log alone leaves open.
@@ -196,7 +196,7 @@ def _fitted(
         physical[seen] = relative * scale
         return physical
 
-    def misfit(relative: FloatArray) -> FloatArray:
+    def weighted_residuals(relative: FloatArray) -> FloatArray:
         return np.asarray(
             np.linalg.solve(root, (model.minimal_parameters(*whole(relative)) - minimal) / spread)
         )
@@ -213,13 +213,13 @@ def _fitted(
         relative = (
             guess / scale
             if exact
-            else scipy.optimize.least_squares(misfit, guess / scale, jac=slope, method="lm").x
+            else scipy.optimize.least_squares(weighted_residuals, guess / scale, jac=slope, method="lm").x
         )
         gradient = slope(relative)
     orthonormal, triangle = np.linalg.qr(gradient)
     if not np.all(np.isfinite(triangle)) or np.linalg.cond(triangle) > 1 / np.finfo(float).eps:
         return None
-    disagreement = float(np.sum(misfit(relative) ** 2)) if relations else float("nan")
+    disagreement = float(np.sum(weighted_residuals(relative) ** 2)) if relations else float("nan")
     whitening = np.linalg.solve(root, np.diag(1 / spread))
     parameters, sensitivity = np.full(start.size, np.nan), np.full((start.size, minimal.size), np.nan)
     parameters[seen] = relative * scale

@@ -48,12 +48,8 @@ def correlation(
 
     Their means over the rows used are taken off. Lags are in rows, shorter than the log. `noise` is the
     auto-correlation of the noise by lag, from 0 on, where it is not white. The variance of a correlation is then that
-    of Bartlett, the sum over all lags of the product of both auto-correlations, divided by the number of rows [1].
-
-    References
-    ----------
-    [1] Bartlett, On the theoretical specification and sampling properties of autocorrelated time-series, Supplement
-    to the Journal of the Royal Statistical Society 8, 1946.
+    of M. S. Bartlett (Supplement to the Journal of the Royal Statistical Society 8, 1946): the sum over all lags of the
+    product of both auto-correlations, divided by the number of rows.
 
     >>> x = np.random.default_rng(0).standard_normal(2000)
     >>> found = correlation(x, x, np.ones(2000, bool), range(0, 21))

@@ -97,7 +97,7 @@ def blocks_of_runs(runs: Sequence[Run]) -> Iterator[ObservationBlock]:
 
 @dataclass(frozen=True)
 class _Layout:
-    """How the rows of a long log lie in it.
+    """Positions of the rows of a long log.
 
     Samples trimmed at the ends, samples that become one row, samples of the log, and those on either side that filtered
     signals, and rows made of them, need.

@@ -1,4 +1,4 @@
-"""How rows are made of recorded signals: differences of some order, and a sharper way to compare them with."""
+"""Differences that make rows of recorded signals, and sharper ones for comparison."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SHARPER = 4
 
 @dataclass(frozen=True)
 class Scheme:
-    """How derivatives and the values of nonlinear laws are made."""
+    """Scheme of derivatives and of the values of nonlinear laws."""
 
     # order of accuracy of the central differences; higher derivatives are taken one after the other
     order: int

@@ -1,4 +1,4 @@
-"""How a log is prepared for the estimation."""
+"""Preparation of a log for the estimation."""
 
 from __future__ import annotations
 

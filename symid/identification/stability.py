@@ -76,8 +76,8 @@ def scatter(parts: Sequence[Segment], fit: LeastSquares) -> FloatArray:
 def greatest_change(parts: Sequence[Segment], fit: LeastSquares) -> Change | None:
     """The span of segments, in time order, whose own parameters take most from the residual; None if there are too few.
 
-    How many rows are worth an independent one is read from the segments as they scatter about both parameters: that of
-    the whole residual is correlated by the change itself.
+    The number of rows for each independent one follows from the scatter of the segments about both parameters, as the
+    change itself correlates the whole residual.
     """
     n, p = len(parts), fit.solution.size
     if n < _FEWEST:

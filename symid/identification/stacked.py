@@ -80,13 +80,13 @@ class Stacked:
         """Parameters fitted from a start, and chi-square."""
         scale = scale_of(guess)
 
-        def misfit(relative: FloatArray) -> FloatArray:
+        def weighted_residuals(relative: FloatArray) -> FloatArray:
             return self.whitened(self.forward(relative * scale) - self.minimal)
 
         with np.errstate(all="ignore"):
             if not np.isfinite(self.slope(guess)).all():
                 return None
-            found = scipy.optimize.least_squares(misfit, guess / scale, x_scale="jac")
+            found = scipy.optimize.least_squares(weighted_residuals, guess / scale, x_scale="jac")
         return found.x * scale, 2.0 * float(found.cost)
 
     def covariance(self, physical: FloatArray, names: list[str]) -> tuple[FloatArray, list[str]]:

@@ -128,7 +128,7 @@ def _certain(model: GeneratedModel, estimate: PhysicalEstimate, deviations: Floa
 
 
 def _cause(model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatArray | None) -> str:
-    """What makes parameters negative: with all that the log determines, a sign."""
+    """Cause of negative parameters: a sign if all that the log determines are negative."""
     certain = _certain(model, estimate, deviations) - set(model.signed)
     if certain <= set(estimate.negative(model)):
         forces = " or ".join(dict.fromkeys(model.output_names))

@@ -118,7 +118,7 @@ class ControllerMismatch:
     moved: FloatArray
 
     def statement(self, names: Sequence[str]) -> str:
-        """What contradicts the log, and the cure; empty if no parameter moves beyond its deviation."""
+        """Contradiction between controller and log, with the cure; empty if no parameter moves beyond its deviation."""
         excess = self.moved / np.maximum(self.deviations, _NOTICEABLE * np.abs(self.values))
         i = int(np.argmax(excess))
         if not excess[i] > 1.0:
@@ -147,7 +147,7 @@ def controller_mismatch(fit: LikelihoodFit) -> ControllerMismatch | None:
     if not (np.isfinite(W).all() and V.any() and np.isfinite(V).all()):
         return None
     W, V, y = _whitened(search, W / lengths, V, search.residual(search.x))
-    # What of the terms the parameters cannot imitate
+    # Part of the terms that the parameters cannot imitate
     imitated = np.linalg.lstsq(W, V, rcond=_VISIBLE)[0]
     lost = [ORDER * run.n_signals for run in runs]
     fitted = sum(ORDER * run.n_signals**2 for run in runs)

@@ -1,4 +1,4 @@
-"""How a log is compared with its axis: assumptions about the course of the force and the controller."""
+"""Assumptions of the comparison of a log with its axis: course of the force between samples, and controller."""
 
 from __future__ import annotations
 

@@ -96,7 +96,7 @@ def verdict_of(
 
 
 def _is_no_delay(regression: Identification) -> bool:
-    """Whether least squares found a fault of timing that is no delay: a lag or a drifting clock.
+    """Whether least squares found a fault of timing other than a delay: a lag or a drifting clock.
 
     A delay is estimated with the parameters; these are not, and bias the parameters beside white innovations too.
     """

@@ -95,7 +95,7 @@ class PolynomialArrays:
 
     @cached_property
     def _terms_with(self) -> dict[int, list[tuple[int, float, int, Factors]]]:
-        """By parameter: index of the entry, coefficient, power of the parameter and other factors of each term."""
+        """Terms by parameter: index of the entry, coefficient, power of the parameter, other factors."""
         found: dict[int, list[tuple[int, float, int, Factors]]] = {}
         for place, c, k in self._terms:
             for own in self._products[k]:

@@ -200,7 +200,7 @@ def response_band(
         correlations = np.nan_to_num(correlation_matrix(covariance))
     alone = np.where((value == 0) & np.isfinite(deviations), deviations, 0.0)
     factor = _root(correlations)
-    # a Latin hypercube: each parameter has the quantiles of a normal one, in an order of its own
+    # a Latin hypercube: each parameter has the quantiles of a normal one, in its own order
     order = np.random.default_rng(_SEED).permuted(np.tile(np.arange(_DRAWS), (value.size, 1)), axis=1).T
     normal = scipy.special.ndtri((order + 0.5) / _DRAWS) @ factor.T
     drawn = value * np.exp(relative * normal) + alone * normal

@@ -100,7 +100,7 @@ class Kinematics:
         """Exact number if it is an integer, else a symbol for it."""
         if float(value).is_integer():
             return sp.Integer(int(value))
-        # Another ratio between the same bodies, or acceleration, has a name of its own, the same in every process.
+        # Another ratio between the same bodies, or acceleration, has its own name, the same in every process.
         name += "_" * self._values.get(name, [value]).index(value)
         self.constants[name] = float(value)
         return sp.Symbol(name)

@@ -178,7 +178,7 @@ class Budget:
         self._left = products
 
     def spend(self, products: int) -> None:
-        """Take products off; TooLargeError if there are not so many left."""
+        """Subtract products from the budget; TooLargeError if fewer are left."""
         self._left -= products
         if self._left < 0:
             raise TooLargeError

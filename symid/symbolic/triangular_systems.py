@@ -99,7 +99,7 @@ class _HeldEquation:
 
     @cached_property
     def monomials(self) -> list[tuple[int, ...]]:
-        """Its monomials in the unknowns."""
+        """Monomials of the equation in the unknowns."""
         own = (monomial[: self.unknowns] for monomial in self.polynomial.monoms())
         return list(dict.fromkeys(tuple(map(int, monomial)) for monomial in own))
 

@@ -123,7 +123,7 @@ def _number(value: object) -> float | None:
 
 
 def _named(fields: dict[str, object]) -> dict[str, object]:
-    """Fields, of which a time series without a name has that of its owner, such as a logged signal."""
+    """Fields; a time series without a name gets the name of its owner, such as a logged signal."""
     own = fields.get("Name", fields.get("Name_"))
     if not isinstance(own, str) or not own:
         return fields

@@ -36,7 +36,7 @@ _NAMES, _UNITS = ("name", "path", "variable"), ("unit",)
 
 
 def writer_of(path: Path) -> tuple[Writer, str] | None:
-    """Which scope wrote a text file, and the separator; None for any other file."""
+    """Scope that wrote a text file, and the separator; None for any other file."""
     with path.open("rb") as file:
         begin = file.read(_BEGINNING)
     letters = begin.replace(b"\x00", b"")  # of UTF-16

@@ -27,7 +27,7 @@ _REFUSED: Final = 3
 
 
 def channels_apart(module: str, path: Path, memory: int | None, kind: str) -> list[Channel]:
-    """Channels of a file, parsed by a module in a process of its own; LogError if that fails."""
+    """Channels of a file, parsed by a module in a separate process; LogError if that fails."""
     with tempfile.TemporaryDirectory() as folder:
         written = Path(folder) / "channels.npz"
         command = [sys.executable, "-W", "ignore", "-m", module, str(path.absolute()), str(written)]

@@ -97,7 +97,7 @@ class Effect(ABC):
         return False
 
     def passed_on(self, prediction: Prediction, placed: Placed, outputs: ComplexArray) -> ComplexArray | None:
-        """Its response to small changes of the predicted outputs, (..., n_outputs, n_bins); None without response."""
+        """Response to small changes of the predicted outputs, (..., n_outputs, n_bins); None without response."""
         return None
 
     def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
@@ -125,7 +125,7 @@ class JointEffect(Effect):
     def pointwise(
         self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]
     ) -> Pointwise | None:
-        """Its force as a function of the motion at an instant, for hidden joints; None if it is not one."""
+        """Force of the effect as a function of the motion at an instant, for hidden joints; None if it is not one."""
         return None
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:

@@ -14,27 +14,13 @@ from symid.simulation.law_code import array_function, has_jumps, law_code, level
 
 @dataclass(frozen=True, eq=False)
 class LawFunctions:
-    """A formula as functions of q, v, its shape parameters and, but for `arrays`, its amplitudes.
+    """A formula as functions of q, v, its shape parameters and, but for `arrays`, its amplitudes."""
 
-    Parameters
-    ----------
-    arrays : tuple of callable
-        Each term for arrays and a unit amplitude.
-    force : str
-        The whole force as NumPy code, in q, v and `names`.
-    names : tuple of str
-        Names of shape parameters and amplitudes.
-    level : str, optional
-        Of dry friction what stands beside sign(v); it does not fall below 0 along the stroke.
-    jumps : tuple of bool
-        Whether each term jumps where the velocity changes its sign.
-    """
-
-    arrays: tuple[Callable[..., FloatArray], ...]
-    force: str
-    names: tuple[str, ...]
-    level: str | None
-    jumps: tuple[bool, ...]
+    arrays: tuple[Callable[..., FloatArray], ...]  # each term for arrays and a unit amplitude
+    force: str  # the whole force as NumPy code, in q, v and `names`
+    names: tuple[str, ...]  # of shape parameters and amplitudes
+    level: str | None  # factor of sign(v) in dry friction; it does not fall below 0 along the stroke
+    jumps: tuple[bool, ...]  # whether each term jumps where the velocity changes its sign
 
 
 @cache

@@ -255,7 +255,7 @@ def _scale(number: ShapeParameter, joint: Joint) -> float:
 
 
 def _trials(number: ShapeParameter, joint: Joint) -> list[float]:
-    assert number.trials is not None, f"{number.field} has no trials: its effect needs a search of its own"
+    assert number.trials is not None, f"{number.field} has no trials: its effect needs its own search"
     low, high, count = number.trials
     return [float(x * _scale(number, joint)) for x in np.geomspace(low, high, count)]
 

@@ -35,7 +35,7 @@ _HARMONICS = 5
 
 
 class PeriodicDisturbanceEffect(JointEffect):
-    """As sin(2 pi f t) + Ac cos(2 pi f t)."""
+    """Sinusoidal force As sin(2 pi f t) + Ac cos(2 pi f t)."""
 
     name = "periodic_disturbance"
     amplitudes = ("As", "Ac")

@@ -90,8 +90,8 @@ class Comparison:
     def worsened(self) -> int | None:
         """Index of the first of several effects that clearly increases the error here, or cannot be judged here.
 
-        Motion diverges with it, or what is fitted to each log is no plausible effect of this one, such as a disturbance
-        with few cycles in it.
+        Motion diverges with it, or its values fitted to this log are not plausible, as of a disturbance with few
+        cycles.
         """
         n_effects = len(self.states) - 2
         grows = (n for n in range(n_effects) if self._is_unfit(n + 2) or self.removed(n + 1, n + 2).high < 0)

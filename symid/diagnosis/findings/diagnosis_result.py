@@ -24,21 +24,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class WeightedError:
-    """Force error of the last model, and its prediction, in the weights of the fit, at the samples of `Signals`.
+    """Force error of the last model, and its prediction, in the weights of the fit, at the samples of `Signals`."""
 
-    Parameters
-    ----------
-    error : array of shape (n,)
-        In deviations of the noise; 0 where it is not compared.
-    predicted : array of shape (n,)
-        Predicted force, weighted alike.
-    noise : array of shape (m,)
-        Auto-correlation of the error that noise alone leaves, by lag in rows from 0 on.
-    """
-
-    error: FloatArray
-    predicted: FloatArray
-    noise: FloatArray
+    error: FloatArray  # shape (n,): in deviations of the noise; 0 where it is not compared
+    predicted: FloatArray  # shape (n,): predicted force, weighted alike
+    noise: FloatArray  # shape (m,): auto-correlation of the error that noise alone leaves, by lag in rows from 0 on
 
 
 @dataclass(frozen=True, eq=False)

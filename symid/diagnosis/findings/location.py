@@ -165,7 +165,7 @@ def _narrowest(bands: tuple[MapCell, ...]) -> tuple[float, float]:
 def momentary(comparison: Comparison, last: Fit) -> str:
     """Sentence if most of the error that the last model leaves belongs to a moment of the log; otherwise empty.
 
-    A collision, an end stop or a drive that was switched off is no effect of the whole log, and spoils the error of
+    A collision, an end stop or a drive that was switched off is not an effect of the whole log, and spoils the error of
     all models, be it in the part on which they are compared or in that on which the last one was fitted.
     """
     training = Comparison(last.weighting, (last.state,), (last.left,), comparison.drive)

@@ -1,4 +1,4 @@
-"""How strong each effect of a model is: the error of the force that the effect alone would leave.
+"""Strength of each effect of a model: the error of the force that the effect alone would leave.
 
 A gap is weighted by noise, so that at high frequencies, where the noise of the position hides much, it hardly counts;
 and near a reversal a late force or friction errs for some milliseconds only, but by much. Shares of the gap thus
@@ -24,18 +24,9 @@ from symid.diagnosis.thresholds import THRESHOLDS
 def strengths_of(state: State, weighting: Weighting, away: BoolArray, n_declared: int) -> FloatArray:
     """Strength of each effect found, in multiples of the noise of the force; shape (n_effects,).
 
-    Parameters
-    ----------
-    state, weighting : State and Weighting
-        The model with all effects, under a record, and the weights there.
-    away : bool array of shape (n_kept,)
-        Kept rows away from reversals.
-    n_declared : int
-        Number of declared imperfections, which stand before the effects found.
-
-    Notes
-    -----
-    An error of a further reading, which no force shows, counts in multiples of the noise of that reading.
+    Only the kept rows `away` from reversals count, a bool array of shape (n_kept,). The first `n_declared` effects are
+    declared imperfections. An error of a further reading, which no force shows, counts in multiples of the noise of
+    that reading.
     """
     flat = _flat(weighting)
     rows = np.flatnonzero(weighting.kept)[away]

@@ -181,8 +181,6 @@ def _size(gap: Gap, rms: float) -> str:
 def _listed(names: Sequence[str]) -> str:
     """Names in words.
 
-    Examples
-    --------
     >>> _listed(["Mb", "K1", "K2"])
     'Mb, K1 and K2'
     """

@@ -95,16 +95,9 @@ def settled(fit: Fit) -> Fit:
 
 
 def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
-    """Whether the inertia that the drive moves is within a factor of two of the range of other models.
+    """Whether the inertia that the drive moves is within a factor of two of the range `plain` of other models.
 
-    Parameters
-    ----------
-    found : State
-        The model.
-    *plain : float
-        Inertias of the other models.
-    doubt : float
-        Further relative deviation, allowed where the log does not determine the inertia.
+    `doubt` is a further relative deviation, allowed where the log does not determine the inertia.
     """
     low, high = min(plain) / THRESHOLDS.least_inertia, max(plain) * THRESHOLDS.least_inertia
     return low / (1 + doubt) < found.inertia < high * (1 + doubt)

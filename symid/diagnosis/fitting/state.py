@@ -57,7 +57,7 @@ class State:
 
     @property
     def inertia(self) -> float:
-        """As `Response.inertia`."""
+        """Inertia that the drive moves, see `Response.inertia`."""
         return self.prediction.response.inertia
 
     def weighted(self, weighting: Weighting) -> State:

@@ -24,21 +24,12 @@ _MOST_SAMPLES = 200_000
 
 @dataclass(frozen=True)
 class IdentifiedMotion:
-    """How an identified axis moves along a log.
+    """Simulated motion of an identified axis along a log."""
 
-    Parameters
-    ----------
-    log : str
-        Its source.
-    motions : tuple of SimulatedMotion
-        At the position next to each drive, where the axis could be simulated; none elsewhere.
-    message : str
-        Why it could not, or what part of the log was simulated.
-    """
-
-    log: str
+    log: str  # its source
+    # at the position next to each drive; none where the axis could not be simulated
     motions: tuple[SimulatedMotion, ...] = ()
-    message: str = ""
+    message: str = ""  # reason of a failure, or the part of the log that was simulated
 
 
 def identified_motion(
@@ -46,18 +37,8 @@ def identified_motion(
 ) -> IdentifiedMotion:
     """Simulate an identified axis from the measured force, under the controller that the log shows or an observer.
 
-    The message states what fails.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    values : mapping of str to float
-        Its physical parameters, SI; empty if the log determines none.
-    log : Log
-        A log of it; of a long one its beginning is simulated.
-    late : mapping of str to float, optional
-        Times by which signals were recorded late, declared delays included, s.
+    `values` are empty if the log determines none. Of a long log the beginning is simulated. `late` are the times by
+    which signals were recorded late, s, declared delays included. The message states a failure.
     """
     if not values:
         return IdentifiedMotion(log.source, message="the log determines no physical parameters")

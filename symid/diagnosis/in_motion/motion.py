@@ -154,7 +154,7 @@ def motions_of(
 
 
 def _falling_stiffness(state: State, part: Part) -> float:
-    """As `falling_stiffness`, of a model; 0 where the axis with its values is none that can be simulated."""
+    """`falling_stiffness` of a model; 0 where the axis with its values cannot be simulated."""
     try:
         with np.errstate(all="ignore"):
             found = falling_stiffness(axis_with_effects(state), part)
@@ -190,14 +190,14 @@ def motion_next_to(
 
 
 def _errors(state: State, logs: Sequence[Sequence[Part]], drivers: Sequence[Driver]) -> list[MotionError]:
-    """How the axis of a model moves next to each drive."""
+    """Motion errors of a model next to each drive."""
     return errors_of_axis(lambda: axis_with_effects(state), logs, drivers)
 
 
 def errors_of_axis(
     axis: Callable[[], ExplainedAxis], logs: Sequence[Sequence[Part]], drivers: Sequence[Driver]
 ) -> list[MotionError]:
-    """How an axis moves next to each drive, in logs that have a part for each; what fails is a status."""
+    """Motion errors next to each drive, in logs that have a part for each; a failed simulation is a status."""
     try:
         with np.errstate(all="ignore"):
             explained = axis()

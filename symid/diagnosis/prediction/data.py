@@ -23,7 +23,7 @@ Runs = tuple[Joined, Joined | None]
 
 @dataclass(frozen=True)
 class Recorded:
-    """How the signals were recorded."""
+    """Recording of the signals: delays, holds, controller."""
 
     late: Mapping[str, float]  # time by which signals were recorded late, s
     held: bool | None  # whether the force is held from sample to sample; None if it is not known

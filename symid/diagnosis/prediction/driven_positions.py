@@ -50,5 +50,5 @@ def _independent(dynamics: ForwardDynamics, names: Sequence[str]) -> bool:
 
 
 def _collocation(drive: FloatArray, row: FloatArray) -> float:
-    """How well a sensor moves with a drive: the cosine of both directions."""
+    """Collocation of a sensor with a drive: the cosine of both directions."""
     return float(abs(drive @ row) / (np.linalg.norm(drive) * np.linalg.norm(row)))

@@ -22,11 +22,6 @@ def training_and_held_out(record: Record) -> tuple[BoolArray, BoolArray]:
     """Points of the fine grid for identification and for validation: every third of twelve parts is held out.
 
     The parts divide the time of motion if the axis mostly rests or moves only briefly.
-
-    Parameters
-    ----------
-    record : Record
-        One log.
     """
     moving = np.any([record.moves(speed) for speed in record.speeds], axis=0)
     seconds = float(np.sum(moving) * record.fine_time[1])

@@ -14,22 +14,10 @@ from symid.data import Log
 
 
 def with_positions(axis: Axis, logs: Sequence[Log]) -> tuple[Axis, list[Log], tuple[str, ...]]:
-    """The axis and its logs with positions in place of speeds, if the logs hold no position.
+    """The axis and its logs with positions in place of speeds, if the logs hold no position; and notes on that.
 
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    logs : sequence of Log
-        Logs of it. The integral of a speed keeps the name of the signal.
+    The integral of a speed keeps the name of the signal. Logs with a position, or without a speed, stay as they are.
 
-    Returns
-    -------
-    tuple of Axis, list of Log and tuple of str
-        Axis, logs, and sentences on the change; unchanged if the logs hold a position, or no speed.
-
-    Examples
-    --------
     >>> from symid import Body, Drive, Velocity
     >>> motor = Body("motor", inertia="J")
     >>> axis = Axis("fan", (motor,), Drive("T", motor), (Velocity("w", motor),))

@@ -13,8 +13,6 @@ Found = TypeVar("Found")
 class LastValues:
     """The last value of each key.
 
-    Examples
-    --------
     >>> memory = LastValues()
     >>> memory.of("squared", 3, lambda: 9), memory.of("squared", 3, lambda: 10), memory.of("squared", 4, lambda: 16)
     (9, 9, 16)

@@ -82,12 +82,12 @@ class Response:
 
     @property
     def motion(self) -> ComplexArray:
-        """As `Solution.motion`."""
+        """Motion of the bodies, see `Solution.motion`."""
         return self.solution.motion
 
     @property
     def outputs(self) -> ComplexArray:
-        """As `Solution.outputs`."""
+        """Outputs of the model, see `Solution.outputs`."""
         return self.solution.outputs
 
     @property

@@ -27,15 +27,9 @@ class Unscaled(NamedTuple):
 def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None = None) -> Unscaled:
     """The axis and its logs with quantities in place of the signals of scaled sensors.
 
-    Gains and offsets come from `nominal`, or else are identified from the first log.
+    Gains and offsets come from `nominal`, or else are identified from the first log; SettingError if it does not
+    determine them.
 
-    Raises
-    ------
-    SettingError
-        If the log does not determine them.
-
-    Examples
-    --------
     >>> from symid import Body, Drive, Position
     >>> table = Body("table", mass="M")
     >>> axis = Axis("t", (table,), Drive("F", table), (Position("q", table, gain="c", offset="o"),))

@@ -89,14 +89,9 @@ class Weighting:
         return self.record.from_grid(weighted * self.window) * self.record.taper
 
     def known(self, rows: FloatArray, beginning: FloatArray) -> FloatArray:
-        """Kept rows after projection on the contributions of unknown initial states; shape (..., n).
+        """Kept weighted rows, less what unknown initial states explain; from (..., n_outputs, n_rows) to (..., n).
 
-        Parameters
-        ----------
-        rows : array of shape (..., n_outputs, n_rows)
-            Weighted rows.
-        beginning : array of shape (n_starts, n_outputs, n_rows)
-            Contributions of an unknown state at the beginning of the log.
+        `beginning`, of shape (n_starts, n_outputs, n_rows), holds the contributions of a state at the start of the log.
         """
         if self._begun.get("rows") is not beginning:  # one step of a fit asks several times
             basis = _orthonormal(_without(self.flat(beginning), self._basis))

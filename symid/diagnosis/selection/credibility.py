@@ -137,10 +137,10 @@ def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks, explains: bool) -> bool:
     """Whether the drive moves about the inertia of the model without the effect, or the initial one.
 
-    What hides in an error many times its size is no measure of the inertia: where an effect lets the log determine it,
-    it may be larger, within the deviation of the model without the effect. A log that does not determine it is no
-    evidence. Where the effect explains all, it may be any larger one: an inertia that swings slowly takes over most of
-    a weight or spring, with the opposite sign.
+    Inertia hidden in an error many times its force is not determined: where an effect lets the log determine it, it
+    may be larger, within the deviation of the model without the effect. A log that does not determine it gives no
+    evidence. Where the effect explains all, any larger inertia passes: one that swings slowly takes over most of a
+    weight or spring, with the opposite sign.
     """
     plain = _inertias_before(fit)
     before, after = (

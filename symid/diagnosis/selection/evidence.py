@@ -29,14 +29,8 @@ Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "re
 def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key, float]:
     """Probability of each candidate of a step, given that one of them is right; the most probable first.
 
-    Among indistinguishable places, a driven body is a little more probable.
-
-    Parameters
-    ----------
-    step : SelectionStep
-        The step.
-    beside : collection of (str, str)
-        Other effects of the whole model; candidates equal or similar to these are excluded.
+    Among indistinguishable places, a driven body is a little more probable. Candidates equal or similar to `beside`,
+    the other effects of the whole model, are excluded.
     """
     chance = _of_candidates(step)
     present = with_alike(beside)

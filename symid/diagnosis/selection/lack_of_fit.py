@@ -2,7 +2,7 @@
 
 The library holds laws of a given shape: a friction that varies as a wave along the stroke, a gain that bends with the
 square of the force. A machine may have another law of the same quantity. The best effect of the library then takes away
-most of the gap and is still not the cause. What shows it is a law without a shape, a piecewise linear function of the
+most of the gap and is still not the cause. It shows in a law without a shape, a piecewise linear function of the
 position, velocity or acceleration, in either direction of motion: in the place of the right effect it explains no
 more, in the place of a wrong one much more, on blocks that are left out of the fit (compare the classical lack-of-fit
 test against a saturated model, N. R. Draper and H. Smith, Applied Regression Analysis, 1998).
@@ -50,16 +50,13 @@ class LackOfFit:
 def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
     """The best law without a shape that takes over what the first effect explains; none if rows are too few for one.
 
-    Parameters
-    ----------
-    first, whole : Fit
-        The re-identified model, and the one with all effects.
+    `first` is the re-identified model, `whole` the one with all effects.
     """
     floor = whole.state.prediction.noise_through(whole.weighting.density)
     known, own = len(first.state.placed), _excess(whole, floor)
 
     def left(*placed: Placed) -> float:
-        """What a model with other effects leaves, fitted from its values; infinite if that fails."""
+        """Mean square left by a model with other effects, fitted from its values; infinite if that fails."""
         try:
             state = with_effects(whole.state, whole.weighting, placed)
             return _excess(fitted(state, whole.weighting, _ITERATIONS), floor)
@@ -67,7 +64,7 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
             return math.inf
 
     item = whole.state.placed[known]
-    # What refines the effect would take its place, as presliding friction takes that of Coulomb friction.
+    # A refinement of the effect would take its place, as presliding friction takes that of Coulomb friction.
     others = tuple(x for x in whole.state.placed if x is not item and not x.contains(item.key))
     if own <= 0 or item.effect.name in _FIRST_TERMS:
         return LackOfFit()

@@ -1,4 +1,4 @@
-"""What the figures of an identification show: outputs of each log, frequency responses, ellipses of parameters."""
+"""Curves of the figures of an identification: outputs of each log, frequency responses, ellipses of parameters."""
 
 from __future__ import annotations
 

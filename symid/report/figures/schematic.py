@@ -46,7 +46,7 @@ _LINES = {"position": "-", "velocity": "--", "acceleration": ":"}
 
 @dataclass(frozen=True)
 class _Box:
-    """Where a body, or the ground, is."""
+    """Box of a body or of the ground in the drawing."""
 
     centre: float
     width: float
@@ -54,7 +54,7 @@ class _Box:
     round: bool = False
 
     def side(self, right: bool, y: float) -> float:
-        """Where a line at a height meets it."""
+        """Horizontal position at which a line at a height meets the box."""
         half = self.width / 2
         if self.round:
             half = float(np.sqrt(max((self.height / 2) ** 2 - y**2, 0.0)))
@@ -231,7 +231,7 @@ class _Drawing:
         self._text(end - 0.45 * side, y + 0.2, label, color=colour)
 
     def _foot(self, name: str) -> tuple[float, float]:
-        """Where the line of a sensor begins at a body or at the ground."""
+        """Start of the line of a sensor at a body or at the ground."""
         if name == GROUND.name:
             return _WALL, self.boxes[name].height / 2
         return self.boxes[name].centre, self._half

@@ -25,7 +25,7 @@ _LEFT = 82
 
 @dataclass(frozen=True)
 class Curve:
-    """How a column is drawn: name in the legend (none if empty), and width of the line in pixels or size of dots."""
+    """Style of a curve: name in the legend (none if empty), and width of the line in pixels or size of dots."""
 
     column: str
     label: str

@@ -64,7 +64,7 @@ def fit(per_cent: float) -> str:
 
 
 def motion_line(motion: dict[str, Any]) -> str:
-    """How the axis was simulated, effects left out, and the reason of a failure."""
+    """Remark on the simulation of the axis: its driver, effects left out, the reason of a failure."""
     gains = ", ".join(f"{name} {value:.4g}" for name, value in motion["gains"].items())
     explains = ""
     if motion["share"] < 0:  # gains so high that errors of the readings alone make more force than there is

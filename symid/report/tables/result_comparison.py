@@ -152,7 +152,7 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
 
 
 def comparison_sentence(record: Mapping[str, Any]) -> str:
-    """In which parameters two results differ.
+    """Sentence on the parameters in which two results differ.
 
     >>> a, b = (values_of_record({"M": {"value": m, "std": 0.1}, "Fv": 1.0}, f"{m}.json") for m in (5.0, 6.0))
     >>> comparison_sentence(comparison_record(a, b))
