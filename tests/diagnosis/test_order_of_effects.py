@@ -8,7 +8,7 @@ import pytest
 from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import diagnose
-from symid.diagnosis.findings.strength import strengths_of
+from symid.diagnosis.findings.strength import FixedBand
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, first_state
@@ -61,7 +61,7 @@ def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
         np.abs(np.interp(fit.weighting.record.row_time[kept], log.time, np.gradient(log["q"], log.time)))
         > 0.02
     )
-    found = strengths_of(fit.state, fit.weighting, away, 0)
+    found = FixedBand.of(fit.state, fit.weighting, away, 0).strengths()
 
     v = np.gradient(log["q"], log.time)
     rows = np.isin(
@@ -118,3 +118,22 @@ def test_a_model_that_grows_without_bound_on_the_validation_log_is_left_out(
     )
     assert found.verdict == "unexplained"
     assert not found.effects
+
+
+def test_the_interval_of_a_share_holds_what_the_effect_removes_beside_the_others() -> None:
+    slow, fast = slide([0.05, 0.1, 0.3], 1), slide([0.5, 0.8, 1.0], 2)
+    found = diagnose(RIGID, slow, validation=fast, nominal=VALUES, held=True)
+    assert [effect.effect for effect in found.effects] == ["quadratic_drag", "cogging"]
+
+    # by the drawn forces: what the plain axis leaves of them, with the drag taken away and without
+    v, force = np.gradient(fast["q"], fast.time), 3.0 * np.sin(2 * np.pi * fast["q"] / 0.02)
+    columns = np.stack([np.gradient(v, fast.time), v, np.sign(v)], axis=1)[np.abs(v) > 0.02]
+
+    def left(missing: np.ndarray) -> float:
+        missing = missing[np.abs(v) > 0.02]
+        return float(np.sum((missing - columns @ np.linalg.lstsq(columns, missing, rcond=None)[0]) ** 2))
+
+    truth = 1 - left(force) / left(force + 60.0 * v * np.abs(v))
+    drag, cogging = (effect.removes for effect in found.effects)
+    assert drag.low < truth < drag.high
+    assert cogging.low < 1 - truth < cogging.high

@@ -12,7 +12,7 @@ from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data.density import power_density
 from symid.diagnosis.findings.gap import Level, Removed
 from symid.diagnosis.findings.shares import removed_share
-from symid.diagnosis.findings.strength import strengths_of
+from symid.diagnosis.findings.strength import FixedBand
 from symid.diagnosis.fitting.applied import applied, applied_or_none, errors_of, fitted_to_log
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State
@@ -234,15 +234,33 @@ class Comparison:
         return np.asarray(turns & inside)
 
     @cached_property
-    def strengths(self) -> FloatArray:
-        """Strength of each effect beside the others, see `strengths_of`, shape (n_effects,); 0 if a model failed."""
+    def in_fixed_band(self) -> FixedBand | None:
+        """The model with all effects in a fixed band, away from reversals; None if a model failed."""
         base, last = self.states[1], self.states[-1]
         if base is None or last is None:
-            return np.zeros(len(self.states) - 2)
+            return None
         away = ~near(self.turns, self.row_rate, _REVERSAL)[self.weighting.kept]
         if away.sum() < _ENOUGH:  # an axis that does little but turn
             away = np.ones(away.size, dtype=bool)
-        return strengths_of(last, self.weighting, away, len(base.placed))
+        return FixedBand.of(last, self.weighting, away, len(base.placed))
+
+    @property
+    def strengths(self) -> FloatArray:
+        """Strength of each effect beside the others, see `FixedBand`, shape (n_effects,); 0 if a model failed."""
+        band = self.in_fixed_band
+        return np.zeros(len(self.states) - 2) if band is None else band.strengths()
+
+    def removed_in_any_model(self, model: int) -> Removed:
+        """What the last effect of a model removes, see `removed`, with an interval that allows for the other models.
+
+        The share depends on the values, which take over a part of what others do that are not in the model, and on the
+        weights of the frequencies: the interval holds the share in a fixed band with the values beside all others too.
+        """
+        own, output, shares = self.removed(model - 1, model), self.output_of(model), []
+        if len(self.states) > 3 and output < self.record.n_drives and self.in_fixed_band is not None:
+            whole = self.removed(1, len(self.states) - 1).share
+            shares.append(whole * float(self.in_fixed_band.removed(output)[model - 2]))
+        return own.including(shares, THRESHOLDS.taken_over)
 
     @cached_property
     def is_stationary(self) -> bool:

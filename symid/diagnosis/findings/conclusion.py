@@ -162,7 +162,6 @@ def _effects(
     named = {item.key for item in last.state.placed[known:]}
     # An effect that explains the gap alone has taken over nothing.
     alone = len(accepted) == 1 and not comparison.unexplained_of_all > THRESHOLDS.hardly_left
-    spread = 0.0 if alone else THRESHOLDS.taken_over
     found = []
     for i, step in enumerate(accepted):
         item = last.state.placed[known + i]
@@ -181,7 +180,7 @@ def _effects(
                 probability_with_ties=there * math.fsum(chance[key] for key in (best, *rivals)),
                 parameters=values[i],
                 gap_after=felt.level(i + 2),
-                removes=comparison.removed(i + 1, i + 2).beside_others(spread),
+                removes=comparison.removed(i + 1, i + 2) if alone else comparison.removed_in_any_model(i + 2),
                 indistinguishable_from=tuple(rivals),
                 signal=comparison.record.forces[felt.drive],
                 shown_by=comparison.record.outputs[comparison.output_of(i + 2)],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -34,26 +34,32 @@ class Removed:
         Of the mean square above the floor.
     low, high : float
         95 % interval of it, from resampled parts of the validation data; of an effect found also from what effects
-        take over from each other, see `beside_others`.
+        take over from each other, see `including`.
     """
 
     share: float
     low: float
     high: float
 
-    def beside_others(self, spread: float) -> Removed:
-        """The share with an interval that allows for what an effect takes over from others that are not in the model.
+    def including(self, others: Iterable[float], spread: float) -> Removed:
+        """The share with an interval that holds other values of it, each with a standard deviation relative to it.
 
-        `spread` is the standard deviation of it, relative to the share. Parts of one log do not show it, as the effect
-        takes over the same in all of them.
+        Parts of one log do not show what an effect takes over from others, as it takes over the same in all of them.
 
-        >>> wide = Removed(0.8, 0.77, 0.83).beside_others(0.05)
+        >>> wide = Removed(0.8, 0.77, 0.83).including([], 0.05)
         >>> round(wide.low, 3), round(wide.high, 3)
         (0.716, 0.884)
+        >>> wide = Removed(0.6, 0.5, 0.7).including([0.8], 0.05)
+        >>> round(wide.low, 3), round(wide.high, 3)
+        (0.484, 0.878)
         """
-        further = 1.96 * spread * self.share
-        low, high = (math.hypot(end - self.share, further) for end in (self.low, self.high))
-        return Removed(self.share, self.share - low, min(self.share + high, max(self.high, 1.0)))
+        low, high = (
+            math.hypot(end - self.share, 1.96 * spread * self.share) for end in (self.low, self.high)
+        )
+        ends = [(self.share - low, self.share + high)]
+        ends += [(share - 1.96 * spread * abs(share), share + 1.96 * spread * abs(share)) for share in others]
+        most = max(self.high, 1.0)
+        return Removed(self.share, min(end for end, _ in ends), min(max(end for _, end in ends), most))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Strength of each effect of a model: the error of the force that the effect alone would leave.
+"""How strong each effect of a model is: the error of the force that the effect alone would leave.
 
 A gap is weighted by noise, so that at high frequencies, where the noise of the position hides much, it hardly counts;
 and near a reversal a late force or friction errs for some milliseconds only, but by much. Shares of the gap thus
@@ -9,11 +9,12 @@ to what remains.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, IntArray
+from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.gauss_newton import solved
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated
@@ -21,20 +22,58 @@ from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
 
 
-def strengths_of(state: State, weighting: Weighting, away: BoolArray, n_declared: int) -> FloatArray:
-    """Strength of each effect found, in multiples of the noise of the force; shape (n_effects,).
+@dataclass(frozen=True, eq=False)
+class FixedBand:
+    """A model with effects under a record, in a fixed band and away from reversals."""
 
-    Only the kept rows `away` from reversals count, a bool array of shape (n_kept,). The first `n_declared` effects are
-    declared imperfections. An error of a further reading, which no force shows, counts in multiples of the noise of
-    that reading.
-    """
-    flat = _flat(weighting)
-    rows = np.flatnonzero(weighting.kept)[away]
-    n_physical = len(state.prediction.parameters)
-    columns = flat.rows(prediction_jacobian(state)[:n_physical])[:, :, rows]
-    return np.array(
-        [_strength(state, flat, at, columns, rows) for at in range(n_declared, len(state.placed))]
-    )
+    state: State  # the model with all effects
+    flat: Weighting  # equal weights of all frequencies of the band, in multiples of the noise of each output
+    rows: IntArray  # kept rows away from reversals
+    columns: FloatArray  # shape (n_parameters, n_outputs, n_rows): derivatives by the parameters
+    n_declared: int  # declared imperfections, which stand before the effects found
+
+    @classmethod
+    def of(cls, state: State, weighting: Weighting, away: BoolArray, n_declared: int) -> FixedBand:
+        """The model under a record with these weights; `away`, shape (n_kept,), are kept rows away from reversals."""
+        flat, rows = _flat(weighting), np.flatnonzero(weighting.kept)[away]
+        columns = flat.rows(prediction_jacobian(state)[: len(state.prediction.parameters)])[:, :, rows]
+        return cls(state, flat, rows, columns, n_declared)
+
+    def strengths(self) -> FloatArray:
+        """Strength of each effect found, in multiples of the noise of the force; shape (n_effects,).
+
+        An error of a further reading, which no force shows, counts in multiples of the noise of that reading.
+        """
+        return np.array([self._strength(at) for at in range(self.n_declared, len(self.state.placed))])
+
+    def removed(self, output: int) -> FloatArray:
+        """Share that each effect has in what all remove of the error of an output; shape (n_effects,).
+
+        Each is added, with its value beside all others, to those before it, and the parameters are fitted to what is
+        then left.
+        """
+        placed, counts = self.state.placed, range(self.n_declared, len(self.state.placed) + 1)
+        left = [float(np.mean(self._left(self._errors(placed[:n])[[output]], [output]) ** 2)) for n in counts]
+        return np.asarray(-np.diff(left) / max(left[0] - left[-1], np.finfo(float).tiny))
+
+    def _errors(self, placed: tuple[Placed, ...]) -> FloatArray:
+        """Errors with some of the effects, all values unchanged; shape (n_outputs, n_rows)."""
+        state = evaluated(self.state, self.flat, self.state.prediction.parameters, placed)
+        return self.flat.rows(state.errors)[:, self.rows]
+
+    def _left(self, errors: FloatArray, outputs: list[int]) -> FloatArray:
+        """What the parameters cannot explain of the errors of some outputs; shape (n_outputs, n_rows)."""
+        columns = self.columns[:, outputs].reshape(len(self.columns), -1)
+        return (errors.ravel() - columns.T @ solved(columns.T, errors.ravel())).reshape(len(outputs), -1)
+
+    def _strength(self, at: int) -> float:
+        """Strength of one effect."""
+        placed, record = self.state.placed, self.state.prediction.record
+        change = self._errors((*placed[:at], *placed[at + 1 :])) - self._errors(placed)
+        own = placed[at].at
+        further = own in record.outputs[record.n_drives :]
+        seen = [record.outputs.index(own)] if further else list(range(record.n_drives))
+        return float(np.sqrt(np.mean(self._left(change[seen], seen) ** 2, axis=1).max()))
 
 
 def _flat(weighting: Weighting) -> Weighting:
@@ -42,16 +81,3 @@ def _flat(weighting: Weighting) -> Weighting:
     record = weighting.record
     inside = record.omega <= 2 * np.pi * THRESHOLDS.strength_hz
     return replace(weighting, density=np.multiply.outer(1 / record.noise_of_outputs, inside))
-
-
-def _strength(state: State, flat: Weighting, at: int, columns: FloatArray, rows: IntArray) -> float:
-    """Strength of one effect; `columns` are those of the parameters, shape (n_parameters, n_outputs, n_rows)."""
-    item, outputs = state.placed[at], state.prediction.record.outputs
-    rest = (*state.placed[:at], *state.placed[at + 1 :])
-    without = evaluated(state, flat, state.prediction.parameters, rest)
-    change = flat.rows(without.errors - state.errors)[:, rows]
-    n_drives = state.prediction.record.n_drives
-    seen = [outputs.index(item.at)] if item.at in outputs[n_drives:] else list(range(n_drives))
-    errors, parts = change[seen].ravel(), columns[:, seen].reshape(len(columns), -1)
-    left = (errors - parts.T @ solved(parts.T, errors)).reshape(len(seen), -1)
-    return float(np.sqrt(np.mean(left**2, axis=1).max()))
