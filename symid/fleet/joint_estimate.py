@@ -192,7 +192,7 @@ def identify_jointly(
         status, message = verdict(model, fit, physical)
         alone = _alone(logs) if fit.status == "ok" else []
         disagreement, freedom = _disagreement(alone)
-        if status == "ok" and (apart := _apart(model, fit, covariance, physical[0], alone)):
+        if status == "ok" and (apart := _apart(model, fit, physical[0], alone)):
             status, message = "poor_fit", apart
     names = tuple(log.log for log in logs)
     return JointIdentification(
@@ -251,21 +251,16 @@ def _alone(logs: Sequence[LogFactors]) -> list[_Alone]:
 
 
 def _apart(
-    model: GeneratedModel,
-    fit: LeastSquares,
-    covariance: FloatArray,
-    physical: PhysicalEstimate,
-    alone: Sequence[_Alone],
+    model: GeneratedModel, fit: LeastSquares, physical: PhysicalEstimate, alone: Sequence[_Alone]
 ) -> str:
-    """Statement on a log whose own physical parameters, to first order, differ from the joint ones; else empty."""
+    """Statement on a log whose own physical parameters, to first order, differ from the others; else empty."""
 
-    def estimated(log: str, minimal: FloatArray, spread: FloatArray) -> LogEstimate:
-        values = physical.parameters + physical.sensitivity @ (minimal - fit.parameters)
+    def estimated(one: _Alone) -> LogEstimate:
+        values = physical.parameters + physical.sensitivity @ (one.parameters - fit.parameters)
         named = dict(zip(model.physical_units, values, strict=True))
-        return LogEstimate(log, named, physical.propagated_deviations(spread))
+        return LogEstimate(one.log, named, physical.propagated_deviations(one.covariance))
 
-    each = [estimated(one.log, one.parameters, one.covariance) for one in alone]
-    return disagreement_between(estimated("all", fit.parameters, covariance), each)
+    return disagreement_between(list(map(estimated, alone)))
 
 
 def _disagreement(alone: Sequence[_Alone]) -> tuple[float, int]:

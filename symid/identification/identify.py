@@ -24,6 +24,7 @@ from symid.estimation import (
     Method,
     ObservationBlock,
     corrected_covariance_of_blocks,
+    estimate,
 )
 from symid.identification.bias import Bias, Correction, bias_of_instruments
 from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
@@ -39,7 +40,7 @@ from symid.identification.log_agreement import LogEstimate, disagreement_between
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.reliability import with_faults
-from symid.identification.row_blocks import blocks_of_runs
+from symid.identification.row_blocks import Run, blocks_of_runs
 from symid.identification.settings import Preparation, notes_on_declared
 from symid.identification.stability import scatter
 from symid.identification.timing import delays_of, likeliest
@@ -115,10 +116,15 @@ def identify(
         )
     estimation = Estimation(model, every, preparation or Preparation(), method, ddof)
 
-    def found_at(trial: CutoffTrial) -> Identification:
+    def found_of(
+        some: tuple[AnyLog, ...],
+        trial: CutoffTrial,
+        nominal: Mapping[str, float] | None,
+        parts_of: Callable[[tuple[Observation, ...]], tuple[Excerpt, ...]],
+    ) -> Identification:
         return found_from(
             model,
-            every,
+            some,
             tuple(run.observation for run in trial.runs),
             trial.fit,
             blocks=lambda: blocks_of_runs(trial.runs),
@@ -129,6 +135,7 @@ def identify(
 
     # The first cutoff comes from spectra; another replaces it where the estimate is less uncertain with that.
     parts_of = lru_cache(maxsize=1)(partial(excerpts, model, every))
+    found_at = partial(found_of, every, nominal=nominal, parts_of=parts_of)
     trial = estimation.trial()
     if trial.fit.status == "too_few_rows":
         trial = estimation.widest(trial)
@@ -140,16 +147,15 @@ def identify(
     checked = with_checks(found, parts_of(found.observations), every, tried=tried)
     if len(every) == 1 or checked.status != "ok":
         return checked
-    alone = partial(
-        identify,
-        model,
-        method=method,
-        preparation=preparation,
-        nominal=checked.physical_parameters,
-        constraints=constraints,
-    )
-    each = [_estimate_of(one) for one in map(alone, every) if one.status == "ok"]
-    apart = disagreement_between(_estimate_of(checked), each)
+
+    def alone(log: AnyLog, seen: Observation) -> Identification:
+        run = Run.again(model, log, seen)
+        trial = CutoffTrial((run,), estimate(run.factors(), method, ddof))
+        return found_of((log,), trial, checked.physical_parameters, partial(excerpts, model, (log,)))
+
+    # The rows of the joint estimate hold what each log says alone.
+    each = map(alone, every, checked.observations)
+    apart = disagreement_between([_estimate_of(one) for one in each if one.physical])
     return replace(checked, status="poor_fit", message=apart) if apart else checked
 
 

@@ -1,8 +1,8 @@
-"""Agreement of the logs of a joint estimate: the parameters of each log alone are those of all logs together.
+"""Agreement of the logs of a joint estimate: the parameters of each log alone are those of the other logs.
 
 A joint estimate is a mean, weighted by what each log knows. A log of another machine, or with another gain, moves it
-without a trace in the residual where that log knows most. Estimates from one log and from all are compared as those of
-J. A. Hausman (Econometrica 46, 1978).
+without a trace in the residual where that log knows most. The estimate of each log is compared with the mean of the
+others, weighted by the inverse of their variances.
 """
 
 from __future__ import annotations
@@ -18,30 +18,41 @@ from symid.identification.criteria import CRITERIA, Criteria
 
 @dataclass(frozen=True, eq=False)
 class LogEstimate:
-    """Parameters of some logs, and their standard deviations as printed."""
+    """Parameters of a log alone, and their standard deviations as printed."""
 
     log: str
     values: Mapping[str, float]
     deviations: FloatArray
 
-    def difference(self, alone: LogEstimate, criteria: Criteria = CRITERIA) -> tuple[float, str]:
-        """Largest difference of one log's own parameters, in deviations, and its statement; 0 for small ones."""
-        found = (0.0, "")
-        for name, std in zip(alone.values, alone.deviations, strict=True):
-            joint, own = self.values.get(name, np.nan), alone.values[name]
-            # the variance of the difference is that of the log alone less that of all, which the difference widens
-            certain = abs(own - joint) / std if std else np.inf
-            if certain > found[0] and abs(own - joint) > criteria.log_change * abs(joint):
-                found = float(certain), f"{name} is {own:.4g} in {alone.log}, {joint:.4g} in all logs"
-        return found
 
+def disagreement_between(alone: Sequence[LogEstimate], criteria: Criteria = CRITERIA) -> str:
+    """Statement on the log whose own parameters differ most from those of the others; empty where all agree.
 
-def disagreement_between(
-    joint: LogEstimate, alone: Sequence[LogEstimate], criteria: Criteria = CRITERIA
-) -> str:
-    """Statement on the log whose own parameters differ most from those of all logs; empty where all agree."""
-    certain, statement = max((joint.difference(one, criteria) for one in alone), default=(0.0, ""))
-    # the largest of many differences is large by chance: its square grows with twice the logarithm of their number
-    if certain**2 < criteria.log_certain**2 + 2 * np.log(max(len(alone), 1)):
+    >>> logs = [LogEstimate(log, {"M": mass}, np.array([0.1])) for log, mass in (("a", 5.0), ("b", 6.0), ("c", 5.1))]
+    >>> disagreement_between(logs)[:36]
+    'M is 6 in b, 5.05 in the other logs:'
+    >>> disagreement_between(logs[::2])
+    ''
+    """
+    if len(alone) < 2:
         return ""
-    return f"{statement}: gain, payload or machine differ between the logs, or one is damaged; identify each alone"
+    names = list(alone[0].values)
+    own = np.array([[one.values[name] for name in names] for one in alone])
+    deviations = [dict(zip(one.values, one.deviations, strict=True)) for one in alone]
+    precision = np.array([[one[name] for name in names] for one in deviations]) ** -2.0
+    precision = np.where(np.isfinite(own) & np.isfinite(precision), precision, 0.0)
+    own = np.where(precision > 0.0, own, 0.0)
+    rest = np.sum(precision, axis=0) - precision
+    with np.errstate(invalid="ignore", divide="ignore"):
+        others = (np.sum(precision * own, axis=0) - precision * own) / rest
+        certain = np.abs(own - others) / np.sqrt(1 / precision + 1 / rest)
+    large = np.abs(own - others) > criteria.log_change * np.abs(others)
+    certain = np.where(large, np.nan_to_num(certain), 0.0)
+    k, i = divmod(int(np.argmax(certain)), certain.shape[1])
+    # the largest of many differences is large by chance: its square grows with twice the logarithm of their number
+    if certain[k, i] ** 2 < criteria.log_certain**2 + 2 * np.log(len(alone)):
+        return ""
+    return (
+        f"{names[i]} is {own[k, i]:.4g} in {alone[k].log}, {others[k, i]:.4g} in the other logs: "
+        "gain, payload or machine differ between the logs, or one is damaged; identify each alone"
+    )

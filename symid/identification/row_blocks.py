@@ -59,6 +59,13 @@ class Run:
         return cls._in_blocks(replace(_settled(model, log, preparation), friction=friction))
 
     @classmethod
+    def again(cls, model: GeneratedModel, log: AnyLog, seen: Observation) -> Run:
+        """Blocks of a log whose rows, or those of its first block, are known."""
+        if isinstance(log, Log):
+            return cls._in_memory(model, seen)
+        return cls.of(model, log, seen.preparation)
+
+    @classmethod
     def _in_memory(cls, model: GeneratedModel, whole: Observation) -> Run:
         return cls(
             whole,

@@ -79,7 +79,7 @@ def verdict_of(
     if doubt := (
         _noise_remark(found, criteria)
         or _change_remark(found, criteria)
-        or _apart_remark(found, alone)
+        or disagreement_between([_estimate_of(one) for one in alone if one.status == "ok"])
         or _regression_remark(found, regression)
         or _hidden_friction_remark(found)
     ):
@@ -165,12 +165,6 @@ def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
         f"parameters change within the logs: in a part {names[i]} is {inside[i]:.4g}, elsewhere {outside[i]:.4g}: "
         "gain, payload or machine change, or a part is damaged; identify the parts apart (`trim`)"
     )
-
-
-def _apart_remark(found: OutputErrorIdentification, alone: Sequence[OutputErrorIdentification]) -> str:
-    """Remark on logs whose own parameters, where a log alone is "ok", differ from the common ones."""
-    sound = [_estimate_of(one) for one in alone if one.status == "ok"]
-    return disagreement_between(_estimate_of(found), sound)
 
 
 def _estimate_of(found: OutputErrorIdentification) -> LogEstimate:
