@@ -17,6 +17,7 @@ from symid.cli.terminal import say
 from symid.errors import EliminationError, SettingError
 from symid.export import TEXT_TARGETS, Exported, c_source, parameter_record, write_fmu
 from symid.files import as_json, is_finite_number, read_json, write_whole
+from symid.parameter_entries import entries_of
 from symid.symbolic import derive
 
 _PROGRAMS = ", ".join(target.program for target in TEXT_TARGETS.values())
@@ -100,9 +101,7 @@ def _identified(file: str) -> dict[str, Any]:
         measured = None
     if not isinstance(covariance, dict):
         covariance = None
-    entries = minimal.items() if isinstance(minimal, dict) else ()
-    values = {name: one.get("value") if isinstance(one, dict) else one for name, one in entries}
-    found = {name: value for name, value in values.items() if is_finite_number(value)}
+    found = {name: one.value for name, one in entries_of(minimal).items() if is_finite_number(one.value)}
     return {"measured": measured, "covariance": covariance, "minimal": found or None}
 
 

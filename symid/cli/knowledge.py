@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Any
 
@@ -10,7 +11,8 @@ from click import option
 from symid.axis import Axis
 from symid.cli.options import assignments, number, shared
 from symid.errors import SettingError
-from symid.files import read_json, shortened
+from symid.files import read_json
+from symid.parameter_entries import parameter_entries
 from symid.units import Unit, to_si
 
 _QUANTITY = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*")
@@ -108,11 +110,8 @@ def priors_of(file: str | None, axis: Axis) -> dict[str, Any]:
     if not isinstance(values, dict):
         raise SettingError(f'{file} holds no priors: write {{"NAME": [mean, deviation], ...}} in SI units')
     if isinstance(values.get("physical"), dict):
-        found = {name: one for name, one in values["physical"].items() if name in axis.physical_parameters}
-        for name, one in found.items():
-            if not isinstance(one, dict) or not {"value", "std_corrected"} <= one.keys():
-                raise SettingError(
-                    f"{file}: {name} is {shortened(one)}, a value with its std_corrected is required"
-                )
-        return {name: (one["value"], one["std_corrected"]) for name, one in found.items()}
+        found = {n: one for n, one in parameter_entries(values).items() if n in axis.physical_parameters}
+        if unsure := [name for name, one in found.items() if math.isnan(one.std)]:
+            raise SettingError(f"{file}: {unsure[0]} has no standard deviation, which a prior needs")
+        return {name: (one.value, one.std) for name, one in found.items()}
     return values

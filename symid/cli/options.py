@@ -16,6 +16,7 @@ from symid.cli.outputs import Output
 from symid.cli.terminal import is_closed, with_options
 from symid.errors import SettingError
 from symid.files import as_json, is_finite_number, read_json, shortened, write_whole
+from symid.parameter_entries import parameter_entries
 from symid.units import Unit, to_si
 
 
@@ -233,16 +234,12 @@ def seconds_of(text: str, what: str) -> float:
 
 
 def parameter_file(file: str, axis: Axis) -> dict[str, float]:
-    """Physical parameters, SI, of a JSON file: names with values, or a result of `symid identify --json`."""
-    values = read_json(file)
-    if isinstance(values, dict) and isinstance(values.get("physical"), dict):
-        known = values["known"] if isinstance(values.get("known"), dict) else {}
-        entries = {**values["physical"], **known}
-        values = {name: one.get("value") if isinstance(one, dict) else one for name, one in entries.items()}
-    if not isinstance(values, dict):
+    """Physical parameters, SI, of a JSON file: names with values, or the result of an identification or a diagnosis."""
+    record = read_json(file)
+    if not isinstance(record, dict):
         raise SettingError(f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units')
     parameters: dict[str, float] = {}
-    for name, value in values.items():
+    for name, (value, *_) in parameter_entries(record).items():
         if value is None or (name not in axis.physical_parameters and not is_finite_number(value)):
             continue
         if not is_finite_number(value) or (value and not 1 / _LARGEST < abs(value) < _LARGEST):

@@ -10,6 +10,7 @@ from axes.shipped import VALUES
 from command_line import run
 
 from symid.axis import axis_names, load_axis
+from symid.cli.options import parameter_file
 
 pytestmark = pytest.mark.usefixtures("parameters")
 
@@ -124,3 +125,19 @@ def test_every_mistake_is_one_line_and_exit_2(
     assert (shown.out, shown.err.count("\n")) == ("", 1)
     assert words in shown.err
     assert sorted(folder.iterdir()) == before
+
+
+def test_parameters_are_read_from_a_diagnosis_as_it_explains_them(folder: Path) -> None:
+    explained = {"M": 5.0, "Fv": 3.0, "Fs": 2.0}
+    entries = {
+        name: {
+            "nominal": 1.0,
+            "reidentified": {"value": 2 * x, "std": 0.1},
+            "explained": {"value": x, "std": 0.1},
+        }
+        for name, x in explained.items()
+    }
+    Path("diagnosis.json").write_text(
+        json.dumps({"verdict": "effect", "parameters": entries}), encoding="utf-8"
+    )
+    assert parameter_file("diagnosis.json", load_axis("rigid_1m")) == explained

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,6 +43,15 @@ def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
     }
 
 
+class _Part(NamedTuple):
+    """A part of the rows, with its limits where it is a range of a quantity."""
+
+    label: str
+    rows: BoolArray
+    low: float = math.nan
+    high: float = math.nan
+
+
 class _Motion:
     """Motion of the axis at the kept rows."""
 
@@ -62,7 +72,7 @@ class _Motion:
         padded = np.concatenate([[-np.inf], turns, [np.inf]])
         self.from_reversal = np.minimum(self.time - padded[nearest], padded[nearest + 1] - self.time)
 
-    def regimes(self) -> list[tuple[str, float, float, BoolArray]]:
+    def regimes(self) -> list[_Part]:
         """Regimes of motion; each row belongs to the first that applies."""
         top, hard = (
             self.speed.max(initial=0.0),
@@ -72,27 +82,26 @@ class _Motion:
         accelerating = ~reversal & (np.abs(self.acceleration) > _ACCELERATING * hard)
         rest = ~(reversal | accelerating)
         slow, fast = self.speed < _SLOW * top, self.speed > _FAST * top
-        none = math.nan
         return [
-            ("reversal", none, none, reversal),
-            ("accelerating", none, none, accelerating),
-            ("low speed", 0.0, _SLOW * top, rest & slow),
-            ("medium speed", _SLOW * top, _FAST * top, rest & ~slow & ~fast),
-            ("high speed", _FAST * top, top, rest & fast),
+            _Part("reversal", reversal),
+            _Part("accelerating", accelerating),
+            _Part("low speed", rest & slow, 0.0, _SLOW * top),
+            _Part("medium speed", rest & ~slow & ~fast, _SLOW * top, _FAST * top),
+            _Part("high speed", rest & fast, _FAST * top, top),
         ]
 
-    def directions(self) -> list[tuple[str, float, float, BoolArray]]:
-        """Names, limits and flags of forward and backward motion."""
+    def directions(self) -> list[_Part]:
+        """Forward and backward motion."""
         forward = self.velocity > 0
-        return [("forward", math.nan, math.nan, forward), ("backward", math.nan, math.nan, ~forward)]
+        return [_Part("forward", forward), _Part("backward", ~forward)]
 
 
-def _ranges(values: FloatArray, unit: Unit) -> list[tuple[str, float, float, BoolArray]]:
+def _ranges(values: FloatArray, unit: Unit) -> list[_Part]:
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
     edges = np.linspace(low, high, _PARTS + 1)
     place = np.clip(np.digitize(values, edges[1:-1]), 0, _PARTS - 1)
     return [
-        (f"{_rounded(a, edges)} to {_rounded(b, edges)} {unit}", float(a), float(b), place == i)
+        _Part(f"{_rounded(a, edges)} to {_rounded(b, edges)} {unit}", place == i, float(a), float(b))
         for i, (a, b) in enumerate(pairwise(edges))
     ]
 
@@ -103,23 +112,21 @@ def _rounded(value: float, edges: FloatArray) -> str:
     return f"{round(value, 2 - math.ceil(math.log10(step))) + 0.0:.6g}" if step > 0 else f"{value:.3g}"
 
 
-def _cells(
-    before: FloatArray, after: FloatArray, cells: Iterable[tuple[str, float, float, BoolArray]]
-) -> tuple[MapCell, ...]:
-    chosen = [cell for cell in cells if np.any(cell[3])]
-    excess = [max(float(np.sum(before[rows] - 1)), 0.0) for _, _, _, rows in chosen]
+def _cells(before: FloatArray, after: FloatArray, parts: Iterable[_Part]) -> tuple[MapCell, ...]:
+    chosen = [part for part in parts if np.any(part.rows)]
+    excess = [max(float(np.sum(before[part.rows] - 1)), 0.0) for part in chosen]
     total = sum(excess) or 1.0
     return tuple(
         MapCell(
-            label=label,
-            low=low,
-            high=high,
-            samples=float(np.mean(rows)),
+            label=part.label,
+            low=part.low,
+            high=part.high,
+            samples=float(np.mean(part.rows)),
             share=over / total,
-            before=float(np.sqrt(np.mean(before[rows]))),
-            after=float(np.sqrt(np.mean(after[rows]))),
+            before=float(np.sqrt(np.mean(before[part.rows]))),
+            after=float(np.sqrt(np.mean(after[part.rows]))),
         )
-        for (label, low, high, rows), over in zip(chosen, excess, strict=True)
+        for part, over in zip(chosen, excess, strict=True)
     )
 
 
@@ -130,7 +137,7 @@ def _by_band(comparison: Comparison) -> tuple[MapCell, ...]:
     used = frequency < 0.65 * comparison.record.band_hz
     frequency, before, after = frequency[used], before[used], after[used]
     bands = [
-        (f"{low:g} to {high:g} Hz", low, high, np.asarray((frequency >= low) & (frequency < high)))
+        _Part(f"{low:g} to {high:g} Hz", np.asarray((frequency >= low) & (frequency < high)), low, high)
         for low, high in pairwise(_BANDS)
     ]
     return _cells(before, after, bands)

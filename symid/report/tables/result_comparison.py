@@ -14,6 +14,7 @@ from rich.console import Console
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
+from symid.parameter_entries import parameter_entries
 from symid.report.tables.console import TextTable, plain, report_console
 from symid.report.tables.number_text import MISSING, percent, significant, with_deviation, words
 
@@ -57,28 +58,20 @@ def values_of_record(record: object, source: str) -> Values:
     """
     if not isinstance(record, dict):
         raise SettingError(f"{source} holds {shortened(record)}: give the record of an identification")
-    named = (record.get(name) for name in ("physical", "parameters"))
-    found = next((one for one in named if isinstance(one, dict)), None)
-    known = record.get("known")
-    entries = record if found is None else {**found, **(known if isinstance(known, dict) else {})}
-    values, deviations, units = {}, {}, {}
-    for name, entry in entries.items():
-        value, std, unit = _entry(entry)
-        if is_finite_number(value):
-            values[name], deviations[name] = float(value), std
-            units.update({name: unit} if unit else {})
-    if not values:
+    entries = {n: one for n, one in parameter_entries(record).items() if is_finite_number(one.value)}
+    if not entries:
         raise SettingError(
             f"{source} holds no parameters: give the record of an identification, or names and values"
         )
+    values = {name: float(one.value) for name, one in entries.items()}
     axis, status = (record[name] if isinstance(record.get(name), str) else "" for name in ("axis", "status"))
     return Values(
         source,
         axis,
         status,
         values,
-        deviations,
-        units,
+        {name: one.std for name, one in entries.items()},
+        {name: one.unit for name, one in entries.items() if one.unit},
         _covariance(record, values),
         record["filter"] if isinstance(record.get("filter"), dict) else {},
         _facts(record),
@@ -222,21 +215,6 @@ def _errors(record: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
         for name, one in errors.items()
         if isinstance(one, dict) and is_finite_number(one.get("rms"))
     }
-
-
-def _entry(entry: object) -> tuple[Any, float, str]:
-    """Value, deviation and unit of a parameter; of a diagnosis those with the effects found."""
-    if not isinstance(entry, dict):
-        return entry, math.nan, ""
-    unit = entry.get("unit")
-    for name in ("explained", "reidentified"):
-        inner = entry.get(name)
-        if isinstance(inner, dict) and is_finite_number(inner.get("value")):
-            entry = inner
-            break
-    stds = [entry[name] for name in ("std_corrected", "std") if is_finite_number(entry.get(name))]
-    std = stds[0] if stds else math.nan
-    return entry.get("value"), float(std), unit if isinstance(unit, str) else ""
 
 
 def _covariance(record: Mapping[str, Any], values: Mapping[str, float]) -> FloatArray | None:
