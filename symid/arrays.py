@@ -1,4 +1,4 @@
-"""Array types of the numeric packages, and lengths that are fast to transform."""
+"""Array types of the numeric packages, lengths that are fast to transform, and columns of unlike size."""
 
 from functools import lru_cache
 from typing import Any, TypeVar
@@ -30,6 +30,26 @@ def read_only(values: Values) -> Values:
     view = values.view()
     view.flags.writeable = False
     return view
+
+
+def norms_or_one(columns: npt.NDArray[Any], axis: int = 0) -> FloatArray:
+    """Norms of columns, by which they are divided to have a norm of 1; 1 for a column of zeros.
+
+    >>> norms_or_one(np.array([[3.0, 0.0], [4.0, 0.0]])).tolist()
+    [5.0, 1.0]
+    """
+    norms = np.linalg.norm(columns, axis=axis)
+    return np.where(norms > 0.0, norms, 1.0)
+
+
+def least_squares(columns: FloatArray, y: FloatArray, rcond: float | None = None) -> FloatArray:
+    """Least-squares solution for columns that may differ by many decades, and may be zero.
+
+    >>> least_squares(np.array([[1e-9, 0.0], [0.0, 1e9]]), np.array([2.0, 3.0])).tolist()
+    [2000000000.0, 3e-09]
+    """
+    scale = norms_or_one(columns)
+    return np.asarray(np.linalg.lstsq(columns / scale, y, rcond=rcond)[0] / scale)
 
 
 @lru_cache(maxsize=256)

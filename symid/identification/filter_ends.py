@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, least_squares
 from symid.data import LowPass
 
 _PERIODS = 40
@@ -58,9 +58,7 @@ def _stands_out(W: FloatArray, y: FloatArray, transients: FloatArray) -> BoolArr
     columns = np.concatenate((W, transients), axis=1)
     if len(columns) < _ROWS_EACH * columns.shape[1]:
         return np.zeros(len(columns), dtype=bool)
-    norms = np.linalg.norm(columns, axis=0)
-    scale = np.where(norms > 0.0, norms, 1.0)  # an equation does not hold all parameters
-    factors = np.linalg.lstsq(columns / scale, y)[0] / scale
+    factors = least_squares(columns, y)  # an equation need not hold all parameters
     left = y - columns @ factors
     rms = math.sqrt(float(left @ left) / (len(columns) - columns.shape[1]))
     rms = max(rms, _EXACT * math.sqrt(float(y @ y) / y.size))

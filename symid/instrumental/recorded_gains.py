@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
+from symid.arrays import least_squares
 from symid.data import REFERENCE, Log, LowPass, derivatives
 from symid.simulation import Cascade
 
@@ -45,10 +46,7 @@ def cascade_of_log(
     used = gain > _SEEN
     spectra = np.stack([scipy.fft.rfft(x)[used] * gain[used] for x in (*columns, F)], axis=1)
     rows = np.concatenate([spectra.real, spectra.imag])
-    # columns of norm 1: their sizes differ by many decades
-    norms = np.linalg.norm(rows[:, :-1], axis=0)
-    scale = np.where(norms > 0, norms, 1.0)
-    factors = np.linalg.lstsq(rows[:, :-1] / scale, rows[:, -1], rcond=1e-9)[0] / scale
+    factors = least_squares(rows[:, :-1], rows[:, -1], rcond=1e-9)
     return _cascade(position, *map(float, factors[:5]))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import ComplexArray, FloatArray, norms_or_one
 from symid.diagnosis.effects.effect import (
     LinearEffect,
     MatchedFilter,
@@ -89,8 +89,7 @@ class FlexibleModeEffect(LinearEffect):
         amplitude = np.linalg.norm(weighted, axis=0)
         # Apart from the inertia, damping and stiffness that the axis has: projection on 1, s and s^2.
         plain = np.stack([(1j * record.omega) ** k for k in range(3)]) * amplitude
-        scale = np.linalg.norm(plain, axis=1, keepdims=True)
-        plain = (plain / np.where(scale > 0, scale, 1.0)).conj()
+        plain = (plain / norms_or_one(plain, axis=1)[:, None]).conj()
         gram = np.linalg.pinv((plain @ plain.conj().T).real, rcond=1e-10, hermitian=True)
         wanted = record.from_grid(matched_filter(response)).conj() * body.modelled
         scores = np.zeros(len(shapes))

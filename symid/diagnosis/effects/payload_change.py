@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import ComplexArray, FloatArray, least_squares
 from symid.diagnosis.effects.effect import (
     Effect,
     MatchedFilter,
@@ -117,8 +117,7 @@ class PayloadChangeEffect(Effect):
         time, margin = record.fine_time, _UNSETTLED * record.fine_time[1]
         quiet = (time > record.duration + margin) | (time < moment - margin)
         columns = record.fine(free[:, 0])[:, quiet].T
-        scale = np.linalg.norm(columns, axis=0)
-        amounts = np.linalg.lstsq(columns / scale, record.fine(changed[0])[quiet], rcond=None)[0] / scale
+        amounts = least_squares(columns, record.fine(changed[0])[quiet])
         return np.asarray(changed - np.tensordot(amounts, free, 1))
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:

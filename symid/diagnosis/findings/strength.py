@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, IntArray
+from symid.arrays import BoolArray, FloatArray, IntArray, least_squares
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.fitting.gauss_newton import solved
+from symid.diagnosis.fitting.gauss_newton import RANK
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated
 from symid.diagnosis.prediction.weighting import Weighting
@@ -64,7 +64,9 @@ class FixedBand:
     def _left(self, errors: FloatArray, outputs: list[int]) -> FloatArray:
         """What the parameters cannot explain of the errors of some outputs; shape (n_outputs, n_rows)."""
         columns = self.columns[:, outputs].reshape(len(self.columns), -1)
-        return (errors.ravel() - columns.T @ solved(columns.T, errors.ravel())).reshape(len(outputs), -1)
+        return (errors.ravel() - columns.T @ least_squares(columns.T, errors.ravel(), RANK)).reshape(
+            len(outputs), -1
+        )
 
     def _strength(self, at: int) -> float:
         """Strength of one effect."""

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, least_squares
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.fitting.gauss_newton import ITERATIONS, fitted, solved
+from symid.diagnosis.fitting.gauss_newton import ITERATIONS, RANK, fitted
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, first_state, leveled, with_effects
 from symid.diagnosis.prediction.record import Record
@@ -74,7 +74,7 @@ def errors_of(state: State, weighting: Weighting) -> FloatArray:
     of_log = _belongs_to_log(state)
     if of_log.any():
         columns = weighting.known(weighting.rows(prediction_jacobian(state)[of_log]), state.beginning)
-        error = error - columns.T @ solved(columns.T, error)
+        error = error - columns.T @ least_squares(columns.T, error, RANK)
     rows = np.full(state.rows.shape, np.nan)
     rows[:, weighting.kept] = error.reshape(len(rows), -1)
     return rows

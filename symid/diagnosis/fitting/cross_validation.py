@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, norms_or_one
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
 
@@ -103,8 +103,7 @@ def cross_validation_blocks(
     as `Weighting.known` gives them.
     """
     n_outputs, n_kept = len(state.rows), int(weighting.kept.sum())
-    scale = np.linalg.norm(columns, axis=1)
-    scale = np.where(scale > 0, scale, 1.0)
+    scale = norms_or_one(columns, axis=1)
     known = columns / scale[:, None]
     return Blocks(
         known.reshape(len(known), n_outputs, n_kept),

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, norms_or_one
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.prediction.weighting import autoregression
 
@@ -25,8 +25,7 @@ def standard_deviations(fit: Fit) -> FloatArray:
     """Standard deviations of parameters and values of effects, in their units, of shape (n_columns,)."""
     noise = autoregression(fit.left, fit.weighting.kept, AR_ORDER)
     columns = noise.apply(fit.base)
-    scale = np.linalg.norm(columns, axis=1)
-    scale = np.where(scale > 0, scale, 1.0)
+    scale = norms_or_one(columns, axis=1)
     unit = columns / scale[:, None]
     # Variances from the eigenvectors that the rows determine; the null space marks the undetermined values.
     squares, directions = np.linalg.eigh(unit @ unit.T)

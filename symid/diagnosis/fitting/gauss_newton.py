@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import Key, Placed
 from symid.diagnosis.fitting.bounds import beyond_bounds, moved_to_bounds
 from symid.diagnosis.fitting.fit import Fit, stiffnesses
@@ -24,7 +24,8 @@ _DAMPINGS = (0.0, 1e-4, 1e-2, 0.3, 5.0)
 """Damping relative to the squares of the columns; the last one leaves a sixth of the steepest-descent step."""
 _SETTLED = 1e-5
 """Least relative decrease of the sum of squares in a step; with thousands of rows, a few percent of likelihood."""
-_RANK = 1e-10
+RANK = 1e-10
+"""Relative singular value of unit columns below which a combination of them counts as undetermined."""
 ITERATIONS = 10
 """Most iterations of a fit that may begin far off."""
 _MOST_FITS, _FALLS = 6, 0.98
@@ -139,12 +140,11 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
     flat = fit.known_columns if free is None else fit.known_columns[free]
     if not (np.isfinite(flat).all() and np.isfinite(error).all()):
         return None
-    scale = np.linalg.norm(flat, axis=1)
-    scale = np.where(scale > 0, scale, 1.0)
+    scale = norms_or_one(flat, axis=1)
     flat = flat / scale[:, None]
     normal, gradient = flat @ flat.T, flat @ error
     try:
-        undamped = np.linalg.lstsq(flat.T, error, rcond=_RANK)[0] / scale
+        undamped = np.linalg.lstsq(flat.T, error, rcond=RANK)[0] / scale
     except np.linalg.LinAlgError:
         undamped = np.zeros(len(flat))
     # The Gauss-Newton step predicts by how much the cost can fall at best.
@@ -153,7 +153,7 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
     for damping in _DAMPINGS:
         try:
             left = normal + damping * np.eye(len(normal))
-            step = np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else undamped
+            step = np.linalg.lstsq(left, gradient, rcond=RANK)[0] / scale if damping else undamped
             whole = np.zeros(moves.size)
             whole[moves] = step
             found = Fit(evaluated(state, weighting, *_moved(state, whole)), weighting)
@@ -198,10 +198,3 @@ def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Plac
         place += len(shape)
         placed.append(replace(item, amplitudes=amplitudes, shape=shape))
     return parameters, tuple(placed)
-
-
-def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
-    """Least-squares solution for columns of any scale."""
-    scale = np.linalg.norm(columns, axis=0)
-    scale = np.where(scale > 0, scale, 1.0)
-    return np.asarray(np.linalg.lstsq(columns / scale, error, rcond=_RANK)[0] / scale)

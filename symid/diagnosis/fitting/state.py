@@ -14,7 +14,7 @@ from itertools import chain
 
 import numpy as np
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect, declared_effects
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
@@ -269,8 +269,8 @@ def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
         raise OverflowError(f"the force at {joint.name} grows without bound")
     s = 1j * joint.record.omega
     motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
-    scale = np.linalg.norm(motion, axis=1)
-    unit = motion / np.where(scale > 0, scale, 1.0)[:, None]
+    scale = norms_or_one(motion, axis=1)
+    unit = motion / scale[:, None]
     share = np.linalg.lstsq((unit.conj() @ unit.T).real, (unit.conj() @ force).real, rcond=1e-10)[0]
-    k, c, m = share / np.where(scale > 0, scale, 1.0)
+    k, c, m = share / scale
     return np.asarray(k + c * s + m * s**2)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import ComplexArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_alike
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
@@ -76,8 +76,7 @@ class _Projection:
     def __init__(self, fit: Fit, noise: Autoregression) -> None:
         self.noise = noise
         base = noise.apply(fit.base)
-        norms = np.linalg.norm(base, axis=1, keepdims=True)
-        base /= np.where(norms > 0, norms, 1.0)
+        base /= norms_or_one(base, axis=1)[:, None]
         unit = np.linalg.qr(base.T)[0].T
         error = noise.apply(fit.state.rows)
         left = error - (unit @ error) @ unit
