@@ -1,0 +1,136 @@
+"""Starts of the fits of a selection step, the cheapest first."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import islice
+
+from symid.diagnosis.effects import Effect, Key, Placed
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
+from symid.diagnosis.fitting.state import can_integrate
+from symid.diagnosis.selection.priors import least_gain
+from symid.diagnosis.selection.screening import Candidate, screened
+from symid.diagnosis.selection.step import LATE_READING, Confirmed
+from symid.diagnosis.thresholds import THRESHOLDS
+
+_INTEGRATED = 2
+_OTHER_PLACES = 3
+_AGAIN = 3
+"""Candidates that are fitted from the nominal values too if they explain nearly all."""
+_ALWAYS = 3
+"""Candidates that are fitted where there is a gap, whatever their projected gain."""
+
+
+def stages(
+    fit: Fit,
+    found: list[Candidate],
+    library: Sequence[Effect],
+    nominal: Fit | None,
+    confirmed: Mapping[Key, Confirmed],
+    tried: Mapping[Key, Placed],
+) -> Iterator[Iterable[Start]]:
+    """Starts of fits, the cheapest first."""
+    # Screening is linear, confirmation is not. The likeliest candidates come first, from the values of their screening;
+    # then starts for errors with several minima, each only while nothing explains the error: joints integrated with
+    # their motion, the nominal model, effects carried over to other hidden places, a grid over the hidden spring.
+    promising = _promising(found, fit)
+    white = sorted(promising, key=lambda c: -c.white_penalised_gain)
+    timing = [c for c in found if c.placed.effect.name == LATE_READING]
+    yield [Start.of(fit, c.placed) for c in promising[:3]]
+    yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
+    if not confirmed:  # the most promising candidates are not credible: others are tried
+        yield [
+            Start.of(fit, c.placed)
+            for c in _promising([c for c in found if c.placed.key not in tried], fit)[:6]
+        ]
+    if least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square and nominal is not None:
+        # values may still be far off
+        yield [Start.of(nominal, c.placed) for c in best_first(confirmed)[:_AGAIN]]
+        # A body that sticks at times moves as no frequency response says, even where its motion is read.
+        best, *others = best_first(confirmed)
+        alike = (best, *(c for c in others if best.placed.contains(c.key)))
+        yield _integrated([Start.of(nominal, c.placed) for c in alike], nominal, read=True)
+    if _explains(fit, confirmed):
+        return
+    if nominal is None:
+        joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
+        possible = (item for item in joints if can_integrate(fit.state.prediction, item))
+        yield [Start.of(fit, item) for item in islice(possible, 1)]
+    else:
+        yield from from_nominal(fit, nominal, library, confirmed)
+        if not _explains(fit, confirmed):
+            yield of_grid(fit, nominal, library)
+
+
+def from_nominal(
+    fit: Fit, nominal: Fit, library: Sequence[Effect], confirmed: Mapping[Key, Confirmed]
+) -> Iterator[Iterable[Start]]:
+    """Starts from the nominal values, the cheapest first."""
+    other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
+    yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
+    if _explains(fit, confirmed):
+        return
+    yield _integrated(other, nominal)[:_INTEGRATED]
+    yield islice(from_other_places(fit, [c.fit for c in best_first(confirmed)]), _OTHER_PLACES)
+
+
+def _explains(fit: Fit, confirmed: Mapping[Key, Confirmed]) -> bool:
+    """Whether a candidate takes away nearly all of the error.
+
+    Where motion is hidden it must leave little more than noise too: many a law imitates a spring that stiffens near a
+    resonance down to a tenth of its error.
+    """
+    left = least_left(confirmed)
+    clearly_left = left >= THRESHOLDS.clear_gap and has_hidden_joint(fit)
+    return left < THRESHOLDS.hardly * fit.mean_square and not clearly_left
+
+
+def has_hidden_joint(fit: Fit) -> bool:
+    """Whether the deflection of a spring is not measured."""
+    prediction = fit.state.prediction
+    return any(prediction.record.is_hidden(joint.direction) for joint in prediction.springs.values())
+
+
+def _integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> list[Start]:
+    """The starts with joints that are integrated with their motion, where that is possible."""
+    hidden = (replace(s, placed=replace(s.placed, integrated=True)) for s in starts)
+    return [s for s in hidden if can_integrate(model.state.prediction, s.placed, read=read)]
+
+
+def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
+    """Candidates with enough gain to be fitted, relative to the best one.
+
+    Where a model leaves much more than noise, the first few are fitted whatever their gain: with few rows, a projection
+    whose shapes are only near the right one gains little.
+    """
+    gains = [max(c.penalised_gain, c.white_penalised_gain) for c in found]
+    best = THRESHOLDS.promising * max(gains, default=0.0)
+    gap = fit.mean_square > THRESHOLDS.clear_gap
+    enough = [
+        own
+        for own, gain in zip(found, gains, strict=True)
+        if gain > max(least_gain(own.placed.effect.name, fit.n_rows) / 2, best)
+    ]
+    always = list(found[:_ALWAYS]) if gap and len(enough) < _ALWAYS else []
+    return [*always, *_distinct(enough, always)]
+
+
+def best_first(confirmed: Mapping[Key, Confirmed]) -> list[Confirmed]:
+    """Confirmed candidates, the largest gain first."""
+    return sorted(confirmed.values(), key=lambda c: -c.penalised_gain)
+
+
+def least_left(confirmed: Mapping[Key, Confirmed]) -> float:
+    """Least mean square of the confirmed candidates."""
+    return min((c.fit.mean_square for c in confirmed.values()), default=math.inf)
+
+
+def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Candidate]:
+    kept: list[Candidate] = []
+    for candidate in candidates:
+        if not any(candidate is c for c in (*others, *kept)):
+            kept.append(candidate)
+    return kept

@@ -1,0 +1,28 @@
+"""A law of a hidden body is found beside another effect, which comes first."""
+
+from symid import Cogging, CoulombFriction, load_axis
+from symid.data import Log
+from symid.diagnosis import LIBRARY, diagnose
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+AXIS = load_axis("direct_2m1s")
+VALUES = {"Mm": 90.0, "Ms": 300.0, "Ks": 7.4e6, "Fvs": 2000.0, "Fvm": 150.0, "Fsm": 30.0}
+IMITATIONS = ("position_dependent_friction", "force_constant_ripple", "periodic_disturbance")
+
+
+def test_friction_of_a_structure_is_found_beside_cogging_of_the_motor() -> None:
+    structure, motor = AXIS.bodies
+    laws = CoulombFriction(structure, "Fss"), Cogging(motor, "As", "Ac", pitch=0.02)
+    machine = AXIS.with_effect(*laws).with_signal("q2", noise=1e-8).with_signal("Fm", noise=0.3)
+    reference = trapezoids(0.1, [0.15, 0.3], acceleration=4.0, jerk=120.0, dwell=0.1, sampling_period=1e-3)
+    values = VALUES | {"Fss": 60.0, "As": 150.0, "Ac": 0.0}
+    run = simulate(machine, values, reference, tuned_cascade(plant_of(AXIS, VALUES), "q2"), seed=1).log
+    log = Log.from_arrays({"q2": run["q2"], "Fm": run["Fm"]}, sampling_period=run.sampling_period)
+
+    nominal = VALUES | {"Fvm": 157.0, "Mm": 94.0}
+    library = [effect for effect in LIBRARY if effect.name in ("cogging", "coulomb_friction", *IMITATIONS)]
+    found = diagnose(AXIS, log, nominal=nominal, held=True, library=library)
+    cogging, friction = found.effects
+    assert (cogging.effect, cogging.at) == ("cogging", "motor")
+    assert (friction.effect, friction.at) == ("coulomb_friction", "structure")
+    assert abs(friction.parameters["Fs"].value - 60.0) < 1.0
