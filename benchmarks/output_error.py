@@ -20,13 +20,13 @@ import argparse
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, signal
 
 import symid
+from benchmarks.motor_bench import read
 from symid.axis import Axis
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.output_error.error_model import ErrorModel
@@ -50,7 +50,6 @@ SMOOTH = PAPER | {"Fsm": 0.0}
 QUIET, LOUD = (1.0, 20e-9), (5.0, 100e-9)
 """Noise of the logged force, N, and of the encoder, m: a drive's current loop and a linear scale; five times that."""
 DRAWS, UNKNOWN_START = 200, 5
-DATA = Path(__file__).parent.parent / "data" / "flex_motor_bench"
 
 
 def direct() -> Axis:
@@ -345,17 +344,6 @@ def print_smoother() -> None:
     )
 
 
-def bench(which: str = "A") -> symid.Log:
-    """A log of the real bench, signs and units as in benchmarks/motor_bench.py."""
-    return symid.read_log(
-        DATA / f"MultisineType{which}.mat",
-        expected=symid.load_axis("motor_bench").signal_units,
-        columns={"iq": "iq_adx", "qm": "theta_mx", "ql": "theta_my", "t": "time"},
-        units={"t": "us"},
-        gains={"ql": -1.0},
-    )
-
-
 def kept(log: symid.Log, every: int, *, mean: bool) -> symid.Log:
     """Every n-th sample; the current there, or its mean over the samples until the next one kept."""
     n = log.n_samples // every
@@ -379,7 +367,7 @@ def print_bench(quick: bool) -> None:
         "\n(d) real flexible motor bench, log A, every n-th sample kept (inertias in 1e-3 A s^2/rad, Kt in A/rad)"
     )
     print(f"{'':44}" + "".join(f"{name:>9}" for name in ("Jm", "Jl", "Kt", "antires", "res Hz")))
-    log = bench()
+    log = read("A")
     for measured in (("qm",), ("qm", "ql")):
         axis, model = symid.load_axis("motor_bench"), symid.load_generated("motor_bench", measured)
         for every in (10,) if quick else (1, 2, 5, 10, 12, 14):

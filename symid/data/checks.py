@@ -12,9 +12,9 @@ from symid.data.clock import time_and_row
 from symid.text import counted
 
 _LARGEST: Final = 1e15  # in SI: beyond it a number is damaged
-_SMALLEST: Final = 1e-30
+_SMALLEST: Final = 1e-30  # SI: a channel below it throughout holds nothing
 _NEAR: Final = 20  # samples on either side with which a step is compared
-_JUMP_RATIO: Final = 30.0
+_JUMP_RATIO: Final = 30.0  # of a step to those nearby, from which on it is a jump
 _JUMP_STEPS: Final = 20.0  # of the finest step: quantisation steps are not jumps
 _JUMP_RANGE: Final = 1e-3  # of the travel
 

@@ -21,7 +21,7 @@ from symid.data.zero_phase import ZeroPhaseFilter, odd_extension
 from symid.errors import SettingError
 
 _PERIODS: Final = 5.0  # of the cutoff, by which a signal is continued where its spectrum is filtered
-_DECIMATION_ORDER: Final = 8
+_DECIMATION_ORDER: Final = 8  # as MATLAB's decimate, as are ripple and cutoff
 _DECIMATION_RIPPLE_DB: Final = 0.05
 _DECIMATION_CUTOFF: Final = 0.8  # of the Nyquist frequency after decimation
 

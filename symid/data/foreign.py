@@ -59,7 +59,7 @@ _SIGN_BITS: Final = (10, 11, 15)
 _MOST_OF_BIT, _CHANGES = 0.75, 3
 """Largest magnitude as a share of the sign bit's value, and fewest changes of sign, to take the bit as a sign."""
 _CLOCKS: Final = ("s", "ms", "us", "ns")
-_LONGEST_STROKE: Final = 10.0
+_LONGEST_STROKE: Final = 10.0  # m: a position that covers more is in a smaller unit
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from pathlib import Path
 from symid.data.time_stamps import is_stamp
 from symid.errors import LogError
 
-_BEGINNING = 200_000
-_LINES = 400
-_LEAST_ROWS = 5
+_BEGINNING = 200_000  # characters from which the layout is guessed
+_LINES = 400  # most lines above the values
+_LEAST_ROWS = 5  # adjacent lines with the same number of fields make a table
 _SEPARATORS = ("\t", ";", ",", "|", " ")
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
 _COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")

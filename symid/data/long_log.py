@@ -142,8 +142,8 @@ def spans(n_samples: int, size: int) -> Iterator[tuple[int, int]]:
         yield block * n_samples // count, (block + 1) * n_samples // count
 
 
-_WINDOWS: Final = 8
-_WINDOW: Final = 131_072
+_WINDOWS: Final = 8  # evenly spread over the log
+_WINDOW: Final = 131_072  # samples
 
 
 def scanned(

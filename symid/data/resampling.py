@@ -103,7 +103,7 @@ _FASTER: Final = 1.25
 """Highest new rate, in multiples of the highest rate of the signals."""
 _PASSED: Final = 0.8
 """Cutoff of the anti-aliasing filter (order 8, forward and backward) over the new Nyquist frequency."""
-_MOST_SAMPLES: Final = 10**9
+_MOST_SAMPLES: Final = 10**9  # on the common clock
 
 
 def resampled(

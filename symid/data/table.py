@@ -17,7 +17,7 @@ import polars as pl
 from symid.arrays import FloatArray
 from symid.errors import LogError
 
-_VALUE = 8
+_VALUE = 8  # bytes of a number
 
 
 def require_memory(n_values: int, memory: int | None = None) -> None:

@@ -47,8 +47,8 @@ from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.simulation import Cascade
 
-_DIFFERS_DEVIATIONS = 4.0
-_DIFFERS_SHARE = 0.01
+_DIFFERS_DEVIATIONS = 4.0  # deviations of the difference
+_DIFFERS_SHARE = 0.01  # of the value
 
 
 def diagnose_against(

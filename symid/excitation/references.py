@@ -18,13 +18,13 @@ from symid.simulation.multisine import Quantity
 DEFAULTS = ("default trapezoids", "default chirp")
 """Names of the references that `symid simulate` uses within the same limits."""
 _USED = 0.95  # share of a limit that a reference uses; the rest is for overshoot
-_BAND = (0.5, 20.0)
-_BEYOND_MODES = 1.25
-_DWELL = 0.2
-_WAYS = (1.0, 0.3, 0.1, 0.03)
-_SPEEDS = ((1.0,), (0.05, 0.3, 1.0))
+_BAND = (0.5, 20.0)  # Hz: the default of `symid simulate`
+_BEYOND_MODES = 1.25  # times the highest mode, up to which a motion excites
+_DWELL = 0.2  # s
+_WAYS = (1.0, 0.3, 0.1, 0.03)  # lengths of moves, relative to the stroke
+_SPEEDS = ((1.0,), (0.05, 0.3, 1.0))  # of the moves of one motion, relative to the largest
 _JERK_TIME = 0.01  # s, in which the acceleration builds up if the jerk is not limited
-_LINES = 21
+_LINES = 21  # of a multisine
 _CONSTANT: tuple[Quantity, ...] = ("velocity", "acceleration")
 _SWEEP: Literal["logarithmic"] = "logarithmic"
 _Maker = Callable[[float], Trajectory]

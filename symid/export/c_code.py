@@ -20,7 +20,7 @@ _RESERVED = {
     ),
 }
 """Words of C and names that the exported functions use."""
-_MOST_FACTORS = 4
+_MOST_FACTORS = 4  # powers up to it are written as products
 
 
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy has no types

@@ -35,7 +35,7 @@ from symid.export.feedforward import feedforward
 from symid.simulation import plant_of
 from symid.symbolic.pipeline import DerivedModel
 
-_LONGEST, _STEPS_A_RADIAN = 2e-5, 100
+_LONGEST, _STEPS_A_RADIAN = 2e-5, 100  # s; steps in a radian of the fastest motion
 
 _REST = (
     "Friction at rest: the derivative takes sign(0) = 0 and seeks no event, so that a fixed-step solver chatters "

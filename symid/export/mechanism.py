@@ -33,7 +33,7 @@ _PROPERTIES = {
     "1": "constant",
 }
 """Field of `Properties` for each law expression that has one."""
-_NO_MASS = 1e-9
+_NO_MASS = 1e-9  # kg or kg m^2: stands for none, which simulators refuse
 
 
 @dataclass(frozen=True)

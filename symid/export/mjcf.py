@@ -44,8 +44,8 @@ _TEMPLATE = """\
 </mujoco>
 """
 
-_LONGEST_STEP = 2.5e-4
-_STEPS_A_RADIAN = 20
+_LONGEST_STEP = 2.5e-4  # s
+_STEPS_A_RADIAN = 20  # of the fastest motion
 _SITE = 0.05  # half the side of the boxes that are drawn, m; they have neither mass nor contact
 
 _SOFT = (

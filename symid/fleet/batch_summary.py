@@ -12,7 +12,7 @@ from symid.fleet.batch import Batch
 from symid.fleet.results import count_effects, without_repeats
 from symid.fleet.spread import robust_deviation
 
-_MOST_TROUBLES = 20
+_MOST_TROUBLES = 20  # logs that are named
 
 
 def summary_of(batch: Batch) -> dict[str, Any]:

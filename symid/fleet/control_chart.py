@@ -36,8 +36,8 @@ _LEAST_STEP = 3.0  # smallest jump between two segments that counts as a step, i
 _TINY = np.finfo(np.float64).tiny  # smallest standard deviation
 _SMALLEST = 1e-100  # the same, relative to the value
 _MEDIAN_OF_SQUARE = float(scipy.special.chdtri(1, 0.5))
-_ROUNDS = 5
-_NEIGHBOURS = 5
+_ROUNDS = 5  # of outliers, segments and variance between runs, which depend on each other
+_NEIGHBOURS = 5  # runs whose median shows an outlier
 
 
 @dataclass(frozen=True, eq=False)

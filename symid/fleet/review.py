@@ -29,7 +29,7 @@ from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, robust_devia
 from symid.text import counted
 
 _LEAST_OUTLYING = 3.5  # smallest robust z-score of an outlier (Iglewicz and Hoaglin 1993)
-_FALSE_OUTLIERS = 0.05
+_FALSE_OUTLIERS = 0.05  # probability of any in a fleet without outliers
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ LEAST_LEVEL = 3
 """Smallest number of points in a segment without slope; fewer are outliers."""
 LEAST_SLOPE = 6
 """Smallest number of points in a segment with a slope."""
-_CREDIBLE = 0.95
+_CREDIBLE = 0.95  # probability of the interval of a step
 _MOST_PLACES = 1000  # cuts that are compared at once; those of a longer series are refined afterwards
 _SHORT = 5.0  # raises the penalty for short series, whose estimated variance would cause more false alarms
 

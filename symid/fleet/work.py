@@ -105,7 +105,7 @@ def _threads() -> ThreadpoolController:
 
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of malloc.h
-_KEPT = 128 * 2**20
+_KEPT = 128 * 2**20  # bytes
 
 
 @lru_cache(maxsize=1)

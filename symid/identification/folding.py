@@ -16,7 +16,7 @@ _SHARE = 0.1
 """Part of a sensor's power above it; an accelerometer's noise of 2 % of the rms signal makes 1e-4 of it."""
 _COHERENT = 0.8
 """Share of a force's power there that is linear in the sensors, in the median: noise is not."""
-_SEGMENTS, _LONGEST = 16, 1024
+_SEGMENTS, _LONGEST = 16, 1024  # segments at least, and samples of one at most
 
 
 def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:

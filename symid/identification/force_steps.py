@@ -27,7 +27,7 @@ from symid.identification.settings import Preparation
 Feedthrough = Callable[[Mapping[str, float]], Mapping[str, FloatArray]]
 """For physical parameters the acceleration that each accelerometer reads at once per unit of each drive's force."""
 
-_MOST_ROUNDS: Final = 8
+_MOST_ROUNDS: Final = 8  # of identification and completion
 _SETTLED: Final = 1e-6  # relative change of the accelerations per force at which the iteration ends
 _WHOLE: Final = 1e-9  # of a sample
 

@@ -28,7 +28,7 @@ _AS_GOOD = 1.3
 """Ratio to the least residual that counts as equally good: a lag between two rows makes about that much."""
 _LEAST_SHARE, _LEAST_ROWS = 0.5, 10
 """Rows that must be left of those at lag 0, and for each parameter, for a lag to count."""
-_LEAST_EIGENVALUE = 1e-12
+_LEAST_EIGENVALUE = 1e-12  # relative to the largest
 
 
 class Lag(NamedTuple):

@@ -20,7 +20,7 @@ from symid.identification.whitened import Segment
 
 _SEEN = 0.03
 """Part of the information on a direction that a span must hold to be compared in it."""
-_FEWEST = 4
+_FEWEST = 4  # segments
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ Forward = Callable[[FloatArray], FloatArray]
 _TRIES = 8
 _DECADES = 3.0
 """Standard deviation of the starts of the starts."""
-_STEPS = 400
+_STEPS = 400  # evaluations
 
 
 def starts(

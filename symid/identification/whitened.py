@@ -18,7 +18,7 @@ from symid.identification.excerpts import Excerpt
 
 _SEGMENTS = 15
 """Segments of all logs together: spans from a fifteenth of a log to the half are compared with the rest."""
-_LEAST_ROWS = 4
+_LEAST_ROWS = 4  # of a part that is whitened
 
 
 @dataclass(frozen=True, eq=False)

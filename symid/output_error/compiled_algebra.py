@@ -4,8 +4,8 @@ import numpy as np
 
 from symid.jit import compiled, inner
 
-_DOUBLINGS = 60
-_SETTLED = 1e-13
+_DOUBLINGS = 60  # of the horizon: 2^60 samples
+_SETTLED = 1e-13  # relative change of the covariance
 
 
 @compiled

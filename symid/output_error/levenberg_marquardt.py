@@ -14,7 +14,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.errors import SymidError
 
-_LARGEST_DAMPING = 1e12
+_LARGEST_DAMPING = 1e12  # steps are then below rounding
 
 
 @dataclass(frozen=True, eq=False)

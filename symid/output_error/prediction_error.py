@@ -25,11 +25,11 @@ from symid.simulation import ForwardDynamics, Plant
 
 _LARGEST_RATIO = 14.0
 """Largest logarithm of a ratio of noise levels; beyond it the smaller noise has no influence."""
-_FORGOTTEN = 1e-10
-_FIRST_RATIO = 2.0
-_NUISANCE_STEP = 1e-2
-_EXCERPT_SAMPLES = 6000
-_FIRST_DISTURBANCE = -2.0
+_FORGOTTEN = 1e-10  # part of the initial state that is left
+_FIRST_RATIO = 2.0  # first logarithm of the noise of a force over that of the first reading
+_NUISANCE_STEP = 1e-2  # of these logarithms, for differences
+_EXCERPT_SAMPLES = 6000  # of the excerpts with which a search begins
+_FIRST_DISTURBANCE = -2.0  # the same for a disturbance
 
 
 @dataclass(frozen=True, eq=False)

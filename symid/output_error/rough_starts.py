@@ -13,8 +13,8 @@ from symid.simulation import ForwardDynamics
 
 _MODES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33, 0.43)
 """Start values of the frequency of the highest mode, as shares of the sampling frequency."""
-_LOSS = 0.02
-_FARTHEST = 300.0
+_LOSS = 0.02  # damping of a spring relative to sqrt(mass * stiffness)
+_FARTHEST = 300.0  # factor of a mass from its rough value
 
 
 def spread(

@@ -29,7 +29,7 @@ _STANDSTILL_SHARE = 0.01
 _SHORTEST_STANDSTILL = 3
 _REVERSALS_APART = 12
 """Distance of two reversals, in margins, above which reversals are cut out."""
-_EXCERPTS = 4
+_EXCERPTS = 4  # evenly spread
 
 
 @dataclass(frozen=True, eq=False)

@@ -153,7 +153,7 @@ _DRAWS, _SEED = 200, 0
 _MOST_PLACES = 300
 _WIDEST = 5.0
 """Largest relative deviation of a drawn parameter: an undetermined one varies over decades."""
-_SIDES = (0.025, 0.975)
+_SIDES = (0.025, 0.975)  # quantiles of a 95 % interval
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ Quantity = Literal["position", "velocity", "acceleration"]
 DERIVATIVE_ORDER: Final[dict[str, int]] = {"position": 0, "velocity": 1, "acceleration": 2}
 _FINEST: Final = 1_000_000  # largest denominator of a frequency in Hz
 _LONGEST_PERIOD: Final = 500_000  # samples
-_FADES: Final = 10
+_FADES: Final = 10  # a fade is this part of the duration
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

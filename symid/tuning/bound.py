@@ -22,7 +22,7 @@ Track = Callable[[Sequence[float]], Iterable[float]]
 
 _TOLERANCE = 1e-3
 """Relative tolerance of the frequency and of the error."""
-_MOST_EVALUATIONS = 40
+_MOST_EVALUATIONS = 40  # of the error
 
 
 @dataclass(frozen=True, eq=False)

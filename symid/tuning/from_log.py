@@ -23,11 +23,11 @@ from symid.tuning.total import TotalTuning, tune_total
 
 _LEAST_RATE = 8000.0
 """Lowest rate of the simulated controller, Hz."""
-_BEYOND_COHERENCE = 1.5
-_HIGHEST_SHARE = 0.4
-_LEAST_FRICTION = 1e-9
-_BANDWIDTHS = (10.0, 20.0, 40.0)
-_ROUGH_DRAWS = 3
+_BEYOND_COHERENCE = 1.5  # times the band in which force and motion are coherent
+_HIGHEST_SHARE = 0.4  # of the sampling frequency
+_LEAST_FRICTION = 1e-9  # SI: a negative estimate cannot be simulated
+_BANDWIDTHS = (10.0, 20.0, 40.0)  # Hz, of cascades that keep the axis to the log
+_ROUGH_DRAWS = 3  # of the noise, before the last round
 
 
 def run_of_log(

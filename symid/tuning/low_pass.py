@@ -102,8 +102,8 @@ def _function(expression: sp.Expr, symbols: list[sp.Symbol]) -> _Column:
 
 _LOWEST_SHARE, _HIGHEST_SHARE = 1 / 2000, 0.4
 """Cutoffs scanned, as shares of the sampling frequency."""
-_STANDSTILL_SHARE = 0.01
-_EDGE_PERIODS = 3
+_STANDSTILL_SHARE = 0.01  # of the top speed
+_EDGE_PERIODS = 3  # of the cutoff that are left out at each end
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,8 +30,8 @@ CUTOFF_DATA_HZ = 10_000.0
 """Sampling frequency of the data with exact derivatives, as in the paper."""
 CONTROLLER_HZ = 20_000.0
 """Rate of the controller: at 100 Hz its held force differs from a continuous one by 4e-5."""
-_DB_ONCE, _DB_EACH = 0.01, 0.0175
-_CUTOFFS, _RATES = 17, 15
+_DB_ONCE, _DB_EACH = 0.01, 0.0175  # dB: constant part, and part of each difference
+_CUTOFFS, _RATES = 17, 15  # frequencies of the first scans
 
 
 @dataclass(frozen=True, eq=False, repr=False)

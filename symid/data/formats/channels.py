@@ -14,7 +14,7 @@ from symid.arrays import FloatArray
 from symid.data.columns import TIME
 from symid.data.table import Table
 
-_NUMBERS, _MOST_COLUMNS = "biufc", 32
+_NUMBERS, _MOST_COLUMNS = "biufc", 32  # kinds of NumPy; signals in the columns of one array
 
 
 @dataclass(frozen=True, eq=False)

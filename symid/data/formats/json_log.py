@@ -15,7 +15,7 @@ from symid.data.table import Table, parsing, require_memory
 from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
-_BYTES_OF_A_VALUE, _DEEPEST = 2, 12
+_BYTES_OF_A_VALUE, _DEEPEST = 2, 12  # least text of a value; levels of nested objects
 
 
 def open_json(path: Path, memory: int | None = None) -> Table:

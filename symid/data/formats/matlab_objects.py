@@ -26,7 +26,7 @@ _SECONDS: Final[Mapping[str, float]] = {
 }
 """Seconds in each unit that the time of a time series may have."""
 _UNNAMED: Final = "unnamed"
-_DEEPEST: Final = 12
+_DEEPEST: Final = 12  # levels of nested structs
 
 
 def may_hold_objects(begin: bytes) -> bool:

@@ -15,7 +15,7 @@ from symid.data.table import Table, parsing, require_memory
 from symid.errors import LogError
 
 _BYTES_OF_A_VALUE: Final = 8
-_DEEPEST, _LONGEST_ARRAY = 8, 64
+_DEEPEST, _LONGEST_ARRAY = 8, 64  # levels of nested fields; an array beyond it is data such as an image
 _STAMPS: Final = ("stamp", "timestamp")
 _SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsec", "nsecs")
 

@@ -9,8 +9,8 @@ from symid.diagnosis.effects.effect import JointEffect, Shape, joint_units, samp
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 
-_KNOTS = 24
-_RANK = 1e-3
+_KNOTS = 24  # along the range of the quantity
+_RANK = 1e-3  # singular value, relative to the largest, of functions that depend on others
 
 
 class NonparametricLaw(JointEffect):

@@ -23,12 +23,12 @@ from symid.diagnosis.prediction.prediction import Prediction
 _LEAST_PITCH = 1e-3  # shortest pitch along a straight stroke, m
 _MOST_WAVES = 150  # largest number of periods per turn: slots and pole pairs of a motor, teeth of a gear
 _MOST_BINS = 2**20  # along the stroke, 8 for the shortest pitch: memory does not grow without bound
-_SPEEDS_OF_ENERGY = 48
-_WAVES_OF_ENERGY = 400
-_LEAST_STROKE = 5e-3
-_TRIALS = 4
-_IN_BAND = 0.95
-_STEEPEST_RIPPLE = 0.2
+_SPEEDS_OF_ENERGY = 48  # bins of the speed, each with its share of the energy of a wave
+_WAVES_OF_ENERGY = 400  # waves at which the energy is computed; others are interpolated
+_LEAST_STROKE = 5e-3  # m or rad
+_TRIALS = 4  # pitches tried
+_IN_BAND = 0.95  # share of the band up to which a wave counts
+_STEEPEST_RIPPLE = 0.2  # slope of the error of a reading
 _MOST_OF_CONSTANT = 0.5  # ripple of a force constant relative to its mean; that of motors is a tenth of it
 
 

@@ -18,13 +18,13 @@ _USED = 0.9  # share of a limit that a motion uses
 _ADDED_SPEED = 0.5
 """Speed of a multisine relative to that of the move it is added to, which then never reverses."""
 _MULTISINE_STROKE = 0.2  # share of the stroke that a multisine may take
-_ACCELERATIONS = (0.25, 0.5, 0.75, 1.0)
+_ACCELERATIONS = (0.25, 0.5, 0.75, 1.0)  # of the moves that differ by acceleration, as shares of the largest
 _STAIRCASES = (
     ("staircase of speeds", _USED, np.geomspace(0.05, 1.0, 6)),
     ("staircase of low speeds", 1.0, np.geomspace(0.005, 0.1, 6)),
     ("staircase of high speeds", _USED, np.linspace(0.4, 1.0, 5)),
 )
-_MOST_MOVES = 200
+_MOST_MOVES = 200  # there and back in one motion
 
 
 @dataclass(frozen=True)

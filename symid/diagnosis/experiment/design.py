@@ -34,10 +34,10 @@ from symid.diagnosis.selection.evidence import probabilities
 from symid.errors import SettingError, SymidError
 from symid.simulation import Limits, Trajectory
 
-_SMOOTH = 20.0
-_HIGHEST_HZ = 100.0
+_SMOOTH = 20.0  # 1/s: jerk over acceleration, if no limit of the jerk is given
+_HIGHEST_HZ = 100.0  # of a motion
 _LEAST_CHANCE = 0.01  # probability from which on the motion is also simulated with a further candidate
-_MOST_FURTHER = 3
+_MOST_FURTHER = 3  # causes other than the strongest rival
 
 
 @dataclass(frozen=True, eq=False)

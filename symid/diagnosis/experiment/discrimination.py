@@ -34,12 +34,12 @@ from symid.simulation import Trajectory
 
 LEAST_LOG_ODDS = math.log(3.0)
 """Smallest expected log-odds of a useful motion."""
-_MOST_SIMULATED = 6
-_GENTLER = (1.0, 0.7, 0.5, 0.3, 0.15)
-_FORCE_MARGIN = 1.02
-_LEAST_ROWS = 64
-_ALIKE = 0.02
-_ITERATIONS = 10
+_MOST_SIMULATED = 6  # most promising motions
+_GENTLER = (1.0, 0.7, 0.5, 0.3, 0.15)  # shares of the limits that are tried until the force suffices
+_FORCE_MARGIN = 1.02  # of the largest force in the log
+_LEAST_ROWS = 64  # with fewer, a motion separates nothing
+_ALIKE = 0.02  # deviation of a ratio of two drives from 1 up to which it is 1
+_ITERATIONS = 10  # of fits that begin at the truth or near it
 _Judge = Callable[[State, State, Weighting], float]
 
 

@@ -25,7 +25,7 @@ from symid.diagnosis.selection.lack_of_fit import LackOfFit, lack_of_fit
 from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
-_LISTED = 20
+_LISTED = 20  # alternatives at most
 _COGGING = "cogging"
 
 

@@ -18,10 +18,10 @@ from symid.units import Unit
 
 _BANDS = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 _PARTS = 8
-_SEGMENT = 2048
-_AROUND_REVERSAL = 0.05
-_SLOW, _FAST, _ACCELERATING = 0.1, 0.5, 0.3
-_MOST_OF_IT = 0.8
+_SEGMENT = 2048  # rows of a segment of the power density
+_AROUND_REVERSAL = 0.05  # s
+_SLOW, _FAST, _ACCELERATING = 0.1, 0.5, 0.3  # shares of the top speed, and of the hardest acceleration
+_MOST_OF_IT = 0.8  # share of the error
 _MOMENT = 0.1
 """Longest span of time, relative to the log, that is a moment of it."""
 _CLEAR = 2.0

@@ -7,8 +7,8 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.diagnosis.findings.gap import Removed
 
-_BLOCKS = 24
-_DRAWS = 400
+_BLOCKS = 24  # of rows, drawn as wholes, since neighbouring errors are correlated
+_DRAWS = 400  # of blocks with replacement
 
 
 def closed_fraction(before: FloatArray, after: FloatArray, floor: float = 1.0) -> float:

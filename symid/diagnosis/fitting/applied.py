@@ -15,7 +15,7 @@ from symid.diagnosis.fitting.state import State, first_state, leveled, with_effe
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting, with_restarts
 
-_SETTLING = 4
+_SETTLING = 4  # rounds in which effects that depend on each other's motion settle
 
 
 def applied(

@@ -29,8 +29,8 @@ N_BLOCKS = 16
 _RANK = 1e-9
 _LEFT_OUT = 0.95
 """Share of its weight that a block loses where it is left out."""
-_DRAWS = 200
-_UNFELT = 1e-12
+_DRAWS = 200  # of blocks with replacement
+_UNFELT = 1e-12  # square of a unit column below which no row feels a value
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from symid.diagnosis.prediction.response import response_of
 from symid.errors import SymidError
 from symid.simulation import forward_dynamics
 
-_MOST_SAMPLES = 200_000
+_MOST_SAMPLES = 200_000  # that are simulated
 
 
 @dataclass(frozen=True)

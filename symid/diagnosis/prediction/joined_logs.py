@@ -24,7 +24,7 @@ _SPEED_OVER = 0.1
 """Time over which that speed is taken, s: over a sample, noise and steps of encoders would exceed it."""
 _SAME_CLOCK = 0.01
 """Relative difference of sampling periods up to which logs are taken to have the same clock."""
-_ENDS = 8
+_ENDS = 8  # samples from which the slope at an end follows
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ FEWEST_BINS = 8
 _FLAT = 0.65
 _FINE_HZ = 1000.0
 """Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
-_FINEST = 8
+_FINEST = 8  # points of the fine grid for a row, at most
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -17,7 +17,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _BATCH = 200_000
 """Values in the columns of the shapes that are tried together: as many as fit in a processor's cache."""
-_BLIND = 1e-4
+_BLIND = 1e-4  # of the norm of a column that the base columns leave
 
 
 @dataclass(frozen=True, eq=False)
