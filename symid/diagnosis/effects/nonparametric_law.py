@@ -9,7 +9,7 @@ from symid.diagnosis.effects.effect import JointEffect, Shape, joint_units, samp
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 
-_KNOTS = 24  # along the range of the quantity
+_KNOTS = {"position": 48, "velocity": 24, "acceleration": 24}  # along the range of the quantity
 _RANK = 1e-3  # singular value, relative to the largest, of functions that depend on others
 
 
@@ -19,7 +19,7 @@ class NonparametricLaw(JointEffect):
     def __init__(self, of: str) -> None:
         self.name, self.of = f"law_of_{of}", of
         kinds = ("even", "odd", "viscous") if of == "position" else ("even", "odd")
-        self.amplitudes = tuple(f"{kind}{k}" for kind in kinds for k in range(_KNOTS))
+        self.amplitudes = tuple(f"{kind}{k}" for kind in kinds for k in range(_KNOTS[of]))
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         if self.of == "position":
@@ -44,8 +44,8 @@ class NonparametricLaw(JointEffect):
     def _hats(self, prediction: Prediction, x: FloatArray) -> FloatArray:
         """Functions of a quantity on the fine grid that are 1 at a knot and 0 at the others, of shape (n_knots, n)."""
         inside = x[prediction.record.in_log]
-        knots = np.linspace(inside.min(), inside.max(), _KNOTS)
-        return np.stack([np.interp(x, knots, unit) for unit in np.eye(_KNOTS)])
+        knots = np.linspace(inside.min(), inside.max(), _KNOTS[self.of])
+        return np.stack([np.interp(x, knots, unit) for unit in np.eye(knots.size)])
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return (str(joint_units(prediction, place)[0]),) * len(self.amplitudes)

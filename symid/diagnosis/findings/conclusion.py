@@ -46,7 +46,7 @@ def concluded(
     comparison, fits = comparison.with_effects(validated).of_largest, fits[: 1 + validated]
     gaps, found = _gaps(comparison), maps(comparison)
     share = comparison.unexplained_of_all
-    nonparametric = _nonparametric_fit(gaps, share, fits)
+    nonparametric = _nonparametric_fit(gaps, fits)
     chances = outcome(
         steps, validated, _errors(gaps, share, comparison.is_stationary, fits[0], nonparametric.share)
     )
@@ -103,15 +103,13 @@ def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
     )
 
 
-def _nonparametric_fit(gaps: Sequence[Gap], share: float, fits: Sequence[Fit]) -> LackOfFit:
-    """The best law of any shape in the place of the first effect; none where the effects leave hardly anything.
+def _nonparametric_fit(gaps: Sequence[Gap], fits: Sequence[Fit]) -> LackOfFit:
+    """The best law of any shape in the place of the first effect; none without an effect.
 
     None either where the motion repeats: what repeats with it is then a law of the position, whatever it is.
     """
-    clear = any(gap.explained.rms > THRESHOLDS.noise_alone * gap.noise_floor.rms for gap in gaps)
     repeats = any(gap.not_repeated is not None for gap in gaps)
-    tested = clear and share > THRESHOLDS.hardly_left and len(fits) > 1 and not repeats
-    return lack_of_fit(fits[0], fits[-1]) if tested else LackOfFit()
+    return lack_of_fit(fits[0], fits[-1]) if len(fits) > 1 and not repeats else LackOfFit()
 
 
 def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, nonparametric: float) -> Errors:
@@ -171,6 +169,10 @@ def _effects(
         there = chances.effect if i == 0 else THRESHOLDS.further_effect * is_there(step)
         if _may_be_an_order(item, last.state.placed):
             there *= THRESHOLDS.other_order
+        if (
+            nonparametric.outdoes and item.at == last.state.placed[known].at
+        ):  # it makes up for the wrong shape
+            there = min(there, chances.effect)
         felt = comparison.felt_by(i + 2)
         found.append(
             FoundEffect(

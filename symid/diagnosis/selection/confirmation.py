@@ -126,9 +126,10 @@ def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
         if plain is None or not more.placed.contains(plain.key):
             continue
         doubt = deviation(plain.squares, more.squares, plain.fit.n_rows)
-        clearly = more.penalised_gain - plain.penalised_gain > max(
-            THRESHOLDS.hardly_more * plain.penalised_gain, doubt
-        )
+        least = THRESHOLDS.deviations * doubt
+        if plain.fit.mean_square > THRESHOLDS.explained:  # what else is missing may favour it
+            least = max(THRESHOLDS.hardly_more * plain.penalised_gain, doubt)
+        clearly = more.penalised_gain - plain.penalised_gain > least
         clearly = clearly and more.fit.mean_square < plain.fit.mean_square
         prediction = more.fit.state.prediction
         shown = more.effect.is_plausible(prediction, more.placed)

@@ -46,8 +46,8 @@ def _of_candidates(step: SelectionStep) -> dict[Key, float]:
     gains = _penalised_gains(step)
     least = min(gains.values(), default=0.0)
     for candidate in step.screened:
-        put_aside = step.confirmed and candidate.placed.contains(step.confirmed[0].key)
-        if not put_aside:
+        put_aside = any(candidate.placed.contains(own.key) for own in step.confirmed)
+        if not put_aside:  # a refinement that explains no more than the simpler effect is no candidate
             gains.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
     if not gains:
         return {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
@@ -143,8 +143,9 @@ def _completed(
             break
     # A refinement may imitate its simpler effect, as presliding does Coulomb friction, and a lag is nearly a delay:
     # both are fitted and compared.
-    alike = [c.placed for c in found if _is_alike(c.placed.key, tried)]
-    tried |= _confirm(fit, [Start.of(fit, placed) for placed in alike], confirmed)
+    late = [c.placed for c in found if _is_other_timing(c.placed.key, tried)]
+    tried |= _confirm(fit, [Start.of(fit, placed) for placed in late], confirmed)
+    tried |= _confirm(fit, list(_simpler(fit, found, confirmed)), confirmed)
     _confirm(fit, [Start.of(fit, placed) for placed in _elsewhere(found, confirmed)], confirmed, math.inf)
     refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
@@ -176,13 +177,26 @@ def _is_better(own: Confirmed, other: Confirmed) -> bool:
     return left < _FAR_LESS * of_other or (own.gain > other.gain and not of_other < _FAR_LESS * left)
 
 
-def _is_alike(key: Key, tried: Mapping[Key, Placed]) -> bool:
-    """Whether a candidate is a simpler effect than one that was tried, or the delay to a lag, or the reverse."""
-    if key in tried:
-        return False
+def _is_other_timing(key: Key, tried: Mapping[Key, Placed]) -> bool:
+    """Whether a candidate is the delay to a lag that was tried, or the reverse."""
     name, at = key
-    late = name in LATE_FORCES and any((other, at) in tried for other in LATE_FORCES)
-    return late or any(placed.contains(key) for placed in tried.values())
+    return key not in tried and name in LATE_FORCES and any((other, at) in tried for other in LATE_FORCES)
+
+
+def _simpler(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
+    """Simpler effects that confirmed ones refine, from the values of these, where their own fits are far worse.
+
+    In hidden motion the refinement may have begun where the simpler effect did not.
+    """
+    for own in confirmed.values():
+        item = own.placed
+        for placed in (c.placed for c in found if item.contains(c.placed.key)):
+            plain = confirmed.get(placed.key)
+            if plain is None or own.fit.mean_square < _FAR_LESS * plain.fit.mean_square:
+                state = with_effects(own.fit.state, fit.weighting, fit.state.placed)
+                amplitudes = item.amplitudes[: len(placed.amplitudes)]
+                simpler = replace(placed, amplitudes=amplitudes, integrated=item.integrated)
+                yield Start(state, fit.weighting, simpler)
 
 
 def _elsewhere(found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> list[Placed]:

@@ -16,16 +16,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, norms_or_one
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.effects.nonparametric_law import NonparametricLaw
+from symid.diagnosis.fitting.cross_validation import deviation
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.gauss_newton import fitted
+from symid.diagnosis.fitting.gauss_newton import RANK, fitted
 from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 
-_ITERATIONS = 2
+_ITERATIONS = 6
 _ROWS_PER_VALUE = 10.0
 """Least number of independent rows for each value of a law without a shape."""
 _FIRST_TERMS = ("coulomb_friction", "viscous_friction")
@@ -38,7 +39,8 @@ class LackOfFit:
     """The best law without a shape in the place of the first effect."""
 
     of: str = ""  # quantity of which it is a law; empty if there is none
-    # cross-validated mean square above the noise that the model leaves with it, relative to that with the effect
+    # cross-validated mean square above the noise that the model leaves with it, relative to that with the effect; inf
+    # where it predicts no better than the effect
     share: float = math.inf
 
     @property
@@ -52,35 +54,55 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
 
     `first` is the re-identified model, `whole` the one with all effects.
     """
-    floor = whole.state.prediction.noise_through(whole.weighting.density)
-    known, own = len(first.state.placed), _excess(whole, floor)
-
-    def left(*placed: Placed) -> float:
-        """Mean square left by a model with other effects, fitted from its values; infinite if that fails."""
-        try:
-            state = with_effects(whole.state, whole.weighting, placed)
-            return _excess(fitted(state, whole.weighting, _ITERATIONS), floor)
-        except (SettingError, np.linalg.LinAlgError, OverflowError):
-            return math.inf
-
+    known = len(first.state.placed)
     item = whole.state.placed[known]
     # A refinement of the effect would take its place, as presliding friction takes that of Coulomb friction.
     others = tuple(x for x in whole.state.placed if x is not item and not x.contains(item.key))
-    if own <= 0 or item.effect.name in _FIRST_TERMS:
+    if item.effect.name in _FIRST_TERMS:
         return LackOfFit()
-    least, law = math.inf, None
-    for tried in _laws(item, whole):
-        if (after := left(*others, tried)) < least:
-            least, law = after, tried
-    if law is None or least >= THRESHOLDS.outdone * own:
-        return LackOfFit(share=1.0 if law is None else least / own)
-    without, both = left(*others), left(*whole.state.placed, law)
-    if not math.isfinite(without) or not math.isfinite(both):
+
+    def with_law(*placed: Placed) -> Fit | None:
+        """The model with other effects, fitted from its values; None if that fails."""
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                return fitted(
+                    with_effects(whole.state, whole.weighting, placed), whole.weighting, _ITERATIONS
+                )
+        except (SettingError, np.linalg.LinAlgError, OverflowError):
+            return None
+
+    law, found = item, whole
+    for tried in (law for law in _laws(item, whole) if _may_gain(law, whole)):
+        fit = with_law(*others, tried)
+        if fit is not None and fit.predicted > found.predicted:
+            law, found = tried, fit
+    doubt = deviation(whole.blocks.squares, found.blocks.squares, whole.n_rows)
+    noise = whole.state.prediction.noise_through(whole.weighting.density)
+    own, least = _square(whole, noise), _square(found, noise)
+    gain = found.predicted - whole.predicted
+    if gain <= max(THRESHOLDS.least_penalised_gain, doubt) or least >= own:
+        return LackOfFit()
+    floor = min(1.0, least)  # what the law leaves is noise as far as it is below the stated level
+    without, both = with_law(*others), with_law(*whole.state.placed, law)
+    if without is None or both is None:
         return LackOfFit()
     # Where much else is missing, a law may explain more of that. The effect is then as good beside the law.
-    kept = (least - both) / max(without - own, np.finfo(float).tiny)
+    kept = (least - _square(both, noise)) / max(_square(without, noise) - own, np.finfo(float).tiny)
+    share = (least - floor) / (own - floor)
     assert isinstance(law.effect, NonparametricLaw)
-    return LackOfFit(law.effect.of, least / own) if kept < THRESHOLDS.stands_in else LackOfFit()
+    return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in else LackOfFit()
+
+
+def _may_gain(law: Placed, whole: Fit) -> bool:
+    """Whether a law beside all effects gains more than as many free values do in noise, by projection."""
+    weighting, prediction = whole.weighting, whole.state.prediction
+    rows = weighting.rows(law.effect.columns(prediction, law.at, law.shape))
+    columns = np.concatenate([whole.known_columns, weighting.known(rows, whole.state.beginning)])
+    columns /= norms_or_one(columns, axis=1)[:, None]
+    onto = columns @ whole.error
+    closed = float(onto @ np.linalg.pinv(columns @ columns.T, rcond=RANK, hermitian=True) @ onto) / whole.cost
+    gain = -0.5 * whole.n_rows * len(whole.state.rows) * math.log1p(-min(closed, 1 - RANK))
+    return gain > THRESHOLDS.least_penalised_gain + len(law.amplitudes) / 2
 
 
 def _laws(item: Placed, fit: Fit) -> Iterator[Placed]:
@@ -93,7 +115,7 @@ def _laws(item: Placed, fit: Fit) -> Iterator[Placed]:
                 yield Placed(law, place, (), (0.0,) * len(law.amplitudes))
 
 
-def _excess(fit: Fit, floor: FloatArray) -> float:
-    """Cross-validated mean square above the noise, mean of the outputs; `floor` is that of one model for all."""
+def _square(fit: Fit, noise: FloatArray) -> float:
+    """Cross-validated mean square, mean of the outputs; `noise` is that of one model for all."""
     squares = fit.blocks.squares.sum(axis=1) / int(fit.weighting.kept.sum())
-    return float(np.mean(squares / floor)) - 1.0
+    return float(np.mean(squares / noise))
