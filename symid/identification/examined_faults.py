@@ -14,6 +14,7 @@ from symid.identification.identification_result import Identification
 from symid.identification.lagging import ac_coupling_of, smoothing_by_residual
 from symid.identification.modes import lost_mode, mode_above
 from symid.identification.nonlinearity import ColumnTests
+from symid.identification.physical import jacobian
 from symid.identification.poor_fit import contradicting_part, unexplained, unexplained_outputs
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
@@ -56,7 +57,14 @@ def _change_statement(found: Identification, change: Change | None) -> str:
     """Statement on a span of the logs with other parameters, that distort those of all or explain much."""
     if change is None:
         return ""
-    return change.statement(found.model, distorts=is_beyond_intervals(found, change.outside))
+    signed = np.zeros(change.inside.size, dtype=bool)
+    if (
+        found.physical
+    ):  # minimal parameters of which all parts may be negative, such as an offset of the force
+        slopes = jacobian(found.model, found.physical[0].parameters)
+        positive = [name not in found.model.signed for name in found.model.physical_units]
+        signed = ~np.any(slopes[:, positive], axis=1)
+    return change.statement(found.model, signed, distorts=is_beyond_intervals(found, change.outside))
 
 
 def _structure_fault(found: Identification, criteria: Criteria = CRITERIA) -> str:

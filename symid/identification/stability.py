@@ -41,15 +41,23 @@ class Change:
             return int(np.argmax(np.where(among, moved / self.deviations, -1.0)))
 
     def statement(
-        self, model: GeneratedModel, criteria: Criteria = CRITERIA, *, distorts: bool = False
+        self,
+        model: GeneratedModel,
+        signed: BoolArray,
+        criteria: Criteria = CRITERIA,
+        *,
+        distorts: bool = False,
     ) -> str:
         """Statement on changes within the logs; empty without one.
 
         A change counts that explains much of the residual, or that distorts the parameters of all rows beyond their
         printed deviations: a small part of the log does so where it holds most of the information on a parameter.
+        `signed` parameters may have either sign: they change in relation to the largest one of their unit.
         """
         moved = np.abs(self.inside - self.outside)
         size = np.maximum(np.abs(self.inside), np.abs(self.outside))
+        units = np.array(list(model.minimal_units.values()))
+        size = np.where(signed, [np.max(size[units == unit]) for unit in units], size)
         certain = (moved > criteria.change_certain * self.deviations) & (moved > criteria.change * size)
         least = criteria.change_distorts if distorts else criteria.change_explains
         if self.explained < least or not certain.any():

@@ -29,6 +29,8 @@ _NOTICEABLE = 0.05
 """Relative difference of two methods below which it is not reported."""
 _SEEN = 1e-6
 """Least part of a joint's motion, scaled to 1, that counts as unread."""
+_DENSE = 20.0
+"""Samples of a period from which derivatives and holds cost least squares no more than an honest deviation."""
 _MUCH_CORRELATED = 8.0
 """Such a ratio that is a fault by itself. EMPS, whose friction deviates from the declared one, has 3 to 5."""
 
@@ -72,10 +74,8 @@ def verdict_of(
             "undetermined",
             f"the log does not determine {', '.join(vague)}: excite it more, or record longer",
         )
-    if regression is not None and regression.status == "recording":
-        return "recording", regression.message
-    if regression is not None and _is_no_delay(regression):
-        return "timing", regression.message
+    if regression is not None and (fault := _fault_of(found, regression)):
+        return fault, regression.message
     if doubt := (
         _noise_remark(found, criteria)
         or _change_remark(found, criteria)
@@ -95,13 +95,27 @@ def verdict_of(
     return "ok", ""
 
 
-def _is_no_delay(regression: Identification) -> bool:
-    """Whether least squares found a fault of timing other than a delay: a lag or a drifting clock.
+def _fault_of(found: OutputErrorIdentification, regression: Identification) -> Status | None:
+    """The fault of a log that least squares found, if it holds for output error too.
 
-    A delay is estimated with the parameters; these are not, and bias the parameters beside white innovations too.
+    A delay is estimated with the parameters; a lag or a drifting clock is not, and biases the parameters beside white
+    innovations too. What is not physical is a fault where samples are dense, so that their derivatives are right.
     """
-    delay = regression.timing.statement if regression.timing is not None else ""
-    return regression.status == "timing" and not (delay and regression.message.startswith(delay))
+    if regression.status == "timing":
+        delay = regression.timing.statement if regression.timing is not None else ""
+        return None if delay and regression.message.startswith(delay) else "timing"
+    has_inverse = regression.model.physical_parameters is not None
+    if regression.status == "not_physical" or (regression.status == "no_physical_parameters" and has_inverse):
+        return "not_physical" if _is_dense(found) else None
+    return "recording" if regression.status == "recording" else None
+
+
+def _is_dense(found: OutputErrorIdentification) -> bool:
+    """Whether each period of the highest mode holds many samples, and the course of the force between them is known."""
+    if found.fit is None or found.comparison.force == "simulated":
+        return False
+    highest = found.fit.search.dynamics.at(found.fit.search.parameters).highest_mode
+    return all(log.sampling_frequency > _DENSE * highest for log in found.logs)
 
 
 def _uncertain_parameters(found: OutputErrorIdentification, most: float) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from threadpoolctl import threadpool_limits
 
@@ -95,7 +95,8 @@ def identify_output_error(
     comparisons = _comparisons(whole, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
         settings = replace(prepared, held=bool(held))
-        regression = _least_squares(visible, runs, settings, nominal)
+        judge = _Judge(axis, whole, visible, settings, nominal)
+        regression = judge.least_squares(runs, settings)
         starts = _starts(whole, comparisons[0].dynamics, runs, regression, nominal)
         if regression is not None and regression.status == "recording":
             starts = starts[:1]  # a channel is damaged: no start leads to parameters that can be trusted
@@ -104,13 +105,11 @@ def identify_output_error(
             *notes_on_declared(delays, prepared.late, () if loop else passed_over(axis)),
         )
         agreed = regression if visible is whole else None
-        each = [_least_squares(visible, [run], settings, nominal) for run in runs if agreed and len(runs) > 1]
-        found = _judged(axis, whole, runs, _best_fit(comparisons, runs, starts), notes, agreed, each)
+        each = [judge.least_squares([run], settings) for run in runs if agreed and len(runs) > 1]
+        found = judge.result(runs, _best_fit(comparisons, runs, starts), agreed, each, notes)
         if found.status == "not_physical" and agreed is not None and agreed.status == "ok":
             # a model whose force hardly acts can be likelier: it predicts smooth readings by themselves
-            nearest = _judged(
-                axis, whole, runs, _best_fit(comparisons, runs, starts[:1]), notes, agreed, each
-            )
+            nearest = judge.result(runs, _best_fit(comparisons, runs, starts[:1]), agreed, each, notes)
             found = found if nearest.status in ("not_physical", "not_converged", "no_start") else nearest
     if found.status == "not_converged" and visible is not whole and loop is None:
         message = "predictions do not determine friction at hidden bodies: give `controller`, its gains"
@@ -118,32 +117,63 @@ def identify_output_error(
     return found
 
 
-def _judged(
-    axis: Axis,
-    model: GeneratedModel,
-    logs: tuple[Log, ...],
-    best: tuple[LikelihoodFit | None, ErrorModel, list[LikelihoodFit]],
-    notes: tuple[str, ...],
-    regression: Identification | None,
-    each: Sequence[Identification | None] = (),
-) -> OutputErrorIdentification:
-    """Result of a fit with its status, and notes besides those given; `each` are the regressions of single logs."""
-    fit, comparison, own = best
-    found = OutputErrorIdentification(
-        axis=axis,
-        model=model,
-        logs=logs,
-        comparison=comparison,
-        fit=fit,
-        status="ok",
-        message="",
-        notes=notes,
-    )
-    # of several logs with regressions, each is judged alone, too; a single log has neither `own` nor `each`
-    singles = zip(logs, own, each, strict=True) if each and len(own) == len(each) else ()
-    alone = [_judged(axis, model, (log,), (one, comparison, []), (), single) for log, one, single in singles]
-    status, message = verdict_of(found, regression, alone)
-    return replace(found, status=status, message=message, notes=(*notes, *remarks_on(found)))
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Results with their status, beside those of least squares on the same logs."""
+
+    axis: Axis
+    model: GeneratedModel
+    visible: GeneratedModel  # without laws that no sensor sees
+    settings: Preparation  # of least squares
+    nominal: Mapping[str, float] | None
+
+    def least_squares(self, logs: Sequence[Log], settings: Preparation) -> Identification | None:
+        """Least-squares identification with all checks; None if the logs cannot be prepared for it."""
+        try:
+            return identify(self.visible, logs, preparation=settings, nominal=self.nominal)
+        except SettingError:
+            return None
+
+    def result(
+        self,
+        logs: tuple[Log, ...],
+        best: tuple[LikelihoodFit | None, ErrorModel, list[LikelihoodFit]],
+        regression: Identification | None,
+        each: Sequence[Identification | None] = (),
+        notes: tuple[str, ...] = (),
+    ) -> OutputErrorIdentification:
+        """Result of a fit, with notes besides those given; `each` are the regressions of single logs."""
+        fit, comparison, own = best
+        found = OutputErrorIdentification(
+            axis=self.axis,
+            model=self.model,
+            logs=logs,
+            comparison=comparison,
+            fit=fit,
+            status="ok",
+            message="",
+            notes=notes,
+        )
+        # of several logs with regressions, each is judged alone, too; a single log has neither `own` nor `each`
+        singles = zip(logs, own, each, strict=True) if each and len(own) == len(each) else ()
+        alone = [self.result((log,), (one, comparison, []), single) for log, one, single in singles]
+        status, message = verdict_of(found, self._in_time(found, regression), alone)
+        return replace(found, status=status, message=message, notes=(*notes, *remarks_on(found)))
+
+    def _in_time(
+        self, found: OutputErrorIdentification, regression: Identification | None
+    ) -> Identification | None:
+        """Least squares, or that with the hold or the delay of the force that output error found, where that is ok.
+
+        A delay makes parameters negative there that are not.
+        """
+        course = found.comparison.force
+        if regression is None or regression.status == "ok" or found.fit is None or course == "simulated":
+            return regression
+        late = dict.fromkeys(found.model.forces, found.late) if course == "smooth" else {}
+        timed = replace(self.settings, held=course == "held", late={**self.settings.late, **late})
+        again = self.least_squares(found.logs, timed) if timed != self.settings else None
+        return again if again is not None and again.status == "ok" else regression
 
 
 def _best_fit(
@@ -212,16 +242,3 @@ def _starts(
         ]
     rates = dict.fromkeys(log.sampling_frequency for log in logs)
     return [start for rate in rates for values in known for start in spread(dynamics, values, rate)] + sound
-
-
-def _least_squares(
-    model: GeneratedModel,
-    logs: Sequence[Log],
-    preparation: Preparation,
-    nominal: Mapping[str, float] | None,
-) -> Identification | None:
-    """Least-squares identification of the logs with all checks; None if the logs cannot be prepared for it."""
-    try:
-        return identify(model, logs, preparation=preparation, nominal=nominal)
-    except SettingError:
-        return None

@@ -7,8 +7,11 @@ import pytest
 
 from benchmarks.promise.faults import damaged
 from benchmarks.promise.machines import draw_case
-from symid import Log, load_axis, load_generated
+from symid import Log, Preparation, load_axis, load_generated
+from symid.identification import identify
+from symid.identification.verdict import Status
 from symid.output_error import OutputErrorIdentification, identify_output_error
+from symid.output_error.fit_status import verdict_of
 from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
@@ -36,6 +39,22 @@ def rigid() -> Log:
 
 def identified(log: Log) -> OutputErrorIdentification:
     return identify_output_error(load_axis("rigid_1m"), load_generated("rigid_1m"), log, held=True)
+
+
+@pytest.mark.parametrize(
+    ("status", "expected"),
+    [("not_physical", "not_physical"), ("recording", "recording"), ("undetermined", "ok"), ("biased", "ok")],
+)
+def test_faults_that_least_squares_finds_hold_where_samples_are_dense(
+    rigid: Log, status: Status, expected: str
+) -> None:
+    found = identified(rigid)
+    regression = identify(load_generated("rigid_1m"), rigid, preparation=Preparation(held=True))
+    assert regression.status == "ok"
+    told = verdict_of(found, replace(regression, status=status, message="its statement"))
+    assert told == (expected, "its statement" if expected != "ok" else "")
+    simulated = replace(found, comparison=replace(found.comparison, force="simulated"))
+    assert verdict_of(simulated, replace(regression, status="not_physical"))[0] == "ok"
 
 
 def with_force(log: Log, force: np.ndarray) -> Log:
