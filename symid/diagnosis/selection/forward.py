@@ -78,8 +78,8 @@ def _continued(
 ) -> tuple[SelectionStep, ...]:
     """A first step, and the steps after it that accept their best candidate.
 
-    A law of a hidden joint shows from the nominal values only, as the fitted ones have taken over a part of it: they
-    are tried, with the effects found, before a search ends with a clear gap.
+    A law of a hidden joint may show from the nominal values only, as the fitted ones have taken over a part of it: they
+    are tried, with the effects found, before a search ends with a clear gap, or goes on with an imitation.
     """
     steps, last = [first], first
     while last.accepts and len(steps) < THRESHOLDS.most_effects:
@@ -88,13 +88,20 @@ def _continued(
         if current.mean_square - counts < THRESHOLDS.noise and not is_more_than_noise(current):
             break
         last = _selection_step(current, library, None)
-        if nominal and not last.justifies_another(fit) and is_clear(current) and has_hidden_joint(current):
+        if nominal and has_hidden_joint(current) and is_clear(current) and not _is_settled(last, fit):
             placed = with_effects(nominal.state, nominal.weighting, current.state.placed)
             last = _resumed(last, current, library, replace(nominal, state=placed))
         if not last.justifies_another(fit):
             break
         steps.append(last)
     return tuple(steps)
+
+
+def _is_settled(step: SelectionStep, first: Fit) -> bool:
+    """Whether the best candidate is justified and no law of hidden motion that leaves a clear gap."""
+    best = step.confirmed[0] if step.confirmed else None
+    imitates = best is not None and best.placed.integrated and is_clear(best.fit)
+    return step.justifies_another(first) and not imitates
 
 
 def _penalised_likelihood(steps: Sequence[SelectionStep], weighting: Weighting) -> float:

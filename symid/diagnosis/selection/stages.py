@@ -56,9 +56,8 @@ def stages(
     if _explains(fit, confirmed):
         return
     if nominal is None:
-        joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
-        possible = (item for item in joints if can_integrate(fit.state.prediction, item))
-        yield [Start.of(fit, item) for item in islice(possible, 1)]
+        for some in (best_first(confirmed), promising):
+            yield _integrated([Start.of(fit, c.placed) for c in some if not c.placed.integrated], fit)[:1]
     else:
         yield from from_nominal(fit, nominal, library, confirmed)
         if not _explains(fit, confirmed):
