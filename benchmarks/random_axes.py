@@ -39,7 +39,7 @@ from symid import (
 )
 from symid.arrays import FloatArray
 from symid.axis import STANDARD_GRAVITY, Element
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import EliminationError
 from symid.signal_names import split_derivative
 

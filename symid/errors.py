@@ -11,7 +11,7 @@ class SymidError(Exception):
     """A mistake in what the user gave; the command line prints it as one line and exits with 2."""
 
 
-class DeclarationError(SymidError):
+class DeclarationError(SymidError, ValueError):
     """One or more faults of an axis declaration, all reported at once.
 
     Attributes
@@ -38,5 +38,13 @@ class GeneratedModuleError(SymidError):
     """A generated module is missing or older than its declaration; the message names the command that renews it."""
 
 
-class SettingError(SymidError):
-    """An option or argument outside what is possible (a cutoff above the Nyquist frequency, ...)."""
+class SettingError(SymidError, ValueError):
+    """An option or argument outside what is possible (a cutoff above the Nyquist frequency, ...).
+
+    >>> from symid import load_axis
+    >>> try:
+    ...     load_axis("rigid_1m").with_known({"mass": 1.0})
+    ... except ValueError as error:
+    ...     print(error)
+    known: there is no parameter 'mass': choose from Fs, Fv, M
+    """

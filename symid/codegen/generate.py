@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from symid.axis import AnyAxis, axis_file, axis_names, axis_of, load_axis
 from symid.codegen.dynamics_record import generated_dynamics
 from symid.codegen.dynamics_store import dynamics_file
-from symid.codegen.model import GeneratedModel, declared_delays, passed_over
 from symid.codegen.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
-    compile_module,
     generated_folder,
     module_name,
     orphans,
@@ -23,7 +20,7 @@ from symid.codegen.store import (
     write,
 )
 from symid.errors import EliminationError, SettingError, SymidError
-from symid.symbolic.pipeline import DerivedModel, derive
+from symid.symbolic.pipeline import derive
 
 
 def plan(
@@ -115,18 +112,3 @@ def _plan_axis(
     if measured is None:
         files.append(planned_file(dynamics_file(folder, axis.name), generated_dynamics(axis)))
     return files
-
-
-def compiled(model: DerivedModel) -> GeneratedModel:
-    """Generated model of a derived one, in memory.
-
-    Examples
-    --------
-    >>> from symid.axis import load_axis
-    >>> compiled(derive(load_axis("rigid_1m"))).output_names
-    ('F',)
-    """
-    found = compile_module(module_text(model), module_name(model.axis.name, model.measured))
-    return replace(
-        found, delays=declared_delays(model.axis, model.measured), passed_over=passed_over(model.axis)
-    )

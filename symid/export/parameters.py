@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import SettingError
 from symid.estimation.correlation import correlation_matrix
 from symid.symbolic.pipeline import DerivedModel

@@ -12,7 +12,7 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.data import differencing_bandwidth
 from symid.errors import SettingError
 from symid.identification import Preparation, identify

@@ -39,7 +39,7 @@ from axes.structures import (
     two_springs_case,
 )
 from symid.codegen import GeneratedModel
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.symbolic import DerivedModel, derive
 
 

@@ -6,7 +6,7 @@ from axes.chains import chain_plant, chain_values
 from axes.plant import Values
 
 from symid import chain
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.symbolic import derive
 
 

@@ -13,8 +13,9 @@ from axes.catalogue import cases, every_set, generated
 from symid.axis import load_axis
 from symid.codegen import GeneratedModel, load_generated
 from symid.codegen.generate import plan
+from symid.codegen.generated_models import compile_module
 from symid.codegen.module import module_text
-from symid.codegen.store import compile_module, module_name, planned_file, write
+from symid.codegen.store import module_name, planned_file, write
 from symid.errors import GeneratedModuleError
 from symid.symbolic import derive
 

@@ -10,7 +10,7 @@ import symid
 from symid import derive
 from symid.axis import Axis, Body, Drive, Geared, Position, load_axis
 from symid.codegen import load_generated
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import SettingError
 from symid.excitation import IdentificationTrial, design, references
 from symid.identification import Preparation, identify

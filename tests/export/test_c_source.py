@@ -17,7 +17,7 @@ from driven import acceleration, driven
 from export.compiler import Compiled
 
 from symid import Axis, Backlash, Position
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.export import c_source
 from symid.simulation import plant_of
 from symid.symbolic import derive

@@ -27,7 +27,7 @@ from symid import (
     load_axis,
     write_axis,
 )
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.data import write_log
 from symid.errors import DeclarationError, SettingError
 from symid.identification import identify_with_known

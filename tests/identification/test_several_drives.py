@@ -21,7 +21,7 @@ from symid import (
     derive,
     identify,
 )
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import DeclarationError, LogError, SettingError
 from symid.identification import measured_signals, read_axis_log
 from symid.identification.settings import coherent_band

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from symid import Log, load_axis
-from symid.codegen.store import load_generated
+from symid.codegen.generated_models import load_generated
 from symid.identification import Identification, identify, predict
 from symid.report.figures.colours import DARK, LIGHT
 from symid.report.figures.identification_curves import (

@@ -24,7 +24,7 @@ from symid import (
     identify,
 )
 from symid.axis import Element
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import SettingError
 from symid.report.figures.schematic import schematic
 from symid.simulation import Cascade, plant_of, simulate, trapezoids

@@ -17,7 +17,7 @@ from symid import (
     ViscousFriction,
     derive,
 )
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import DeclarationError
 from symid.report.figures.schematic import schematic
 from symid.simulation import plant_of

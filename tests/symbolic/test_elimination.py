@@ -23,7 +23,7 @@ from symid import (
     load_axis,
 )
 from symid.codegen import GeneratedModel
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import EliminationError
 from symid.signal_names import split_derivative
 from symid.symbolic import derive

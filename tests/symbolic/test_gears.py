@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symid import Axis, Between, Body, Drive, Position, Spring, ViscousFriction
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import EliminationError
 from symid.symbolic import derive
 

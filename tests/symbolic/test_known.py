@@ -18,7 +18,7 @@ from symid import (
     load_axis,
 )
 from symid.axis import Element
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.symbolic import derive
 
 VALUES = {"Ms": 3899.0, "Fvs": 5000.0, "Ks": 3.2e8, "Mm": 362.6, "Fvm": 1500.0, "Fsm": 40.0}

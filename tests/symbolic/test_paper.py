@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 from symid import Axis, CoulombFriction, load_axis
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.symbolic import DerivedModel, derive
 
 Ms, Fvs, Ks, Mm, Fvm, Fsm = sp.symbols("Ms Fvs Ks Mm Fvm Fsm")

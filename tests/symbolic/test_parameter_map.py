@@ -22,7 +22,7 @@ from symid import (
 )
 from symid.axis import sketch
 from symid.codegen import GeneratedModel
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.symbolic import derive
 
 factors = st.floats(0.5, 2.0)

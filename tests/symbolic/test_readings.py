@@ -22,7 +22,7 @@ from symid import (
     ViscousFriction,
     derive,
 )
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.errors import DeclarationError, EliminationError
 from symid.signal_names import split_derivative
 

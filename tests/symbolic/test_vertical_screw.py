@@ -23,7 +23,7 @@ from symid import (
     derive,
     identify,
 )
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.export import mjcf
 from symid.simulation import Cascade, plant_of, simulate, trapezoids
 

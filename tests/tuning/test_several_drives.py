@@ -8,7 +8,7 @@ import pytest
 from axes.gantry import AXIS, NOISE, TRUE, log
 
 from symid import Axis, Body, Drive, Position, ViscousFriction, derive, tune
-from symid.codegen.generate import compiled
+from symid.codegen.generated_models import compiled
 from symid.simulation import chirp
 from symid.tuning import tune_total
 from symid.tuning.from_log import run_of_log
