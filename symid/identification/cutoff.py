@@ -19,13 +19,14 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, Method, TriangularFactor, estimate, refine_blocks
+from symid.identification.bands import cutoff_range
 from symid.identification.coulomb import factors_without
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import excerpts
 from symid.identification.identification_result import Identification
 from symid.identification.poor_fit import unexplained
 from symid.identification.row_blocks import Run, blocks_of_runs
-from symid.identification.settings import Preparation, cutoff_range
+from symid.identification.settings import Preparation
 from symid.identification.verdict import poorly_fitted
 
 _STEP, _LOWER_CUTOFFS = 1.6, 5

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,10 +19,8 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, LowPass, central_difference_gain, decimation_filter
 from symid.data.density import density_of, incoherent_density_of, segment_spectra
+from symid.identification.settings import Preparation
 from symid.signal_names import split_derivative
-
-if TYPE_CHECKING:
-    from symid.identification.settings import Preparation
 
 _FROM = 0.35
 """Lower edge, over the sampling frequency, of the band up to Nyquist in which a log is taken as noise only."""

@@ -15,6 +15,7 @@ from symid.data import (
     kept_indices,
 )
 from symid.errors import SettingError
+from symid.identification.bands import completed
 from symid.identification.coulomb import more_columns, sample_friction, take_off
 from symid.identification.filter_ends import leave_out_spoiled
 from symid.identification.noise import coefficients
@@ -28,7 +29,7 @@ from symid.identification.sampling import (
     sampling_of,
 )
 from symid.identification.scheme import Scheme
-from symid.identification.settings import Preparation, completed
+from symid.identification.settings import Preparation
 from symid.identification.usable_rows import usable_rows
 from symid.signal_names import split_derivative
 

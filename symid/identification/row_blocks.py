@@ -26,6 +26,7 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, LongLog, kept_indices, spans
 from symid.estimation import ObservationBlock, TriangularFactor
+from symid.identification.bands import completed
 from symid.identification.excerpts import block_of
 from symid.identification.observation import (
     Observation,
@@ -34,7 +35,7 @@ from symid.identification.observation import (
     trimmed_ends,
     without_levels,
 )
-from symid.identification.settings import Preparation, completed
+from symid.identification.settings import Preparation
 from symid.identification.usable_rows import reaches
 
 
