@@ -159,6 +159,16 @@ def _recorded(force: np.ndarray, setting: Setting, log: str) -> np.ndarray:
     return np.round((force + noise["wander"] * walk) / noise["quantum"]) * noise["quantum"]
 
 
+def force_density(setting: Setting, frequency: np.ndarray) -> np.ndarray:
+    """Power density, N^2, of the noise in a record of the force at frequencies in cycles a sample."""
+    noise, white = setting.noise, np.full(frequency.shape, setting.noise["F"] ** 2)
+    if "quantum" not in noise:
+        return white
+    back = np.exp(-2 * np.pi * noise["wander_hz"] / gap.RATE)
+    wander = noise["wander"] ** 2 * (1 - back**2) / np.abs(1 - back * np.exp(-2j * np.pi * frequency)) ** 2
+    return np.asarray(white + noise["quantum"] ** 2 / 12 + wander)
+
+
 def gap_ratio(setting: Setting, effects: tuple[laws.Effect, ...]) -> float:
     """Gap-to-noise ratio on the validation log, see `gap`."""
     return _ratio(setting, effects, setting.sensors)

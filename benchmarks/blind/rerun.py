@@ -171,13 +171,14 @@ def _rerun(folder: Path, name: str, label: dict[str, Any]) -> Rerun:
         return Rerun(name, label, again, logged, np.inf, str(error), np.nan)
     seconds = (time.process_time() - begun) / draw.SECONDS["validation"]
     off = _rms(found - measured)
-    return Rerun(name, label, again, logged, off, "", seconds, least_of_values(setting))
+    recorded_as = replace(setting, noise=label["noise"])  # a worldly record wanders
+    return Rerun(name, label, again, logged, off, "", seconds, least_of_values(recorded_as))
 
 
 def least_of_values(setting: draw.Setting) -> float:
     """Expected rms error of the simulated position by values estimated from the log for identification; rigid axes.
 
-    The covariance is that of least squares with the exact motion and the white noise of the force, s^2 (W' W)^-1; it
+    The covariance is the least of any estimate from the exact motion and the noise N of the force, (W' N^-1 W)^-1; it
     passes through the derivatives S of the simulated position by the values: the mean square is tr(S cov S')/n.
     """
     if setting.axis != "rigid_1m":
@@ -185,8 +186,9 @@ def least_of_values(setting: draw.Setting) -> float:
     quiet, axis = replace(setting, noisy_controller=False), load_axis("rigid_1m")
     v = draw.simulate(quiet, (), "identification", disturbed=False).velocity
     columns = {"M": np.gradient(v) * gap.RATE, "Fv": v, "Fs": np.sign(v)}
-    W, true = np.stack(list(columns.values()), axis=1), setting.true
-    covariance = setting.noise["F"] ** 2 * np.linalg.inv(W.T @ W)
+    spectra, true = np.fft.fft(np.stack(list(columns.values()))), setting.true
+    density = draw.force_density(setting, np.fft.fftfreq(v.size))
+    covariance = np.linalg.inv((spectra / density @ spectra.conj().T).real / v.size)
     exact = simulated(axis, true, quiet)
     moved = (
         (simulated(axis, {**true, name: 1.01 * true[name]}, quiet) - exact) / (0.01 * true[name])

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import welch
 
 from benchmarks.blind import draw, laws, rerun
 from symid import Backlash, GapDamping, OffsetForce, Spring, load_axis
@@ -39,6 +40,17 @@ def test_values_estimated_from_a_noisier_force_leave_the_motion_further_off(sett
     quiet, loud = rerun.least_of_values(setting), rerun.least_of_values(noisier)
     assert loud == pytest.approx(3 * quiet)
     assert quiet < setting.noise["position"]
+
+
+def test_the_density_is_that_of_the_noise_in_a_worldly_record(setting: draw.Setting) -> None:
+    worldly = draw.wandering(setting, np.random.default_rng(3))
+    force = np.full(1 << 17, 100.0)
+    noise = draw.measured(worldly, {"F": force}, "validation")["F"] - force
+    frequency, found = welch(noise, nperseg=4096, return_onesided=False, detrend=False)
+    stated = draw.force_density(worldly, frequency)
+    for low, high in ((3e-4, 3e-3), (3e-3, 0.03), (0.1, 0.5)):
+        inside = (frequency > low) & (frequency < high)
+        assert np.mean(found[inside]) == pytest.approx(np.mean(stated[inside]), rel=0.15)
 
 
 def test_damping_that_ends_in_the_gap_moves_as_the_independent_simulator_has_it() -> None:
