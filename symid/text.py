@@ -1,4 +1,4 @@
-"""Text of foreign origin - names of files and columns, messages of libraries - made safe to print."""
+"""Text to print: that of foreign origin made safe, such as names of files and columns; counts and names in words."""
 
 from __future__ import annotations
 
@@ -47,6 +47,15 @@ def counted(count: int, one: str, many: str = "") -> str:
     ('1 log', '2 logs', '0 axes')
     """
     return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def spoken(name: str, at: str = "") -> str:
+    """The name of an effect or a status in words, with its place if one is given.
+
+    >>> spoken("stribeck_friction", "motor")
+    'stribeck friction at motor'
+    """
+    return name.replace("_", " ") + (f" at {at}" if at else "")
 
 
 def similar(name: str, names: Collection[str]) -> str:

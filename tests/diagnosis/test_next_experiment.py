@@ -15,9 +15,9 @@ from symid.diagnosis.experiment import design
 from symid.diagnosis.experiment.design import next_experiment_of
 from symid.diagnosis.experiment.discrimination import Rivals, Separation
 from symid.diagnosis.experiment.simulated import simulated_experiment
-from symid.diagnosis.findings.wording import spoken
 from symid.report.tables.diagnosis import diagnosis_record
 from symid.simulation import Limits
+from symid.text import spoken
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,9 @@ from symid.diagnosis.experiment.discrimination import (
     shares_of,
 )
 from symid.diagnosis.experiment.simulated import SimulatedExperiment
-from symid.diagnosis.findings.wording import spoken
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Trajectory
+from symid.text import spoken
 
 _MOST_LOG_ODDS = math.log(1e6)
 

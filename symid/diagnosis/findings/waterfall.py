@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.gap import Level
-from symid.diagnosis.findings.wording import spoken
+from symid.text import spoken
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from symid.diagnosis.findings.found_effects import Alternative, FoundEffect, Par
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
+from symid.text import spoken
 
 _ADVICE = {
     "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag differ",
@@ -30,15 +31,6 @@ _LIKELY = 0.5
 _ADVICE |= {
     effect.name: effect.advice for effect in LIBRARY if isinstance(effect, LawEffect) and effect.advice
 }
-
-
-def spoken(effect: str, at: str = "") -> str:
-    """An effect in words, with its place if one is given.
-
-    >>> spoken("stribeck_friction", "motor")
-    'stribeck friction at motor'
-    """
-    return effect.replace("_", " ") + (f" at {at}" if at else "")
 
 
 def sentence(found: Diagnosis) -> str:

@@ -21,6 +21,7 @@ from symid.report.figures import colours
 from symid.report.tables import number_text
 from symid.report.tables.diagnosis import removes
 from symid.report.tables.motion_gap import fit, motion_line, motion_rows, motions, unit_of_errors
+from symid.text import spoken
 
 Record = TypeVar("Record")
 
@@ -49,7 +50,7 @@ def page_templates() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    for write in (fit, motion_line, motion_rows, motions, unit_of_errors, removes, colours.in_dark):
+    for write in (fit, motion_line, motion_rows, motions, unit_of_errors, removes, spoken, colours.in_dark):
         templates.filters[write.__name__] = write
     templates.filters |= {name: write for name, write in vars(number_text).items() if isfunction(write)}
     templates.globals.update(colours=colours)

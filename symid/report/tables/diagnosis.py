@@ -24,8 +24,8 @@ from symid.report.tables.number_text import (
     significant,
     times,
     with_deviation,
-    words,
 )
+from symid.text import spoken
 
 _MOST_ALTERNATIVES = 8
 
@@ -232,12 +232,12 @@ def _effects_table(record: dict[str, Any]) -> TextTable:
         floor = gaps.get(found["signal"], record["gap"])["noise_floor"]["rms"]
         values = found["parameters"].items()
         parameters = ", ".join(f"{n} {with_deviation(p['value'], p['std'])} {p['unit']}" for n, p in values)
-        others = ", ".join(f"{words(o['effect'])} at {o['at']}" for o in found["indistinguishable_from"])
+        others = ", ".join(spoken(o["effect"], o["at"]) for o in found["indistinguishable_from"])
         if others:
             others += f" (one of them: {probability(found['probability_with_ties'])})"
         sizes = (removes(found["removes"]), times(found["gap_after"]["rms"], floor))
         certainty = probability(found["probability"])
-        table.add(words(found["effect"]), found["at"], certainty, *sizes, parameters, others)
+        table.add(spoken(found["effect"]), found["at"], certainty, *sizes, parameters, others)
     return table
 
 
@@ -254,14 +254,14 @@ def removes(removed: Mapping[str, float]) -> str:
 
 
 def _alternatives_table(record: dict[str, Any]) -> TextTable:
-    considered = (f"{words(name)} {probability(value)}" for name, value in record["probabilities"].items())
+    considered = (f"{spoken(name)} {probability(value)}" for name, value in record["probabilities"].items())
     title = f"Considered: {', '.join(considered)}"
     numbers = ("probability", "gain in log-likelihood", f"leaves [{record['gap']['unit']}]")
     table = TextTable(title, "effect", "at", *numbers, right=numbers)
     for other in record["alternatives"][:_MOST_ALTERNATIVES]:
         left = "screened" if other["gap_after"] is None else significant(other["gap_after"]["rms"])
         gain = significant(other["log_likelihood"])
-        table.add(words(other["effect"]), other["at"], probability(other["probability"]), gain, left)
+        table.add(spoken(other["effect"]), other["at"], probability(other["probability"]), gain, left)
     return table
 
 
@@ -287,7 +287,7 @@ def _simulated_table(record: dict[str, Any]) -> TextTable:
     table = TextTable(f"The simulator ({own['log']})", "", *numbers, "unit", "remark", right=numbers)
     rows = [(n, p["simulated"], p["machine"], p["unit"], p["differs"]) for n, p in own["parameters"].items()]
     for found in own["effects"]:
-        place = f"{words(found['effect'])} at {found['at']}: "
+        place = f"{spoken(found['effect'], found['at'])}: "
         for name, p in found["simulated"].items():
             machine = None if found["machine"] is None else found["machine"][name]
             rows.append((place + name, p, machine, p["unit"], found["differs"]))

@@ -11,7 +11,8 @@ from rich.console import Console
 
 from symid.fleet import AxisReview, FleetReview, JointIdentification, ParameterReview, TrendChange
 from symid.report.tables.console import TextTable, plain, report_console
-from symid.report.tables.number_text import MISSING, percent, probability, significant, with_deviation, words
+from symid.report.tables.number_text import MISSING, percent, probability, significant, with_deviation
+from symid.text import spoken
 
 _MOST_EFFECTS = 10
 _MOST_LINES = 10
@@ -146,7 +147,7 @@ def print_fleet(record: dict[str, Any], console: Console | None = None) -> None:
     if record["effects"]:
         console.print("", _effects_table(record), sep="\n")
     for axis in record["axes"]:
-        counts = ", ".join(f"{count} {words(name)}" for name, count in axis["statuses"].items())
+        counts = ", ".join(f"{count} {spoken(name)}" for name, count in axis["statuses"].items())
         console.print("", plain(f"{axis['name']}: {axis['logs']} logs ({counts})", style="bold"), sep="\n")
         if not axis["parameters"]:
             console.print("no log has parameters to compare", markup=False)
@@ -163,7 +164,7 @@ def _effects_table(record: dict[str, Any]) -> TextTable:
     table = TextTable("Effects found", "effect", "at", "logs", "axes", "which", right=("logs", "axes"))
     for one in record["effects"][:_MOST_EFFECTS]:
         counts = (str(one["logs"]), str(len(one["axes"])))
-        table.add(words(one["effect"]), one["at"], *counts, ", ".join(one["axes"][:4]))
+        table.add(spoken(one["effect"]), one["at"], *counts, ", ".join(one["axes"][:4]))
     return table
 
 
@@ -186,7 +187,7 @@ def _parameters_table(axis: dict[str, Any]) -> TextTable:
 
 def _joint_table(joint: dict[str, Any]) -> TextTable:
     disagreement = probability(joint["disagreement_probability"])
-    trouble = "" if joint["status"] == "ok" else f", {words(joint['status'])}: {joint['message']}"
+    trouble = "" if joint["status"] == "ok" else f", {spoken(joint['status'])}: {joint['message']}"
     title = f"Joined from {joint['logs']} logs (p that they share these parameters: {disagreement}{trouble})"
     table = TextTable(title, "", "joint", "unit", right=("joint",))
     for name, one in joint["parameters"].items():
@@ -226,12 +227,12 @@ def print_batch(record: dict[str, Any], console: Console | None = None) -> None:
         if parameters:
             console.print(_parameters(axis, parameters))
     if "effects" in record:
-        console.print(_counts("Verdict", {words(name): n for name, n in record["verdicts"].items()}))
+        console.print(_counts("Verdict", {spoken(name): n for name, n in record["verdicts"].items()}))
     if record.get("effects"):
         effects = TextTable("Effects", "", "at", "logs", "axes", right=("logs",))
         for e in record["effects"]:
             axes = ", ".join(f"{axis} {n}" for axis, n in e["axes"].items())
-            effects.add(words(e["effect"]), e["at"], str(e["logs"]), axes)
+            effects.add(spoken(e["effect"]), e["at"], str(e["logs"]), axes)
         console.print(effects)
     for trouble in record["not_ok"][:_MOST_LINES]:
         console.print(plain(f"{trouble['log']}: {trouble['status']}: {trouble['message']}"))

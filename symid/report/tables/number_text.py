@@ -145,15 +145,6 @@ def band(low: float, high: float) -> str:
     return f"above {low:.3g} Hz" if math.isfinite(low) else "all frequencies"
 
 
-def words(name: str) -> str:
-    """The name of an effect as words.
-
-    >>> words("load_dependent_friction")
-    'load dependent friction'
-    """
-    return name.replace("_", " ")
-
-
 def capitalize_first(text: str) -> str:
     """A sentence with a capital first letter; names within it keep their letters.
 

@@ -16,7 +16,8 @@ from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
 from symid.parameter_entries import parameter_entries
 from symid.report.tables.console import TextTable, plain, report_console
-from symid.report.tables.number_text import MISSING, percent, significant, with_deviation, words
+from symid.report.tables.number_text import MISSING, percent, significant, with_deviation
+from symid.text import spoken
 
 _DIFFERENT = 3.0
 """Standard deviations from which on parameters count as different."""
@@ -194,7 +195,7 @@ def _facts(record: Mapping[str, Any]) -> dict[str, str]:
 def _effects(record: Mapping[str, Any]) -> list[str]:
     found = record.get("effects")
     effects = [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
-    return [f"{words(str(one.get('effect')))} at {one.get('at')}" for one in effects]
+    return [spoken(str(one.get("effect")), str(one.get("at"))) for one in effects]
 
 
 def _errors(record: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
