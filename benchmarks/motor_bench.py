@@ -159,15 +159,15 @@ def response_fit(log: symid.Log, lines: NDArray[np.int64]) -> dict[str, float]:
     names = ("Jm", "Fvm", "Kt", "Ft", "Jl", "Fvl", "delay qm", "delay ql")
     start = np.array([5e-3, 0.02, 550.0, 0.05, 4.4e-3, 0.02, 1e-4, 1e-4])
 
-    def misfit(relative: FloatArray) -> FloatArray:
+    def residuals(relative: FloatArray) -> FloatArray:
         modelled = two_bodies(dict(zip(names, relative * start, strict=True)), s)
         errors = np.concatenate([np.log(modelled[name] / measured[name]) for name in modelled])
         return np.concatenate([errors.real, (errors.imag + np.pi) % (2.0 * np.pi) - np.pi])
 
-    solution = optimize.least_squares(misfit, np.ones(start.size), loss="soft_l1")
+    solution = optimize.least_squares(residuals, np.ones(start.size), loss="soft_l1")
     return {
         **dict(zip(names, solution.x * start, strict=True)),
-        "misfit": float(np.sqrt(np.mean(misfit(solution.x) ** 2))),
+        "rms": float(np.sqrt(np.mean(residuals(solution.x) ** 2))),
     }
 
 
@@ -219,7 +219,7 @@ def main() -> None:
     print_row("11 to 250 Hz", fits["A"], fits["B"], float("nan"))
     for which, fit in fits.items():
         delays = ", ".join(f"{name[6:]} {1e3 * fit[name]:.3f} ms" for name in ("delay qm", "delay ql"))
-        print(f"  {which}: delays {delays}; misfit {fit['misfit']:.3f} (logarithm of the response)")
+        print(f"  {which}: delays {delays}; rms error {fit['rms']:.3f} (logarithm of the response)")
         print_mismatch(which, logs[which], fit)
     print_bias()
 

@@ -38,13 +38,13 @@ class Imperfection:
     """Base class of effects with given numbers that no regressor contains.
 
     Simulation and exports read what it does from `law` and `rate`, in the names of the fields, q and v (displacement
-    and velocity of its joint), t (time), F (force of the drive), y (reading) and z (what it remembers).
+    and velocity of its joint), t (time), F (force of the drive), y (reading) and z (its memory).
     """
 
     law: ClassVar[str] = ""
     """Force against the motion of its joint; or the force that acts, or the reading, in place of F or y."""
     rate: ClassVar[str] = ""
-    """z(1), linear in z, of what remembers; z is 0 in the beginning."""
+    """z(1) of an element with memory, linear in z; z is 0 at the start."""
     shown: ClassVar[str]
     """Formula for readers: a format of the fields."""
 

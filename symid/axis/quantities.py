@@ -40,7 +40,7 @@ def force_unit(drives: Sequence[Drive], joint: Joint) -> Unit:
 
 
 def quantity_unit(drives: Sequence[Drive], sensor: Sensor) -> Unit:
-    """Unit of what a sensor reads."""
+    """Unit of the quantity that a sensor reads."""
     if sensor.derivative is None:
         return force_unit(drives, sensor.joint)
     return length_unit(sensor.joint) / Unit.of("s") ** sensor.derivative

@@ -11,7 +11,7 @@ __all__ = ["Acceleration", "Force", "MotionSensor", "Position", "Sensor", "Veloc
 
 
 class ReadingPart(NamedTuple):
-    """A part of what a sensor reads: a derivative of a displacement times a parameter, or the force of a drive."""
+    """A part of the reading of a sensor: a derivative of a displacement times a parameter, or the force of a drive."""
 
     of: Joint | Drive
     derivative: int = 0

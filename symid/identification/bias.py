@@ -227,7 +227,7 @@ def _rest_of_sharper_rows(
 
 
 def _rest(model: GeneratedModel, X: FloatArray, coulomb: tuple[float, ...]) -> GeneratedModel:
-    """A model of what parameters leave of the output: laws as its only column, and as output what the others leave.
+    """Model of the residual that parameters leave: its only column is the laws, its output the residual of the others.
 
     Filters are linear: two rows per equation give the same result as all columns. Friction that is taken off the
     force beforehand, `coulomb`, is not given back to the output, but taken off the column of laws.

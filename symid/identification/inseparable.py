@@ -1,4 +1,4 @@
-"""Parameters that no log determines alone, with priors in place of what it does not see.
+"""Parameters that a log determines only in combinations, separated by priors.
 
 A prior is a measurement of its parameter: with the means of as few priors as the structure leaves open appended to the
 minimal parameters, the map has a single solution, whose covariance holds the variances of these priors.

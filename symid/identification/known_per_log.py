@@ -51,7 +51,7 @@ class SharedIdentification(Shown):
     parameters, covariance : array
         Values and covariance, nan where they are not determined.
     disagreement, relations : float, int
-        Chi-square of what the groups contradict each other by, and its degrees of freedom.
+        Chi-square of the disagreement between the groups, and its degrees of freedom.
     status, message : str
         "ok", or what keeps the result from being complete.
     """

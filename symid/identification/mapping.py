@@ -103,7 +103,7 @@ def _is_about(line: str, signal: str) -> bool:
 
 
 def _mapping_of(record: object) -> LogMapping:
-    """Mapping of what a JSON file holds; ValueError that names what has another shape."""
+    """Mapping from the content of a JSON file; ValueError that names an entry of another shape."""
     known = [one.name for one in fields(LogMapping)]
     if not isinstance(record, dict):
         raise TypeError(f"{shortened(record)} where names and values are required")

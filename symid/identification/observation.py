@@ -65,7 +65,7 @@ class Observation:
     with_friction: FloatArray | None = None
 
     def squares(self, X: FloatArray) -> FloatArray:
-        """Sum of squares of what parameters leave in the used rows of each equation."""
+        """Sum of squares of the residual of parameters in the used rows of each equation."""
         return np.asarray(np.sum(np.where(self.valid, self.y - self.W @ X, 0.0) ** 2, axis=1))
 
 

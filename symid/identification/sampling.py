@@ -92,7 +92,7 @@ class Sampling:
 
     @cached_property
     def low_pass(self) -> ZeroPhaseFilter | None:
-        """Filter of what has not passed it as a signal: of nonlinear laws, if the force is filtered."""
+        """Filter of nonlinear laws, which have not passed it as signals, if the force is filtered."""
         assert self.chosen.cutoff_hz is not None
         laws = self.model.law_columns or self.model.known_laws
         if not (laws and self.chosen.filter_force):

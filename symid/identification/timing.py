@@ -117,7 +117,7 @@ class Timing:
     def statement(self) -> str:
         """Statement of the delay and its cure."""
         when = "before it was" if self.late > 0 else "after it was"
-        instead = " in place of what was given" if self.declared else ""
+        instead = " in place of the given value" if self.declared else ""
         return (
             f"{self.signal} acts as if {abs(self.samples):.2f} samples ({_microseconds(abs(self.late), 4)} us, "
             f"standard deviation {_microseconds(self.deviation, 2)} us) {when} recorded, which biases all parameters "

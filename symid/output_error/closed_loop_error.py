@@ -34,7 +34,7 @@ _SMALLEST_NOISE = 1e-9
 class Whitening:
     """Autoregressive model of errors of several signals, predicted from earlier ones, the latest first.
 
-    `root` is the lower triangular root of the covariance of what is left.
+    `root` is the lower triangular root of the covariance of the white errors.
     """
 
     coefficients: FloatArray

@@ -145,7 +145,7 @@ def _refined(error: Callable[[float], float], above: float, within: float, bound
 
 
 def verdict(searches: Mapping[str, BoundSearch]) -> tuple[Status, str]:
-    """Status of a tuning by its searches, which have the names of what they seek, and its meaning and cure."""
+    """Status of a tuning from those of its searches, by name, with its meaning and cure."""
     for what, search in searches.items():
         if not math.isfinite(search.largest_error):
             return "not_determined", f"no parameter is determined at any {what}: choose a richer trajectory"

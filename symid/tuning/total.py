@@ -158,7 +158,7 @@ def tune_total(
     logs = tuple(run.log(sampling_hz, model.measured) for run in runs)
     errors = TotalErrors(model, logs, levels, parameters, draws)
     base = preparation or Preparation()
-    # The noise-free run is free of what a log may record late.
+    # No signal of the noise-free run is late.
     plain = replace(base, late=dict.fromkeys(model.delays, 0.0), held=False)
     scan = _scan(errors, plain, track)
     decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS

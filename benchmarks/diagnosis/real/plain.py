@@ -189,13 +189,13 @@ def fitted(motions: Sequence[Motion], names: Sequence[str]) -> Model:
     if MODE not in names:
         return _with_shape(motions, names, None)[0]
 
-    def misfit(logarithms: FloatArray) -> float:
+    def cost(logarithms: FloatArray) -> float:
         return _with_shape(motions, names, _shape(logarithms))[1]
 
     frequencies = np.geomspace(0.1, 0.9, 25) * motions[0].band
     grid = [np.log([f, damping]) for f in frequencies for damping in _DAMPING]
-    best = min(grid, key=misfit)
-    refined = optimize.minimize(misfit, best, method="Nelder-Mead", options={"xatol": 1e-4, "maxiter": 120})
+    best = min(grid, key=cost)
+    refined = optimize.minimize(cost, best, method="Nelder-Mead", options={"xatol": 1e-4, "maxiter": 120})
     return _with_shape(motions, names, _shape(refined.x))[0]
 
 

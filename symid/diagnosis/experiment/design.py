@@ -54,8 +54,6 @@ class Experiment:
         Reference of the first drive that best distinguishes the causes; None if no motion does.
     odds : float
         Expected odds for the true cause after the experiment, without the evidence so far; nan without trajectory.
-    considered : mapping of str to float
-        Expected odds after each motion considered, best first.
     simulated : SimulatedExperiment or None
         Simulation of the motion with either cause; None if it is not possible.
     message : str
@@ -71,7 +69,6 @@ class Experiment:
     causes: tuple[Key, ...] = ()
     trajectory: Trajectory | None = None
     odds: float = math.nan
-    considered: Mapping[str, float] | None = None
     simulated: SimulatedExperiment | None = None
     message: str = ""
     further: Mapping[Key, float] = field(default_factory=dict)
@@ -152,15 +149,12 @@ def next_experiment_of(
     # Candidates are ranked by the log-odds expected of the linear prediction. The best that can decide is simulated
     # with its controller, since limits must hold there.
     best = simulated_trials(rivals, trials(rivals, envelope, forces))
-    considered = {trial.trajectory.name: odds_of(trial.log_odds) for trial in best}
     decisive = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
     if not decisive:
-        return Experiment(none_separates(rivals), rivals.keys, considered=considered)
+        return Experiment(none_separates(rivals), rivals.keys)
     chosen, run, message = _best_within_limits(rivals, decisive, limits, forces)
     if chosen is None:
-        return Experiment(
-            none_within_limits(rivals, message), rivals.keys, considered=considered, message=message
-        )
+        return Experiment(none_within_limits(rivals, message), rivals.keys, message=message)
     further = _against_further(rivals, chosen.trajectory) if run else {}
     reference = words_of_motion(rivals, chosen.trajectory, chosen.log_odds) + words_of_drives(record)
     return Experiment(
@@ -168,7 +162,6 @@ def next_experiment_of(
         causes=rivals.keys,
         trajectory=chosen.trajectory,
         odds=odds_of(chosen.log_odds),
-        considered=considered,
         simulated=run,
         message=message,
         further=further,

@@ -6,10 +6,7 @@ import math
 from collections.abc import Mapping
 
 from symid.diagnosis.effects import Key
-from symid.diagnosis.experiment.discrimination import (
-    Rivals,
-    shares_of,
-)
+from symid.diagnosis.experiment.discrimination import Rivals, shares_of
 from symid.diagnosis.experiment.simulated import SimulatedExperiment
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Trajectory
@@ -72,20 +69,21 @@ def _per_cent(probability: float) -> str:
 
 def none_within_limits(rivals: Rivals, message: str) -> str:
     """Sentence where no motion that distinguishes the causes keeps its limits in simulation."""
-    (one, at), (other, place) = rivals.keys
+    one, other = (spoken(*key) for key in rivals.keys)
     return (
-        f"No motion that distinguishes {one} at {at} from {other} at {place} stays within the limits in simulation "
-        f"({message}): wider limits are needed."
+        f"No motion that distinguishes {one} from {other} stays within the limits in simulation ({message}): "
+        "wider limits are needed."
     )
 
 
 def none_separates(rivals: Rivals) -> str:
     """Sentence where no motion within the limits distinguishes the causes, with the reason."""
-    (one, at), (other, place) = rivals.keys
+    (one, _), (other, _) = rivals.keys
     record = rivals.record
     unused = [name for name in record.dynamics.sensors if name not in record.signals]
     further = f"record {' or '.join(unused)} too" if unused else "another sensor is needed"
-    none = f"No motion within these limits distinguishes {one} at {at} from {other} at {place}"
+    both = " from ".join(spoken(*key) for key in rivals.keys)
+    none = f"No motion within these limits distinguishes {both}"
     if one == other:
         return f"{none}: the sensors used see both places alike; {further}."
     if {one, other} == {"offset_force", "asymmetric_friction"}:

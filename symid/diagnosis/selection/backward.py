@@ -208,7 +208,7 @@ def _chosen(
     prefer_coulomb(found)
     best = ranked(found.values(), before)
     kept = next((c for c in best if c.key == own.key), found.get(own.key))
-    if best and kept is not None and not _is_clearly_better(best[0], kept, first):
+    if best and kept is not None and not _is_clearly_better(best[0], kept):
         best = [kept, *(c for c in best if c is not kept)]
     chosen = SelectionStep(before.released(), tuple(best), step.screened, refused)
     if not chosen.justifies_another(first):
@@ -219,7 +219,7 @@ def _chosen(
     return _in_place_of(steps.get(best[0].key, step), before, best[0])
 
 
-def _is_clearly_better(best: Confirmed, own: Confirmed, first: Fit) -> bool:
+def _is_clearly_better(best: Confirmed, own: Confirmed) -> bool:
     """Whether a rival predicts blocks better than the effect that was found, by more than their scatter.
 
     A refinement of the effect, such as presliding of Coulomb friction, replaces it only if its prior odds are higher or
