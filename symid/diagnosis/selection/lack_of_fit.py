@@ -29,8 +29,8 @@ from symid.errors import SettingError
 _ITERATIONS = 6
 _ROWS_PER_VALUE = 10.0
 """Least number of independent rows for each value of a law without a shape."""
-_FIRST_TERMS = ("coulomb_friction", "viscous_friction")
-"""Effects that any friction has, whatever its shape: another shape is a second effect beside them."""
+_FIRST_TERMS = ("coulomb_friction", "viscous_friction", "offset_force")
+"""Terms that any force of the motion has, whatever its shape: another shape is a second effect beside them."""
 _LAWS = tuple(NonparametricLaw(of) for of in ("position", "velocity", "acceleration"))
 
 
