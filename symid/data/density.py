@@ -11,6 +11,9 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 
+NOISE_FROM = 0.35
+"""Share of the sampling frequency above which a log is taken as noise only: an axis moves too little there."""
+
 
 def power_density(x: FloatArray, sampling_frequency: float, segment: int) -> tuple[FloatArray, FloatArray]:
     """Frequencies in Hz and one-sided power density of `x`, of shape (segment // 2 + 1,): Welch's method.

@@ -11,7 +11,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, derivatives, differencing_bandwidth
-from symid.data.density import explained_power, mean_power, segment_spectra
+from symid.data.density import NOISE_FROM, explained_power, mean_power, segment_spectra
 from symid.identification.noise import noise_levels, noise_limited_widening, spread_excerpts
 from symid.identification.settings import LOW_PASSED, Preparation
 
@@ -85,7 +85,7 @@ def noise_limited_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | No
     """
     seen = spectra or Spectra.of(log, model)
     frequency, power = seen.frequency, seen.power
-    noise = float(np.median(power[frequency > 0.35 * log.sampling_frequency]))
+    noise = float(np.median(power[frequency > NOISE_FROM * log.sampling_frequency]))
     gain = (2 * np.pi * frequency) ** (2 * model.highest_derivatives[model.most_differentiated])
     share = np.cumsum(noise * gain)[1:] / np.maximum(np.cumsum(power * gain)[1:], np.finfo(float).tiny)
     quiet = np.flatnonzero(share < _NOISE_SHARE)

@@ -7,11 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from symid.codegen import GeneratedModel
-from symid.data.density import explained_power, mean_power, segment_spectra
+from symid.data.density import NOISE_FROM, explained_power, mean_power, segment_spectra
 from symid.identification.excerpts import Excerpt
 
-_FROM = 0.35
-"""Lower edge of the band that is checked, over the sampling frequency; with fast enough sampling motion ends below."""
 _SHARE = 0.1
 """Part of a sensor's power above it; an accelerometer's noise of 2 % of the rms signal makes 1e-4 of it."""
 _COHERENT = 0.8
@@ -29,7 +27,7 @@ def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
         length = max(16, min(_LONGEST, part.log.n_samples // _SEGMENTS))
         motion = [name for name in model.highest_derivatives if name not in model.forces]
         sensors = {name: segment_spectra(part.log[name][None], length) for name in motion}
-        upper = np.arange(length // 2 + 1) > _FROM * length
+        upper = np.arange(length // 2 + 1) > NOISE_FROM * length
         power = {name: mean_power(x) for name, x in sensors.items()}
         shares = {name: float(p[upper].sum()) / max(float(p.sum()), 1e-300) for name, p in power.items()}
         name = max(shares, key=shares.__getitem__)

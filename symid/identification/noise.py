@@ -18,12 +18,10 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, LowPass, central_difference_gain, decimation_filter
-from symid.data.density import density_of, incoherent_density_of, segment_spectra
+from symid.data.density import NOISE_FROM, density_of, incoherent_density_of, segment_spectra
 from symid.identification.settings import Preparation
 from symid.signal_names import split_derivative
 
-_FROM = 0.35
-"""Lower edge, over the sampling frequency, of the band up to Nyquist in which a log is taken as noise only."""
 _QUIET_SHARE = 3e-3
 _LEAST_WIDENING = 2.0
 """A filter that is as narrow as that of the motion moves all reversals of friction one way; noise that a wider one lets
@@ -61,7 +59,7 @@ def noise_levels(model: GeneratedModel, log: AnyLog, *, forces: bool = True) -> 
             frequency, density = incoherent_density_of(spectra[name], np.stack(motion), rate, segment)
         else:
             frequency, density = density_of(spectra[name], rate, segment)
-        upper = (frequency > _FROM * rate) & (frequency < 0.5 * rate)
+        upper = (frequency > NOISE_FROM * rate) & (frequency < 0.5 * rate)
         gain = (2 * np.sin(np.pi * frequency[upper] / rate)) ** 4
         found[name] = float(np.median(density[upper] / gain))
     return found

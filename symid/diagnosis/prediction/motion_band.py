@@ -6,13 +6,11 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
-from symid.data.density import incoherent_density, power_density
+from symid.data.density import NOISE_FROM, incoherent_density, power_density
 from symid.diagnosis.prediction.quantisation import rounding_error
 
 WIDEST = 0.3
 """Share of the sampling frequency up to which motion may reach."""
-_HIGH = 0.35
-"""Share of the sampling frequency above which only noise is assumed."""
 _HIGHEST = 0.4
 """Share of the sampling frequency up to which the spectrum is looked at: differences and means take what is beyond."""
 _ABOVE_NOISE = 3.0
@@ -44,7 +42,7 @@ def motion_band(position: FloatArray, sampling_frequency: float) -> float:
     without_lines = scipy.ndimage.median_filter(density * frequency**4, _WIDTH_OF_LINES)
     end = _least_from_above(_smoothed(without_lines)[frequency < _HIGHEST * sampling_frequency])
     if end is None:
-        floor = np.median(density[frequency > _HIGH * sampling_frequency])
+        floor = np.median(density[frequency > NOISE_FROM * sampling_frequency])
         stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor
         end = int(np.flatnonzero(stands_out).max(initial=0))
     return _within(frequency, end, sampling_frequency)
