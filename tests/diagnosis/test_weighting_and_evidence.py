@@ -12,8 +12,9 @@ from hand_made import RIGID, motion
 from symid import Log, load_axis
 from symid.diagnosis.findings.shares import closed_fraction
 from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.autoregression import autoregression
 from symid.diagnosis.prediction.record import record_of
-from symid.diagnosis.prediction.weighting import _rests, autoregression
+from symid.diagnosis.prediction.weighting import _rests
 from symid.diagnosis.selection import evidence
 from symid.diagnosis.selection.evidence import Errors, outcome
 from symid.simulation import forward_dynamics

@@ -12,7 +12,7 @@ from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_alike
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import passed_on
-from symid.diagnosis.prediction.weighting import Autoregression, autoregression, unweighted
+from symid.diagnosis.prediction.autoregression import Autoregression, autoregression, unweighted
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _BATCH = 200_000
