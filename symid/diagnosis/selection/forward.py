@@ -15,7 +15,14 @@ from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.late_forces import in_band_of_forces
 from symid.diagnosis.selection.screening import Candidate, screened
-from symid.diagnosis.selection.stages import from_nominal, has_hidden_joint, least_left, stages
+from symid.diagnosis.selection.stages import (
+    best_first,
+    from_nominal,
+    has_hidden_joint,
+    integrated,
+    least_left,
+    stages,
+)
 from symid.diagnosis.selection.step import (
     Confirmed,
     SelectionStep,
@@ -148,6 +155,9 @@ def _completed(
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < THRESHOLDS.explained:
             break
+    # A law of a hidden joint that is evaluated at a motion without it is good near its values only.
+    best_found = [Start.of(fit, own.placed) for own in best_first(confirmed)[:1] if not own.placed.integrated]
+    tried |= _confirm(fit, integrated(best_found, fit), confirmed)
     # A refinement may imitate its simpler effect, as presliding does Coulomb friction, and a lag is nearly a delay:
     # both are fitted and compared.
     late = [c.placed for c in found if _is_other_timing(c.placed.key, tried)]

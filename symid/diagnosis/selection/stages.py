@@ -52,12 +52,11 @@ def stages(
         # A body that sticks at times moves as no frequency response says, even where its motion is read.
         best, *others = best_first(confirmed)
         alike = (best, *(c for c in others if best.placed.contains(c.key)))
-        yield _integrated([Start.of(nominal, c.placed) for c in alike], nominal, read=True)
+        yield integrated([Start.of(nominal, c.placed) for c in alike], nominal, read=True)
     if _explains(fit, confirmed):
         return
     if nominal is None:
-        for some in (best_first(confirmed), promising):
-            yield _integrated([Start.of(fit, c.placed) for c in some if not c.placed.integrated], fit)[:1]
+        yield integrated([Start.of(fit, c.placed) for c in promising], fit)[:1]
     else:
         yield from from_nominal(fit, nominal, library, confirmed)
         if not _explains(fit, confirmed):
@@ -72,7 +71,7 @@ def from_nominal(
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
     if _explains(fit, confirmed):
         return
-    yield _integrated(other, nominal)[:_INTEGRATED]
+    yield integrated(other, nominal)[:_INTEGRATED]
     yield islice(from_other_places(fit, [c.fit for c in best_first(confirmed)]), _OTHER_PLACES)
 
 
@@ -93,7 +92,7 @@ def has_hidden_joint(fit: Fit) -> bool:
     return any(prediction.record.is_hidden(joint.direction) for joint in prediction.springs.values())
 
 
-def _integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> list[Start]:
+def integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> list[Start]:
     """The starts with joints that are integrated with their motion, where that is possible."""
     hidden = (replace(s, placed=replace(s.placed, integrated=True)) for s in starts)
     return [s for s in hidden if can_integrate(model.state.prediction, s.placed, read=read)]
