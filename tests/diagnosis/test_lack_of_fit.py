@@ -48,10 +48,10 @@ def test_drag_is_certain_only_with_the_square_of_the_speed(power: float, certain
 
 
 def test_a_constant_force_stays_certain_beside_a_law_that_the_library_lacks() -> None:
-    logs = [log_with(lambda v, a: 30.0 + 30.0 * np.sign(v) * np.abs(v) ** 1.5, seed) for seed in (1, 2)]
+    logs = [log_with(lambda v, a: 30.0 + 10.0 * np.tanh(v / 0.15), seed) for seed in (1, 2)]
     first = diagnose(RIGID, logs[0], validation=logs[1], nominal=VALUES, held=True).effects[0]
     assert (first.effect, first.outdone_by) == ("offset_force", "")
-    assert first.probability > 0.9
+    assert first.probability > 0.5
     assert first.parameters["F0"].value == pytest.approx(30.0, rel=0.02)
 
 
