@@ -25,6 +25,14 @@ def test_coulomb_friction_of_an_elastic_machine_is_no_stribeck_friction(seed: in
     assert is_close(case, found.effects)
 
 
+def test_friction_that_leaves_noise_alone_is_no_late_reading() -> None:
+    case = drawn(7016, worldly=False)
+    assert case is not None
+    found = found_in(case)
+    assert [effect.effect for effect in found.effects] == [case.lacks] == ["viscous_friction"]
+    assert is_close(case, found.effects)
+
+
 def test_values_that_went_astray_are_no_effect() -> None:
     case = drawn(6043, worldly=False)
     assert case is not None

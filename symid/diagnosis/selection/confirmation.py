@@ -23,7 +23,6 @@ from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 
 _COULOMB, _COGGING, _PERIODIC = "coulomb_friction", "cogging", "periodic_disturbance"
-_DAMPED = "spring_damping"
 _DIRECT = (4, 4, 3)
 _INTEGRATION = (4, 8, 8)
 """Most iterations: before a hopeless fit is given up, after that, and with the weights of the values found."""
@@ -76,17 +75,16 @@ def _judged(fit: Fit, found: Fit, beside: Sequence[Placed]) -> Confirmed | None:
 def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
     """Candidates, the best first, which must have values that the log determines.
 
-    A candidate that spoils another output goes last. A delay of a reading goes before effects that imitate it, except
-    damping of a spring that gains more: with it, what the spring moves is late. Among indistinguishable places a driven
-    body goes first.
+    A candidate that spoils another output goes last. A delay of a reading goes before effects that imitate it, which
+    leave more than noise. Among indistinguishable places a driven body goes first.
     """
     candidates = compared_in_band(list(confirmed), before)
     driven = before.state.prediction.record.driven_bodies
-    most = max((c.penalised_gain for c in candidates), default=0.0)
-    damped = max((c.penalised_gain for c in candidates if c.key[0] == _DAMPED), default=0.0)
+    best = max(candidates, key=lambda c: c.penalised_gain, default=None)
+    clean = best is not None and best.fit.mean_square < THRESHOLDS.explained
+    least = (1.0 if clean else THRESHOLDS.timing_first) * (best.penalised_gain if best else 0.0)
 
     def order(own: Confirmed) -> tuple[bool, bool, float]:
-        least = max(THRESHOLDS.timing_first * most, damped)
         timing = own.key[0] == LATE_READING and own.penalised_gain > least
         return own.spoils, not timing, -own.penalised_gain - THRESHOLDS.tie * (own.key[1] in driven)
 
