@@ -21,10 +21,9 @@ from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
 
-_UNEVEN = 2.0
 _REVERSAL = 0.02
 """Seconds around a reversal that do not count for the strength of an effect: the longest response of its band."""
-_ENOUGH = 60
+ENOUGH = 60
 """Least number of rows; each half then shows the level of its errors to about 20 %."""
 
 
@@ -240,7 +239,7 @@ class Comparison:
         if base is None or last is None:
             return None
         away = ~near(self.turns, self.row_rate, _REVERSAL)[self.weighting.kept]
-        if away.sum() < _ENOUGH:  # an axis that does little but turn
+        if away.sum() < ENOUGH:  # an axis that does little but turn
             away = np.ones(away.size, dtype=bool)
         return FixedBand.of(last, self.weighting, away, len(base.placed))
 
@@ -261,25 +260,6 @@ class Comparison:
             whole = self.removed(1, len(self.states) - 1).share
             shares.append(whole * float(self.in_fixed_band.removed(output)[model - 2]))
         return own.including(shares, THRESHOLDS.taken_over)
-
-    @cached_property
-    def is_stationary(self) -> bool:
-        """Whether the error of the re-identified model is independent of the motion, as noise of any colour is.
-
-        Rows are split at the median speed, and at the median acceleration, of the driven joint, and the errors of both
-        halves are compared. False with too few rows.
-        """
-        record, kept = self.record, self.weighting.kept
-        if kept.sum() < _ENOUGH:
-            return False
-        s, squares = 1j * record.omega, self.squares(1)
-        for motion in (s * self.motion, s**2 * self.motion * record.taper):
-            course = np.abs(record.rows(motion)[kept])
-            lively = course > np.median(course)
-            halves = np.mean(squares[lively]), np.mean(squares[~lively])
-            if max(halves) > _UNEVEN * min(halves):
-                return False
-        return True
 
     @property
     def row_rate(self) -> float:

@@ -16,7 +16,7 @@ from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.found_effects import Alternative, FoundEffect
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.findings.gap_of_comparison import gap_of
-from symid.diagnosis.findings.location import located, maps
+from symid.diagnosis.findings.location import is_stationary, located, maps
 from symid.diagnosis.findings.parameter_changes import effect_values, parameter_changes
 from symid.diagnosis.findings.wording import next_experiment
 from symid.diagnosis.fitting.fit import Fit
@@ -48,7 +48,7 @@ def concluded(
     share = comparison.unexplained_of_all
     nonparametric = _nonparametric_fit(gaps, fits)
     chances = outcome(
-        steps, validated, _errors(gaps, share, comparison.is_stationary, fits[0], nonparametric.share)
+        steps, validated, _errors(gaps, share, is_stationary(comparison), fits[0], nonparametric.share)
     )
     verdict = _verdict(chances, gaps, share, damaged.fatal)
     # Effects are reported where the verdict names them; otherwise the gap stays that of the re-identified model.

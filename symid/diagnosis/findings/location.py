@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import length_unit
-from symid.diagnosis.findings.comparison import Comparison
+from symid.diagnosis.findings.comparison import ENOUGH, Comparison
 from symid.diagnosis.findings.gap import Location, MapCell
 from symid.diagnosis.fitting.fit import Fit
 from symid.units import Unit
@@ -22,6 +22,7 @@ _SEGMENT = 2048  # rows of a segment of the power density
 _AROUND_REVERSAL = 0.05  # s
 _SLOW, _FAST, _ACCELERATING = 0.1, 0.5, 0.3  # shares of the top speed, and of the hardest acceleration
 _MOST_OF_IT = 0.8  # share of the error
+_UNEVEN = 2.0  # ratio of two mean squares from which on an error depends on the motion
 _MOMENT = 0.1
 """Longest span of time, relative to the log, that is a moment of it."""
 _CLEAR = 2.0
@@ -167,6 +168,25 @@ def _narrowest(bands: tuple[MapCell, ...]) -> tuple[float, float]:
         if sum(cell.share for cell in bands[i : j + 1]) >= _MOST_OF_IT
     ]
     return min(runs)[1:] if runs else (0.0, bands[-1].high if bands else 0.0)
+
+
+def is_stationary(comparison: Comparison) -> bool:
+    """Whether the error of the re-identified model is independent of the motion, as noise of any colour is.
+
+    Rows are split at the median speed, and at the median acceleration, of the driven joint, and the errors of both
+    halves are compared. False with too few rows.
+    """
+    record, kept = comparison.record, comparison.weighting.kept
+    if kept.sum() < ENOUGH:
+        return False
+    s, squares = 1j * record.omega, comparison.squares(1)
+    for motion in (s * comparison.motion, s**2 * comparison.motion * record.taper):
+        course = np.abs(record.rows(motion)[kept])
+        lively = course > np.median(course)
+        halves = np.mean(squares[lively]), np.mean(squares[~lively])
+        if max(halves) > _UNEVEN * min(halves):
+            return False
+    return True
 
 
 def momentary(comparison: Comparison, last: Fit) -> str:
