@@ -7,9 +7,10 @@ from typing import cast
 import numpy as np
 import pytest
 
-from symid import Cogging, QuadraticDrag, load_axis
+from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import Diagnosis, diagnose
+from symid.diagnosis.effects import LIBRARY
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection.backward import _chain, _members, _with_values_of
 from symid.diagnosis.selection.lack_of_fit import lack_of_fit
@@ -92,3 +93,16 @@ def test_the_last_effect_of_an_order_is_also_fitted_from_the_values_of_the_whole
     found_again = _chain([drag, cogging], first, math.inf, justified=True, whole=whole)
     assert found_again is not None
     assert found_again[-1].confirmed[0].fit.mean_square == pytest.approx(whole.mean_square, rel=1e-2)
+
+
+def test_a_change_of_one_percent_of_a_mass_is_found_where_it_is() -> None:
+    screw = load_axis("ballscrew_2m1s").with_signal("qm", noise=1e-8).with_signal("ql", noise=1e-8)
+    values = {"Mm": 158.0, "Fvm": 142.0, "Fsm": 81.0, "Kt": 2e7, "Ft": 2000.0, "Ml": 253.0, "Fvl": 134.0}
+    changing = screw.with_signal("Fm", noise=0.3).with_effect(PayloadChange(screw.bodies[1], 3.0, time=1.1))
+    reference = trapezoids(0.2, [0.3, 0.5], acceleration=5.0, jerk=200.0, dwell=0.1, sampling_period=5e-4)
+    loop = tuned_cascade(plant_of(screw, values), "qm")
+    log, other = (simulate(changing, values, reference, loop, seed=seed).log for seed in (1, 2))
+    library = [effect for effect in LIBRARY if effect.name == "payload_change"]
+    effect = diagnose(screw, log, validation=other, nominal=values, library=library).effects[0]
+    assert (effect.effect, effect.at) == ("payload_change", "load")
+    assert effect.parameters["dm"].value == pytest.approx(3.0, rel=0.05)

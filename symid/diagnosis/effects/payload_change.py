@@ -22,7 +22,7 @@ from symid.diagnosis.prediction.weighting import starting_pulses
 from symid.units import Unit
 
 _TRIALS = 4
-_MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
+_MASS_CHANGES = (-0.3, -0.1, -0.03, -0.01, 0.01, 0.03, 0.1, 0.3)
 _USUAL_CHANGE = 0.1
 _MOST_OF_OTHER = 2.0
 _MOMENTS_TRIED = np.linspace(0.1, 0.9, 17)

@@ -106,9 +106,9 @@ class _Projection:
         self, left: FloatArray, norms: FloatArray, target: FloatArray, *, fixed: bool
     ) -> tuple[float, FloatArray]:
         """Gain and amplitudes of one group."""
-        if fixed:
+        if fixed:  # a negative gain tells how far a shape is from one that helps
             closed = float(2 * target.sum() - left.sum()) / self.square
-            return self._of(max(closed, 0.0)), np.ones(1)
+            return self._of(closed), np.ones(1)
         share = np.asarray(target / norms)
         if len(norms) > 1:
             share = np.asarray(np.linalg.lstsq(left / np.outer(norms, norms), share, rcond=1e-8)[0])
