@@ -164,16 +164,16 @@ class Page:
     @property
     def complaints(self) -> list[str]:
         """Errors and warnings of scripts and of the browser about the page."""
-        told = []
+        messages = []
         for event in self.events:
             parameters = event.get("params", {})
             if event["method"] == "Runtime.exceptionThrown":
-                told.append(str(parameters["exceptionDetails"]))
+                messages.append(str(parameters["exceptionDetails"]))
             elif event["method"] == "Log.entryAdded" and parameters["entry"]["level"] in ("warning", "error"):
-                told.append(parameters["entry"]["text"])
+                messages.append(parameters["entry"]["text"])
             elif event["method"] == "Runtime.consoleAPICalled" and parameters["type"] in ("warning", "error"):
-                told.append(str([argument.get("value") for argument in parameters["args"]]))
-        return told
+                messages.append(str([argument.get("value") for argument in parameters["args"]]))
+        return messages
 
     @property
     def requests(self) -> list[str]:

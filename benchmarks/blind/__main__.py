@@ -132,13 +132,13 @@ def peek(folder: Path) -> None:
     """
     for name, label in seal.read(folder).items():
         axis, sensors, removed = label["axis"], "+".join(label["sensors"]), label.get("removed") or {}
-        told = list(map(_told, label["effects"], label["ratios"]))
-        told += [f"the first removes {removed['0']:.0%}"] if removed else []
+        words = list(map(_in_words, label["effects"], label["ratios"]))
+        words += [f"the first removes {removed['0']:.0%}"] if removed else []
         head = f"{name}  {axis:15} {sensors:8} {label['group']:12} {label['ratio']:7.1f}"
-        print(f"{head}  {'; '.join(told)}".rstrip())
+        print(f"{head}  {'; '.join(words)}".rstrip())
 
 
-def _told(effect: dict[str, Any], ratio: float) -> str:
+def _in_words(effect: dict[str, Any], ratio: float) -> str:
     numbers = " ".join(f"{name}={value:.3g}" for name, value in effect["numbers"].items())
     return f"{effect['effect']} at {effect['at']} ({ratio:.1f}, {numbers})"
 

@@ -15,9 +15,9 @@ def label(group: str, sensor_class: str, ratio: float, *effects: tuple[str, str]
 
 
 def answer(
-    verdict: str, *effects: tuple[str, str], p: float = 1.0, twins: tuple[tuple[str, str], ...] = ()
+    verdict: str, *effects: tuple[str, str], p: float = 1.0, ties: tuple[tuple[str, str], ...] = ()
 ) -> dict:
-    others = [{"effect": effect, "at": at} for effect, at in twins]
+    others = [{"effect": effect, "at": at} for effect, at in ties]
     named = [{"effect": e, "at": at, "probability": p, "indistinguishable_from": others} for e, at in effects]
     return {
         "answer": {"verdict": verdict, "effects": named, "gap": {"closed_fraction": 0.96}},
@@ -31,8 +31,8 @@ LAG, DELAY, DRAG = ("actuator_lag", "actuator"), ("delay", "actuator"), ("quadra
 def test_scores_of_made_up_answers():
     pairs = [
         (label("single", "rigid", 20, LAG), answer("effect", LAG, p=0.9)),
-        (label("single", "rigid", 20, LAG), answer("effect", DELAY, p=0.6, twins=(LAG,))),
-        (label("single", "rigid", 20, LAG), answer("effect", DELAY, p=0.4, twins=(LAG, DRAG))),
+        (label("single", "rigid", 20, LAG), answer("effect", DELAY, p=0.6, ties=(LAG,))),
+        (label("single", "rigid", 20, LAG), answer("effect", DELAY, p=0.4, ties=(LAG, DRAG))),
         (label("single", "rigid", 20, LAG), {"answer": None, "seconds": 9.0}),
         (label("single", "rigid", 3, LAG), answer("no_gap")),
         (label("none", "motor only", 0), answer("no_gap")),
@@ -80,8 +80,8 @@ def test_partly_counts_where_it_is_right_and_as_an_alarm_where_nothing_is_hidden
     assert reached["false alarms on exact axes and wrong values"] == (pytest.approx(2 / 3), 3)
 
 
-def worldly(*found: tuple[str, str], left: float | None, low: float = 0.0, twins: tuple = ()) -> dict:
-    record = answer("partly" if found else "no_gap", *found, p=0.8, twins=twins)
+def worldly(*found: tuple[str, str], left: float | None, low: float = 0.0, ties: tuple = ()) -> dict:
+    record = answer("partly" if found else "no_gap", *found, p=0.8, ties=ties)
     record["answer"]["gap"]["unexplained_share"] = left
     for effect in record["answer"]["effects"]:
         effect["removes"] = {"share": 0.8, "low": low, "high": 0.9}
@@ -94,8 +94,8 @@ def test_scores_of_worldly_cases():
     pairs = [
         (hidden, worldly(LAG, left=0.2)),  # 80 % removed where 85 are true
         (hidden, worldly(LAG, DRAG, left=0.2, low=0.88)),  # 80 % where both remove everything
-        (hidden, worldly(DELAY, DRAG, left=0.02, twins=(LAG, DRAG))),  # right by a tie
-        (hidden, worldly(DRAG, left=0.2, twins=(LAG,))),  # by a tie with a small one
+        (hidden, worldly(DELAY, DRAG, left=0.02, ties=(LAG, DRAG))),  # right by a tie
+        (hidden, worldly(DRAG, left=0.2, ties=(LAG,))),  # by a tie with a small one
         (hidden, worldly(DRAG, LAG, left=0.02)),  # a small one first
         (nothing, worldly(left=None)),
         (nothing, worldly(DRAG, left=0.5)),

@@ -1,4 +1,4 @@
-"""What a shell is told to complete."""
+"""Completion of commands, options and names of axes in a shell."""
 
 import pytest
 from click.shell_completion import ShellComplete

@@ -1,4 +1,4 @@
-"""Filters against those of scipy.signal: designs, settled states, runs, and every so many samples."""
+"""Filters against those of scipy.signal: designs, settled states, runs, and every n-th sample."""
 
 import importlib.machinery
 import subprocess

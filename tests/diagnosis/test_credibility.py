@@ -1,4 +1,4 @@
-"""What no machine is, what cannot be told apart, and how far rivals stay behind."""
+"""Values that no machine has, causes that a log cannot tell apart, and the lead over rivals."""
 
 from types import SimpleNamespace
 from typing import cast

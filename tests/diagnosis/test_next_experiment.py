@@ -82,12 +82,12 @@ def test_the_simulated_axis_keeps_the_limits(found) -> None:
 def test_the_record_says_how_surely_it_decides(found) -> None:
     diagnosis, _ = found
     planned = next_experiment_of(diagnosis, acceleration=3.0, seconds=2.0)
-    told = diagnosis_record(replace(diagnosis, next_experiment=planned.text, planned=planned))["experiment"]
-    assert told["causes"] == [{"effect": effect, "at": at} for effect, at in planned.causes]
-    assert told["probability"] == planned.probability == min(told["probability_if_right"])
+    record = diagnosis_record(replace(diagnosis, next_experiment=planned.text, planned=planned))["experiment"]
+    assert record["causes"] == [{"effect": effect, "at": at} for effect, at in planned.causes]
+    assert record["probability"] == planned.probability == min(record["probability_if_right"])
     assert f"{100 * min(planned.probability, 0.999):.3g} %" in planned.text
-    assert {(one["effect"], one["at"]) for one in told["further"]} == set(planned.further)
-    assert json.dumps(told)
+    assert {(one["effect"], one["at"]) for one in record["further"]} == set(planned.further)
+    assert json.dumps(record)
     assert "experiment" not in diagnosis_record(diagnosis)
 
 

@@ -193,5 +193,5 @@ def test_no_effect_of_the_library_is_left_out_here() -> None:
 
 def test_a_value_that_no_axis_has_is_named() -> None:
     assert impossible_values(ELASTIC, VALUES) == ()
-    told = impossible_values(ELASTIC, VALUES | {"K": -6e5, "Ml": -1.0, "Fv": -3.0})
-    assert [sentence.split(" is impossible")[0] for sentence in told] == ["Ml = -1", "K = -6e+05"]
+    sentences = impossible_values(ELASTIC, VALUES | {"K": -6e5, "Ml": -1.0, "Fv": -3.0})
+    assert [sentence.split(" is impossible")[0] for sentence in sentences] == ["Ml = -1", "K = -6e+05"]

@@ -14,7 +14,7 @@ LEVEL, STEP = 13.0, 1e-4
 
 
 def relay_run(every: int, resolution: float, seconds: float) -> dict[str, np.ndarray]:
-    """A slide between two positions under a relay, read every so many steps in steps of a scale; its force is held."""
+    """A slide between two positions under a relay, read at every n-th step in steps of a scale; its force is held."""
     q, v, F = 0.0, 0.0, LEVEL
     rows = []
     for k in range(round(seconds / STEP)):

@@ -51,8 +51,8 @@ def test_faults_that_least_squares_finds_hold_where_samples_are_dense(
     found = identified(rigid)
     regression = identify(load_generated("rigid_1m"), rigid, preparation=Preparation(held=True))
     assert regression.status == "ok"
-    told = verdict_of(found, replace(regression, status=status, message="its statement"))
-    assert told == (expected, "its statement" if expected != "ok" else "")
+    judged = verdict_of(found, replace(regression, status=status, message="its statement"))
+    assert judged == (expected, "its statement" if expected != "ok" else "")
     simulated = replace(found, comparison=replace(found.comparison, force="simulated"))
     assert verdict_of(simulated, replace(regression, status="not_physical"))[0] == "ok"
 

@@ -227,14 +227,14 @@ def test_a_controller_of_ones_own_with_matrices_runs_in_blocks(delay: float) -> 
 
 
 def test_progress_is_told_the_parts_of_a_run() -> None:
-    told: list[int] = []
+    reported: list[int] = []
 
     def noted(begins: range) -> list[int]:
-        told.append(len(begins))
+        reported.append(len(begins))
         return list(begins)
 
     path = moves(PERIOD / 4)
     axis = load_axis("rigid_1m")
     shown = simulate(axis, RIGID, path, tuned_cascade(plant_of(axis, RIGID), "q"), progress=noted)
-    assert told == [math.ceil(path.n_samples / 8192)]
+    assert reported == [math.ceil(path.n_samples / 8192)]
     assert shown.log["q"].max() == pytest.approx(0.05, rel=0.05)
