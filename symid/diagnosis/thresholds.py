@@ -59,6 +59,9 @@ class Thresholds:
     # share of its gain by which what contains Coulomb friction must exceed it: robot joints without friction in
     # their model showed 2 % more for presliding friction, whose reach the log determined badly
     hardly_more: float = 0.03
+    # mean square of a fit, relative to that of another of the same effect or of a simpler one, below which it is better
+    # whatever it gains in cross-validation (search)
+    far_less: float = 0.5
     # Stribeck velocity, relative to the top speed, beyond which Stribeck friction without Coulomb friction is
     # that (machines without Coulomb friction in their model: 0.4 to 0.9; where drawn cases have it, below 0.2)
     hardly_falls: float = 0.3

@@ -37,6 +37,7 @@ class Start:
     state: State  # parameters to begin with
     weighting: Weighting  # of the errors
     placed: Placed  # the effect
+    to_the_end: bool = False  # whether it is fitted to the end even where it leaves far more than others
 
     @classmethod
     def of(cls, fit: Fit, placed: Placed) -> Start:

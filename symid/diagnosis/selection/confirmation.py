@@ -130,7 +130,9 @@ def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
         clearly = more.penalised_gain - plain.penalised_gain > least
         clearly = clearly and more.fit.mean_square < plain.fit.mean_square
         prediction = more.fit.state.prediction
-        shown = more.effect.is_plausible(prediction, more.placed)
+        # In integrated motion the instants of jumps are exact: a reach within a sample may explain most of the rest.
+        far_less = more.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square
+        shown = (more.placed.integrated and far_less) or more.effect.is_plausible(prediction, more.placed)
         if not (clearly and shown) or _is_nearly_constant(prediction, more.placed):
             del confirmed[name, place]
 

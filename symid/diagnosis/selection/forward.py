@@ -31,9 +31,6 @@ from symid.diagnosis.selection.step import (
 )
 from symid.diagnosis.thresholds import THRESHOLDS
 
-_FAR_LESS = 0.5
-"""Mean square of a fit relative to that of another of the same effect, below which it is better."""
-
 
 def forward_selection(
     fit: Fit, library: Sequence[Effect], nominal: Fit | None = None
@@ -181,7 +178,7 @@ def _confirm(
     for start in starts:
         tried[start.placed.key] = start.placed
         refined = any(other.placed.contains(start.placed.key) for other in confirmed.values())
-        most = math.inf if refined else hopeless * least_left(confirmed)
+        most = math.inf if refined or start.to_the_end else hopeless * least_left(confirmed)
         own = confirmed_from(fit, start, most)
         if own is not None and (own.key not in confirmed or _is_better(own, confirmed[own.key])):
             confirmed[own.key] = own
@@ -191,7 +188,9 @@ def _confirm(
 def _is_better(own: Confirmed, other: Confirmed) -> bool:
     """Whether one fit of an effect is better than another: it leaves far less, or predicts blocks left out better."""
     left, of_other = own.fit.mean_square, other.fit.mean_square
-    return left < _FAR_LESS * of_other or (own.gain > other.gain and not of_other < _FAR_LESS * left)
+    return left < THRESHOLDS.far_less * of_other or (
+        own.gain > other.gain and not of_other < THRESHOLDS.far_less * left
+    )
 
 
 def _is_other_timing(key: Key, tried: Mapping[Key, Placed]) -> bool:
@@ -209,7 +208,7 @@ def _simpler(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confi
         item = own.placed
         for placed in (c.placed for c in found if item.contains(c.placed.key)):
             plain = confirmed.get(placed.key)
-            if plain is None or own.fit.mean_square < _FAR_LESS * plain.fit.mean_square:
+            if plain is None or own.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square:
                 state = with_effects(own.fit.state, fit.weighting, fit.state.placed)
                 amplitudes = item.amplitudes[: len(placed.amplitudes)]
                 simpler = replace(placed, amplitudes=amplitudes, integrated=item.integrated)

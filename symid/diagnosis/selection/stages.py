@@ -73,6 +73,22 @@ def from_nominal(
         return
     yield integrated(other, nominal)[:_INTEGRATED]
     yield islice(from_other_places(fit, [c.fit for c in best_first(confirmed)]), _OTHER_PLACES)
+    if not _explains(fit, confirmed):
+        yield integrated(_astray(other, confirmed), nominal)
+
+
+def _astray(starts: Sequence[Start], confirmed: Mapping[Key, Confirmed]) -> list[Start]:
+    """Starts of relatives of the best candidate that leave more than it, or were not fitted.
+
+    Relatives refine the same simpler effect: one that leaves more may be at a wrong minimum.
+    """
+    best = next(iter(best_first(confirmed)), None)
+    if best is None:
+        return []
+    plain = {best.key, *(s.placed.key for s in starts if best.placed.contains(s.placed.key))}
+    close = {key for key, own in confirmed.items() if own.fit.mean_square <= best.fit.mean_square}
+    related = (s for s in starts if s.placed.key not in close and any(map(s.placed.contains, plain)))
+    return [replace(s, to_the_end=True) for s in related]
 
 
 def _explains(fit: Fit, confirmed: Mapping[Key, Confirmed]) -> bool:
