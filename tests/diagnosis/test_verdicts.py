@@ -122,6 +122,7 @@ def test_an_effect_that_makes_the_error_grow_on_the_validation_log_is_left_out()
 def test_a_clean_log_has_no_gap() -> None:
     found = diagnose(load_axis("rigid_1m"), rigid_log(), validation=rigid_log(seed=2), nominal=RIGID)
     assert found.verdict == "no_gap"
+    assert not found.location  # of an error below the floor
     assert found.effects == ()
     assert found.gap.nominal is not None
     assert found.gap.nominal.rms == pytest.approx(found.gap.noise_floor.rms, rel=0.25)

@@ -214,7 +214,10 @@ def _alternatives(comparison: Comparison, step: SelectionStep, chances: Outcome)
             level = Comparison(fit.weighting, (fit.state,), (fit.left,), comparison.drive).level(0)
         gain = gains[key] if own is None else own.gain
         found.append(Alternative(key[0], key[1], chances.effect * probability, gain, level))
-    return tuple(found)
+    # Of those that are as good as excluded, the largest gain first.
+    return tuple(
+        sorted(found, key=lambda a: (-a.probability if a.probability >= 0.005 else 0.0, -a.log_likelihood))
+    )
 
 
 def _shares(

@@ -151,8 +151,10 @@ def _density(comparison: Comparison, model: int) -> tuple[FloatArray, FloatArray
 
 
 def located(found: Mapping[str, tuple[MapCell, ...]], shares: Mapping[str, float]) -> tuple[Location, ...]:
-    """Places with their shares of the excess error, and the band and regime that hold most of the gap."""
+    """Places with their shares of the excess error, and the band and regime that hold most of it, if there is any."""
     bands, regimes = found["band"], found["regime"]
+    if regimes and not any(cell.share for cell in regimes):
+        return ()
     regime = max(regimes, key=lambda cell: cell.share).label if regimes else ""
     held = _narrowest(bands)
     ranked = sorted(shares.items(), key=lambda item: -item[1])

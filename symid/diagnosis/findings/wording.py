@@ -167,7 +167,8 @@ def _sizes(gaps: Sequence[Gap], levels: Sequence[Level]) -> str:
 
 
 def _size(gap: Gap, rms: float) -> str:
-    return f"{rms:.3g} {gap.unit} ({rms / gap.noise_floor.rms:.1f} times the noise)"
+    multiple = rms / gap.noise_floor.rms
+    return f"{rms:.3g} {gap.unit} ({multiple:{'.1f' if multiple >= 0.1 else '.1g'}} times the noise)"
 
 
 def _listed(names: Sequence[str]) -> str:
