@@ -15,6 +15,7 @@ import re
 import shutil
 import stat
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
@@ -64,14 +65,26 @@ def read_json(file: str | os.PathLike[str]) -> Any:
     require_regular(path)
     try:
         if path.stat().st_size > _LARGEST_JSON:
-            raise SettingError(f"{path}: is longer than {_LARGEST_JSON // 10**6} MB: give a file of settings")
-        return json.loads(path.read_text(encoding="utf-8-sig"), parse_int=_integer)
+            raise SettingError(f"is longer than {_LARGEST_JSON // 10**6} MB: give a file of settings")
+        text = path.read_text(encoding="utf-8-sig")
+        return json.loads(text, parse_int=_integer, object_pairs_hook=_named_once)
+    except SettingError as error:
+        raise SettingError(f"{path}: {error}") from None
     except RecursionError as error:
         raise SettingError(f"{path}: is nested too deep: correct it") from error
     except ValueError as error:
         raise SettingError(f"{path}: is not JSON ({error}): correct it") from error
     except OSError as error:
         raise SettingError(f"{path}: cannot be read ({error.strerror}): check the file") from error
+
+
+def _named_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON, whose last value of a name would count if that stood twice."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        twice = sorted(name for name, times in Counter(name for name, _ in pairs).items() if times > 1)
+        raise SettingError(f"holds {', '.join(twice)} more than once: keep one value of each")
+    return found
 
 
 def as_json(record: object, *, ascii_only: bool = False) -> str:

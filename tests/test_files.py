@@ -102,6 +102,12 @@ def test_long_integers_are_infinite(tmp_path: Path) -> None:
     assert read_json(tmp_path / "x.json") == [1, float("inf")]
 
 
+def test_a_name_that_stands_twice_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "x.json").write_text('{"M": 5, "Fs": {"value": 1, "value": 2}}', encoding="utf-8")
+    with pytest.raises(SettingError, match=r"x\.json: holds value more than once"):
+        read_json(tmp_path / "x.json")
+
+
 def test_free_names_are_counted(tmp_path: Path) -> None:
     file, names = tmp_path / "r.csv", []
     for _ in range(3):
