@@ -47,7 +47,7 @@ class Criteria:
     # are off by 5 %, since dampers and modes depend on fast motion
     averaged: float = 0.01
     # relative change of a force's gain from the start to the end of a log: well above that of 10 % warm friction
-    gain_drift: float = 0.15
+    gain_drift: float = 0.1
     # relative error of a sensor's gain: far above what noise in W makes of it, below g for m/s^2
     sensor_gain: float = 0.3
     # standard deviations by which it must exceed what noise makes of it: right gains reach 2.4

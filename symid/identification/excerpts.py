@@ -131,12 +131,12 @@ def running_integral(x: FloatArray, period: float) -> FloatArray:
 def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float, ...]:
     """Ratio of the rows of a log, `rows`, to the rows of its parts, for each part.
 
-    A sum over the rows of the parts, times this ratio, estimates the sum over all rows.
+    A sum over the rows of the parts, times this ratio, estimates the sum over all rows; a log without rows adds none.
     """
     n_logs = parts[-1].of + 1
     seen = [sum(int(p.observation.valid.sum()) for p in parts if p.of == k) for k in range(n_logs)]
     whole = np.reshape(rows, (n_logs, -1)).sum(axis=1).tolist()
-    return tuple(whole[p.of] / seen[p.of] if seen[p.of] else math.nan for p in parts)
+    return tuple(whole[p.of] / seen[p.of] if seen[p.of] else math.nan if whole[p.of] else 0.0 for p in parts)
 
 
 def blocks_of(

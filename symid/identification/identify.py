@@ -14,6 +14,8 @@ from dataclasses import replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel, as_generated
 from symid.data import AnyLog, Log, LongLog
@@ -110,6 +112,11 @@ def identify(
     every = (logs,) if isinstance(logs, Log | LongLog) else tuple(logs)
     if not every:
         raise SettingError("there is no log: give at least one")
+    short = next((log for log in every if log.n_samples < 3), None)
+    if short is not None:
+        raise SettingError(
+            f"{short.source} has {short.n_samples} samples, an acceleration needs 3: record longer"
+        )
     if len(every) > 1 and model.per_log:
         raise SettingError(
             f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
@@ -142,7 +149,7 @@ def identify(
     if not examine or trial.fit.status != "ok":
         return with_constraint_check(found_at(trial))
     found, tried = least_uncertain(estimation, trial, found_at)
-    if examine == "bias":
+    if examine == "bias" or found.fit.status != "ok":
         return with_constraint_check(found)
     checked = with_checks(found, parts_of(found.observations), every, tried=tried)
     if len(every) == 1 or checked.status != "ok":
@@ -219,6 +226,10 @@ def found_from(
     status, message = verdict(
         model, fit, physical, correlated, has_start=nominal is not None, deviations=deviations
     )
+    per_log = np.reshape(fit.rows, (len(logs), -1)).sum(axis=1)
+    if not per_log.all() and per_log.any():
+        unused = ", ".join(log.source for log, rows in zip(logs, per_log, strict=True) if not rows)
+        status, message = "too_few_rows", f"no row of {unused} is left: check its signals, or leave it out"
     return replace(found, status=status, message=message)
 
 

@@ -25,7 +25,7 @@ from symid.fleet.journal import Journal, journal_file, read_journal
 RESULTS = Path("r.parquet")
 JOURNAL = journal_file(RESULTS)
 LONGEST = 60.0
-MANY = 40
+MANY, BEFORE = 16, 10
 
 
 def batch(logs: Path, **settings: Any) -> Any:
@@ -128,16 +128,37 @@ COMMAND = [
 ]
 
 
-def started(count: int, jobs: int) -> subprocess.Popen[str]:
-    """A batch in a session of its own that has finished `count` rows."""
+WAITING = f"""
+import time
+from symid.cli import main
+from symid.fleet.journal import Journal
+
+append, rows = Journal.append, []
+
+def append_and_wait(self, row):
+    append(self, row)
+    rows.append(row)
+    if len(rows) == {BEFORE}:
+        time.sleep({LONGEST})
+
+Journal.append = append_and_wait
+main()
+"""
+
+
+def started(jobs: int) -> subprocess.Popen[str]:
+    """A batch in a session of its own that has finished rows, and waits before the others."""
     process = subprocess.Popen(
-        [*COMMAND, "--jobs", str(jobs)], stderr=subprocess.PIPE, text=True, start_new_session=True
+        [sys.executable, "-c", WAITING, *COMMAND[3:], "--jobs", str(jobs)],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
     )
     end = time.monotonic() + LONGEST
-    while not (JOURNAL.exists() and JOURNAL.read_bytes().count(b"\n") >= count):
+    while not (JOURNAL.exists() and JOURNAL.read_bytes().count(b"\n") >= BEFORE):
         if time.monotonic() > end or process.poll() is not None:
             os.killpg(process.pid, signal.SIGKILL)
-            raise AssertionError(f"no {count} rows: {process.communicate()}")
+            raise AssertionError(f"no {BEFORE} rows: {process.communicate()}")
         time.sleep(0.005)
     return process
 
@@ -154,7 +175,7 @@ def many(logs: Path) -> Path:
 def test_a_batch_that_is_stopped_from_outside_loses_nothing(
     many: Path, blow: signal.Signals, jobs: int
 ) -> None:
-    process = started(10, jobs)
+    process = started(jobs)
     try:
         (os.killpg if blow == signal.SIGINT else os.kill)(process.pid, blow)  # Ctrl-C reaches the workers too
         error = process.communicate(timeout=LONGEST)[1]  # ends when its workers have ended too
@@ -162,7 +183,7 @@ def test_a_batch_that_is_stopped_from_outside_loses_nothing(
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
     kept = {str(row["log"]): row["finished"] for row in read_journal(JOURNAL)}
-    assert 10 <= len(kept) < MANY
+    assert BEFORE <= len(kept) < MANY
     assert not RESULTS.exists()
     if blow == signal.SIGINT:
         assert process.returncode == 130

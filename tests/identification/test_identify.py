@@ -171,3 +171,9 @@ def test_a_log_without_a_signal_is_refused() -> None:
         identify(load_generated("direct_2m1s"), ballscrew_log())
     with pytest.raises(SettingError, match="no log"):
         identify(load_generated("direct_2m1s"), [])
+
+
+def test_a_log_of_two_samples_is_refused_by_its_name() -> None:
+    short = Log.from_arrays({"q": [0.0, 0.1], "F": [1.0, 2.0]}, sampling_period=1e-3, source="short")
+    with pytest.raises(SettingError, match="short has 2 samples, an acceleration needs 3"):
+        identify(load_generated("rigid_1m"), short)

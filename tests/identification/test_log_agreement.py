@@ -36,3 +36,14 @@ def test_a_log_that_determines_little_does_not_count() -> None:
     sure = [LogEstimate(name, {"M": 5.0, "K": 2.0}, np.array([0.01, 0.1])) for name in "ab"]
     assert disagreement_between([vague, *sure]) == ""
     assert disagreement_between([sure[0], vague]) == ""
+
+
+def test_a_log_without_rows_is_named_and_spoils_nothing() -> None:
+    t = np.arange(2000) / 1000
+    moving = {"q": np.sin(9 * t), "F": -405 * np.sin(9 * t) + 9 * np.cos(9 * t) + 2 * np.sign(np.cos(9 * t))}
+    noise = 1e-3 * np.random.default_rng(3).standard_normal((2, t.size))
+    resting = {"q": 1e-9 * noise[0], "F": noise[1]}
+    logs = [Log.from_arrays(one, sampling_period=1e-3) for one in (moving, resting)]
+    found = identify(load_generated("rigid_1m"), logs)
+    assert found.status == "too_few_rows"
+    assert np.isfinite(found.physical_deviations).all()
