@@ -39,7 +39,7 @@ def test_the_bound_of_a_short_log_is_that_of_its_likelihood() -> None:
 @pytest.mark.parametrize("mean", [False, True])
 def test_a_decimated_bench_keeps_its_frequencies(mean: bool) -> None:
     """250 Hz instead of 2500: the authors name about 53 and 77 Hz."""
-    log = benchmark.kept(benchmark.bench(), 10, mean=mean)
+    log = benchmark.kept(benchmark.read("A"), 10, mean=mean)
     found = benchmark.identify_output_error(
         benchmark.symid.load_axis("motor_bench"),
         benchmark.symid.load_generated("motor_bench", ("qm", "ql")),
