@@ -46,7 +46,8 @@ class Criteria:
     # loss at the cutoff by averaging of one signal and not of another: above about this, parameters of such logs
     # are off by 5 %, since dampers and modes depend on fast motion
     averaged: float = 0.01
-    # relative change of a force's gain from the start to the end of a log: well above that of 10 % warm friction
+    # relative change of a force's gain from the start to the end of a log: a mass is off by half of it (creeps of 10 to
+    # 15 %); of logs whose friction warms up as many are ok as with 0.15
     gain_drift: float = 0.1
     # relative error of a sensor's gain: far above what noise in W makes of it, below g for m/s^2
     sensor_gain: float = 0.3
