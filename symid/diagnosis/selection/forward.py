@@ -142,12 +142,12 @@ def _resumed(step: SelectionStep, fit: Fit, library: Sequence[Effect], nominal: 
 def _completed(
     fit: Fit,
     found: Sequence[Candidate],
-    stages: Iterable[Iterable[Start]],
+    starts: Iterable[Iterable[Start]],
     confirmed: dict[Key, Confirmed],
     tried: dict[Key, Placed],
 ) -> SelectionStep:
     """A step after fits from the starts of some stages, as long as none explains the error."""
-    for stage in stages:
+    for stage in starts:
         tried |= _confirm(fit, stage, confirmed)
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < THRESHOLDS.explained:
