@@ -257,10 +257,9 @@ def _apart(
 
     def estimated(one: _Alone) -> LogEstimate:
         values = physical.parameters + physical.sensitivity @ (one.parameters - fit.parameters)
-        named = dict(zip(model.physical_units, values, strict=True))
-        return LogEstimate(one.log, named, physical.propagated_deviations(one.covariance))
+        return LogEstimate(one.log, values, physical.propagated_deviations(one.covariance))
 
-    return disagreement_between(list(map(estimated, alone)))
+    return disagreement_between(list(model.physical_units), list(map(estimated, alone)))
 
 
 def _disagreement(alone: Sequence[_Alone]) -> tuple[float, int]:

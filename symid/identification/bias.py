@@ -111,8 +111,6 @@ class NoiseBias:
         for part, weights in _weighted(model, parts, fit):
             rows = part.observation.valid.sum(axis=1)
             noise += np.einsum("j,jab->ab", weights * rows, _noise_shown(model, part, fit.solution))[:p]
-        if not (np.isfinite(noise).all() and np.isfinite(root).all()):
-            return cls(np.full(p, np.nan), np.zeros(p), np.eye(p))
         # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue
         shares, directions = np.linalg.eigh(root.T @ noise[:, :p] @ root)
         growth = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))

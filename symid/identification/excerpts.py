@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -73,7 +72,7 @@ class Excerpt:
 def excerpts(
     model: GeneratedModel, logs: Sequence[AnyLog], observations: Sequence[Observation]
 ) -> tuple[Excerpt, ...]:
-    """Evenly spread parts of each long log, and short logs as they are.
+    """Evenly spread parts of each long log in which rows are used, and short logs as they are.
 
     Parameters
     ----------
@@ -114,9 +113,19 @@ def _parts(
 ) -> tuple[Excerpt, ...]:
     chosen = replace(whole.preparation, trim=None)  # each part has its ends
     size = most // _PARTS
-    starts = np.linspace(0, log.n_samples - size, _PARTS).astype(int)
-    windows = [log.window(int(start), int(start) + size) for start in starts]
-    return tuple(Excerpt(model, window, observe(model, window, chosen), number) for window in windows)
+
+    def part(start: int) -> Excerpt:
+        window = log.window(start, start + size)
+        return Excerpt(model, window, observe(model, window, chosen, highest=whole.highest), number)
+
+    # Of a log that mostly stands, parts are looked for more densely until some hold rows.
+    n_parts = _PARTS
+    found: list[Excerpt] = []
+    while not found and n_parts * size < 2 * log.n_samples:
+        starts = np.linspace(0, log.n_samples - size, n_parts).astype(int).tolist()
+        found = [one for one in map(part, starts) if one.observation.valid.any()]
+        n_parts *= 2
+    return tuple(found[:_PARTS]) or (_all_of(model, log, whole, number),)
 
 
 def running_integral(x: FloatArray, period: float) -> FloatArray:
@@ -136,7 +145,7 @@ def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float,
     n_logs = parts[-1].of + 1
     seen = [sum(int(p.observation.valid.sum()) for p in parts if p.of == k) for k in range(n_logs)]
     whole = np.reshape(rows, (n_logs, -1)).sum(axis=1).tolist()
-    return tuple(whole[p.of] / seen[p.of] if seen[p.of] else math.nan if whole[p.of] else 0.0 for p in parts)
+    return tuple(whole[p.of] / seen[p.of] if seen[p.of] else 0.0 for p in parts)
 
 
 def blocks_of(

@@ -162,12 +162,15 @@ def identify(
 
     # The rows of the joint estimate hold what each log says alone.
     each = map(alone, every, checked.observations)
-    apart = disagreement_between([_estimate_of(one) for one in each if one.physical])
+    apart = disagreement_between(
+        list(model.physical_units),
+        [
+            LogEstimate(", ".join(one.logs), one.physical[0].parameters, one.physical_deviations)
+            for one in each
+            if one.physical
+        ],
+    )
     return replace(checked, status="poor_fit", message=apart) if apart else checked
-
-
-def _estimate_of(found: Identification) -> LogEstimate:
-    return LogEstimate(", ".join(found.logs), found.physical_parameters, found.physical_deviations)
 
 
 def found_from(

@@ -7,7 +7,7 @@ others, weighted by the inverse of their variances.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,28 +18,29 @@ from symid.identification.criteria import CRITERIA, Criteria
 
 @dataclass(frozen=True, eq=False)
 class LogEstimate:
-    """Parameters of a log alone, and their standard deviations as printed."""
+    """Physical parameters of a log alone, in the order of the model, and their standard deviations as printed."""
 
     log: str
-    values: Mapping[str, float]
+    values: FloatArray
     deviations: FloatArray
 
 
-def disagreement_between(alone: Sequence[LogEstimate], criteria: Criteria = CRITERIA) -> str:
+def disagreement_between(
+    names: Sequence[str], alone: Sequence[LogEstimate], criteria: Criteria = CRITERIA
+) -> str:
     """Statement on the log whose own parameters differ most from those of the others; empty where all agree.
 
-    >>> logs = [LogEstimate(log, {"M": mass}, np.array([0.1])) for log, mass in (("a", 5.0), ("b", 6.0), ("c", 5.1))]
-    >>> disagreement_between(logs)[:36]
+    >>> masses = {"a": 5.0, "b": 6.0, "c": 5.1}
+    >>> logs = [LogEstimate(log, np.array([M]), np.array([0.1])) for log, M in masses.items()]
+    >>> disagreement_between(["M"], logs)[:36]
     'M is 6 in b, 5.05 in the other logs:'
-    >>> disagreement_between(logs[::2])
+    >>> disagreement_between(["M"], logs[::2])
     ''
     """
     if len(alone) < 2:
         return ""
-    names = list(alone[0].values)
-    own = np.array([[one.values[name] for name in names] for one in alone])
-    deviations = [dict(zip(one.values, one.deviations, strict=True)) for one in alone]
-    precision = np.array([[one[name] for name in names] for one in deviations]) ** -2.0
+    own = np.array([one.values for one in alone])
+    precision = np.array([one.deviations for one in alone]) ** -2.0
     precision = np.where(np.isfinite(own) & np.isfinite(precision), precision, 0.0)
     own = np.where(precision > 0.0, own, 0.0)
     rest = np.sum(precision, axis=0) - precision

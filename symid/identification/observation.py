@@ -55,6 +55,8 @@ class Observation:
         The settings used, complete.
     with_friction : array of shape (n_equations, n_rows, n_columns), optional
         W with columns of the friction beside drives, see `coulomb`.
+    highest : array of shape (n_sliding,), optional
+        Highest speed of each sliding velocity, from which the limit of standstill follows.
     """
 
     W: FloatArray
@@ -63,6 +65,7 @@ class Observation:
     time: FloatArray
     preparation: Preparation
     with_friction: FloatArray | None = None
+    highest: FloatArray | None = None
 
     def squares(self, X: FloatArray) -> FloatArray:
         """Sum of squares of the residual of parameters in the used rows of each equation."""
@@ -121,7 +124,11 @@ def observe(
     n_sliding = len(model.sliding_velocities(*np.zeros((len(model.signals), 1))))
     velocities = np.empty((n_sliding, log.n_samples))
     sample_into(sampling, W[:, :p], y, velocities if needs_velocities or beside_drives else None)
-    usable = usable_rows(sampling, velocities[: n_sliding if needs_velocities else 0], highest)
+    sliding = velocities[: n_sliding if needs_velocities else 0]
+    if highest is None:
+        inside = sliding[:, before : before + sampling.n_samples]
+        highest = np.maximum(inside.max(axis=1), -inside.min(axis=1))
+    usable = usable_rows(sampling, sliding, highest)
     if beside_drives:
         sample_friction(sampling, W, velocities)
     if chosen.coulomb:
@@ -133,7 +140,7 @@ def observe(
     if chosen.filter_force and sampling.row_filter is None:
         rate, ends = log.sampling_frequency, (places, log.n_samples - 1 - places)
         leave_out_spoiled(low_pass_of(chosen, 1.0, rate), rate, (W, y, usable), ends)
-    return Observation(W[..., :p], y, usable, time, chosen, W if friction else None)
+    return Observation(W[..., :p], y, usable, time, chosen, W if friction else None, highest)
 
 
 def without_levels(model: GeneratedModel, seen: Observation, levels: tuple[float, ...]) -> Observation:

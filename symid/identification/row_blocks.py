@@ -164,7 +164,13 @@ class _Blocks:
         rows = slice(first - wide_first, stop - wide_first)
         more = None if seen.with_friction is None else seen.with_friction[:, rows]
         return Observation(
-            seen.W[:, rows], seen.y[:, rows], seen.valid[:, rows], seen.time[rows], self.chosen, more
+            seen.W[:, rows],
+            seen.y[:, rows],
+            seen.valid[:, rows],
+            seen.time[rows],
+            self.chosen,
+            more,
+            seen.highest,
         )
 
 

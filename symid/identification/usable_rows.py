@@ -56,7 +56,7 @@ def _standstill_margin(chosen: Preparation, period: float) -> int:
     return max(math.ceil(0.5 / (period * chosen.cutoff_hz)), factor if factor > 1 else 0)
 
 
-def usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray | None) -> BoolArray:
+def usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray) -> BoolArray:
     """Rows of each equation that are not near the standstill of a law that jumps there.
 
     Besides the slow samples, those within half a period of the cutoff frequency and within one decimated sample of
@@ -68,13 +68,10 @@ def usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray 
     usable = np.ones((len(sampling.model.sliding), sampling.n_rows), dtype=bool)
     margin = _standstill_margin(chosen, sampling.period)
     offset = kept_indices(sampling.n_samples, factor).start
-    inside = slice(sampling.before, sampling.before + sampling.n_samples)
     for row, velocity in enumerate(velocities):
         threshold = chosen.standstill
         if threshold is None:
-            seen = velocity[inside]
-            own = max(float(seen.max()), -float(seen.min())) if highest is None else float(highest[row])
-            threshold = STANDSTILL_SHARE * own
+            threshold = STANDSTILL_SHARE * float(highest[row])
         concerned = [equation for equation, rows in enumerate(sampling.model.sliding) if row in rows]
         # Friction that is taken off the force leaves reversals clean: of equations that hold none of it, rests go.
         jumping = {equation for equation, _ in sampling.model.law_columns}

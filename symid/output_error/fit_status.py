@@ -79,7 +79,7 @@ def verdict_of(
     if doubt := (
         _noise_remark(found, criteria)
         or _change_remark(found, criteria)
-        or disagreement_between([_estimate_of(one) for one in alone if one.status == "ok"])
+        or _log_remark(alone)
         or _regression_remark(found, regression)
         or _hidden_friction_remark(found)
     ):
@@ -181,9 +181,18 @@ def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
     )
 
 
-def _estimate_of(found: OutputErrorIdentification) -> LogEstimate:
-    source = ", ".join(log.source for log in found.logs)
-    return LogEstimate(source, found.physical_parameters, found.physical_deviations)
+def _log_remark(alone: Sequence[OutputErrorIdentification]) -> str:
+    """Remark on a log whose own parameters, if they are ok, differ from those of the others."""
+    each = [
+        LogEstimate(
+            ", ".join(log.source for log in one.logs),
+            np.array(list(one.physical_parameters.values())),
+            one.physical_deviations,
+        )
+        for one in alone
+        if one.status == "ok"
+    ]
+    return disagreement_between(list(alone[0].model.physical_units), each) if each else ""
 
 
 def _regression_remark(found: OutputErrorIdentification, regression: Identification | None) -> str:

@@ -1,7 +1,7 @@
 """A log that is identified in blocks gives what it gives in memory, and takes no memory of its own length."""
 
 import tracemalloc
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -149,3 +149,22 @@ def test_other_cutoffs_are_tried_as_they_are_in_memory() -> None:
     memory, blocks = (identify(model, one) for one in (log, LongLog.of(log, block=2000)))
     cutoffs = [one.observations[0].preparation.cutoff_hz for one in (first, memory, blocks)]
     assert cutoffs[0] != cutoffs[1] == cutoffs[2]
+
+
+@pytest.mark.parametrize("read", [lambda log: log, LongLog.of], ids=["in memory", "in blocks"])
+def test_a_log_is_examined_where_it_moves(read: Callable[[Log], Log | LongLog]) -> None:
+    t, rng = np.arange(200_000) / RATE - 30.0, np.random.default_rng(1)
+    moves = (t > 0) & (t < 4)
+    size, change = np.sin(np.pi * t / 4) ** 2 * moves, np.pi / 4 * np.sin(np.pi * t / 2) * moves
+    q, v = size * np.sin(9 * t), change * np.sin(9 * t) + size * 9 * np.cos(9 * t)
+    a = (
+        (np.pi**2 / 8 * np.cos(np.pi * t / 2) * moves - 81 * size) * np.sin(9 * t)
+        + 18 * change * np.cos(9 * t)
+    )  # fmt: skip
+    force = 5.0 * a + 9.0 * v + 2.0 * np.sign(v) + 0.01 * rng.standard_normal(t.size)
+    log = Log.from_arrays({"q": q + 1e-8 * rng.standard_normal(t.size), "F": force}, sampling_period=1 / RATE)
+    found = identify(load_generated("rigid_1m"), read(log))
+    assert found.status == "ok"
+    assert found.timing is not None
+    assert abs(found.timing.late) < 1e-5
+    assert found.physical_parameters == pytest.approx({"M": 5.0, "Fv": 9.0, "Fs": 2.0}, rel=1e-3)

@@ -32,10 +32,10 @@ def test_the_log_with_another_mass_is_named(masses: tuple[float, ...], status: s
 
 
 def test_a_log_that_determines_little_does_not_count() -> None:
-    vague = LogEstimate("vague", {"M": 50.0, "K": np.nan}, np.array([40.0, np.nan]))
-    sure = [LogEstimate(name, {"M": 5.0, "K": 2.0}, np.array([0.01, 0.1])) for name in "ab"]
-    assert disagreement_between([vague, *sure]) == ""
-    assert disagreement_between([sure[0], vague]) == ""
+    vague = LogEstimate("vague", np.array([50.0, np.nan]), np.array([40.0, np.nan]))
+    sure = [LogEstimate(name, np.array([5.0, 2.0]), np.array([0.01, 0.1])) for name in "ab"]
+    assert disagreement_between(["M", "K"], [vague, *sure]) == ""
+    assert disagreement_between(["M", "K"], [sure[0], vague]) == ""
 
 
 def test_a_log_without_rows_is_named_and_spoils_nothing() -> None:
