@@ -13,7 +13,7 @@ class ParameterEntry(NamedTuple):
     """A parameter as written in a file."""
 
     value: Any  # what stands there, which need not be a number
-    std: float = math.nan  # the corrected one where there are two
+    std: float = math.nan  # the largest one, which covers all that is known, where there are several
     unit: str = ""
 
 
@@ -44,7 +44,8 @@ def _entry(written: object) -> ParameterEntry:
     inner = (written.get(name) for name in ("explained", "reidentified"))
     of_model = (one for one in inner if isinstance(one, dict) and is_finite_number(one.get("value")))
     best = next(of_model, written)
-    stds = (best[name] for name in ("std_corrected", "std") if is_finite_number(best.get(name)))
+    names = ("deviation",) if "deviation" in best else ("std_corrected", "std")
+    stds = (best[name] for name in names if is_finite_number(best.get(name)))
     unit = written.get("unit")
     return ParameterEntry(
         best.get("value"), float(next(stds, math.nan)), unit if isinstance(unit, str) else ""

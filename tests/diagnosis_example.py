@@ -138,10 +138,7 @@ def _location(kind: str) -> tuple[Location, ...]:
             Location("motor", 0.88, (20.0, 26.0), "all"),
             Location("q2", 0.12, (60.0, 110.0), "all"),
         ),
-        "partly": (
-            Location("motor", 0.71, (0.3, 12.0), "low speed"),
-            Location("unexplained", 0.29, (20.0, 26.0), "all"),
-        ),
+        "partly": (Location("motor", 0.71, (0.3, 12.0), "low speed"),),
         "recording": (Location("q2", 1.0, (20.0, 26.0), "all"),),
     }
     return places.get(kind, ())

@@ -13,7 +13,6 @@ import scipy
 from symid.arrays import FloatArray
 from symid.fleet.control_chart import ControlChart, control_chart
 from symid.fleet.results import (
-    UNKNOWN,
     EffectCount,
     Group,
     Units,
@@ -25,8 +24,8 @@ from symid.fleet.results import (
     parameter_names,
     without_repeats,
 )
+from symid.fleet.review_sentence import review_sentence
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, robust_deviation, spread_between
-from symid.text import counted
 
 _LEAST_OUTLYING = 3.5  # smallest robust z-score of an outlier (Iglewicz and Hoaglin 1993)
 _FALSE_OUTLIERS = 0.05  # probability of any in a fleet without outliers
@@ -173,7 +172,7 @@ def review_fleet(
     >>> logs = [f"{i:02}.parquet" for i in range(30)]
     >>> mass = {"M": 20 + 0.1 * noise, "M_std": np.full(30, 0.1)}
     >>> review_fleet(pl.DataFrame({"log": logs, "axis": "rigid_1m", "status": "ok", **mass})).sentence
-    '30 logs of 1 axis, all ok. No axis differs from run to run beyond its intervals.'
+    '30 logs of rigid_1m, all ok. No parameter differs from run to run beyond the intervals.'
     """
     table = checked_results(table)
     if by_name:
@@ -189,7 +188,7 @@ def review_fleet(
         for effect, at in part.rows.select("effect", "at").iter_rows()
     )
     verdicts = _counts(table, "verdict")
-    return FleetReview(table, axes, counts, verdicts, effects, _sentence(table, axes, counts, effects))
+    return FleetReview(table, axes, counts, verdicts, effects, review_sentence(axes, counts, effects))
 
 
 def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], units: Units) -> AxisReview:
@@ -258,42 +257,3 @@ def _counts(rows: pl.DataFrame, column: str) -> dict[str, int]:
     if column not in rows.columns:
         return {}
     return dict(Counter(str(value) for value in rows[column] if value is not None).most_common())
-
-
-def _sentence(
-    table: pl.DataFrame,
-    axes: Sequence[AxisReview],
-    statuses: Mapping[str, int],
-    effects: Sequence[EffectCount],
-) -> str:
-    if not table.height:
-        return "No log."
-    known = sum(one.axis != UNKNOWN for one in axes)
-    good = statuses.get("ok", 0)
-    others = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in statuses.items() if name != "ok")
-    ok = "all ok" if good == table.height else f"{good} ok ({others})"
-    parts = [f"{counted(table.height, 'log')} of {counted(known, 'axis', 'axes')}, {ok}."]
-    tested = [one for one in axes if one.verdict.probabilities]
-    differing = [one for one in tested if one.verdict.differs]
-    if differing:
-        worst = max(differing, key=lambda axis: max(one.spread.share for one in axis.parameters))
-        which = ", ".join(worst.verdict.parameters[:3])
-        parts.append(
-            f"{len(differing)} of {counted(len(tested), 'axis', 'axes')} really "
-            f"{'differs' if len(differing) == 1 else 'differ'} from run to run"
-            f"{', most of all' if len(differing) > 1 else ':'} {worst.name} in {which}."
-        )
-    elif tested:
-        parts.append("No axis differs from run to run beyond its intervals.")
-    changed = [one.name for one in axes if any(p.chart.changes for p in one.parameters)]
-    if changed:
-        names = ", ".join(changed[:3]) + (f" and {len(changed) - 3} more" if len(changed) > 3 else "")
-        parts.append(f"Parameters of {counted(len(changed), 'axis', 'axes')} step or drift: {names}.")
-    if effects:
-        first = effects[0]
-        place = f" at {first.at}" if first.at else ""
-        parts.append(
-            f"Most frequent effect: {first.effect.replace('_', ' ')}{place}, in {counted(first.logs, 'log')} of "
-            f"{counted(len(first.axes), 'axis', 'axes')}."
-        )
-    return " ".join(parts)

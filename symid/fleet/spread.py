@@ -193,7 +193,7 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
     >>> steady = spread_between(20 + 0.1 * noise[0], np.full(40, 0.1))
     >>> loose = spread_between(50 + 2.0 * noise[1], np.full(40, 0.4))
     >>> judge_spread({"M": steady, "Fs": loose}).sentence
-    'the axis really differs from run to run, in Fs: 4 % between runs where the intervals promise 0.8 %'
+    'the axis differs from run to run, in Fs: 4 % between runs where the intervals promise 0.8 %'
     >>> judge_spread({"M": steady}).sentence
     'within noise: 40 runs scatter as their intervals promise'
     """
@@ -210,7 +210,7 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
         sentence = f"within noise: {runs} runs scatter as their intervals promise"
         return SpreadVerdict(False, (), sentence, adjusted)
     sizes = "; ".join(_size(name, known[name]) for name in differing)
-    sentence = f"the axis really differs from run to run, in {sizes}"
+    sentence = f"the axis differs from run to run, in {sizes}"
     return SpreadVerdict(True, tuple(differing), sentence, adjusted)
 
 

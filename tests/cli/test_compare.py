@@ -9,6 +9,8 @@ import pytest
 from command_line import run
 from scipy.stats import chi2
 
+from symid.estimation.correlation import correlation_matrix
+
 
 def recording(mass: float, seed: int, file: str) -> None:
     """M a + 3 v + 2 sign v, by hand."""
@@ -44,11 +46,16 @@ def test_another_mass_differs_and_the_same_does_not(folder: Path, capsys: pytest
     assert other["settings"]["cutoff_hz"] == [30.0, 60.0]
     mass = other["parameters"]["M"]
     first, second = a["physical"]["M"], c["physical"]["M"]
-    assert mass["difference"] == pytest.approx(second["value"] - first["value"])
-    spread = np.hypot(first["std_corrected"], second["std_corrected"])
+    spread = np.hypot(first["deviation"], second["deviation"])
+    assert mass["difference"] == pytest.approx({"value": second["value"] - first["value"], "std": spread})
     assert mass["deviations"] == pytest.approx((second["value"] - first["value"]) / spread)
     difference = np.array([b["physical"][n]["value"] - a["physical"][n]["value"] for n in a["physical"]])
-    covariance = np.array(a["covariance"]["physical"]) + np.array(b["covariance"]["physical"])
+    covariance = np.zeros((3, 3))
+    for one in (a, b):
+        deviations = [p["deviation"] for p in one["physical"].values()]
+        covariance += correlation_matrix(np.array(one["covariance"]["physical"])) * np.outer(
+            deviations, deviations
+        )
     square = float(difference @ np.linalg.inv(covariance) @ difference)
     assert same["together"]["chi_square"] == pytest.approx(square, rel=1e-6)
     assert same["together"]["probability"] == pytest.approx(chi2.sf(square, 3), rel=1e-6)
@@ -65,7 +72,7 @@ def test_values_without_deviations_are_compared_too(folder: Path, capsys: pytest
     assert record["parameters"]["M"] == {
         "a": {"value": 4.0, "std": None},
         "b": {"value": 5.0, "std": 0.25},
-        "difference": 1.0,
+        "difference": {"value": 1.0, "std": 0.25},
         "relative": 0.25,
         "deviations": 4.0,
         "differs": True,
@@ -82,7 +89,7 @@ def test_a_diagnosis_counts_with_the_effects_it_found(folder: Path) -> None:
     found = {**change, "explained": {"value": 3.0, "std": 0.2}}
     Path("d.json").write_text(json.dumps({"axis": "x", "verdict": "effect", "parameters": {"M": found}}))
     Path("n.json").write_text(json.dumps({"axis": "x", "parameters": {"M": change}}))
-    assert compared("n.json", "d.json")["parameters"]["M"]["difference"] == 1.0
+    assert compared("n.json", "d.json")["parameters"]["M"]["difference"]["value"] == 1.0
 
 
 @pytest.mark.parametrize(

@@ -89,7 +89,7 @@ def test_machines_of_one_axis_are_distinguished_by_folder_and_by_sensors() -> No
 def test_rows_that_have_only_a_status_are_enough() -> None:
     bare = pl.DataFrame({"log": ["a", "b"], "axis": ["emps", None], "status": ["unreadable", "clock"]})
     found = review_fleet(bare)
-    assert found.sentence == "2 logs of 1 axis, 0 ok (1 unreadable, 1 clock)."
+    assert found.sentence == "2 logs of emps, 0 ok (1 unreadable, 1 clock)."
     assert review_fleet(bare.with_columns(axis=pl.lit(None, pl.String))).sentence.startswith(
         "2 logs of 0 axes"
     )

@@ -52,6 +52,11 @@ class Content(HTMLParser):
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_a_page_is_small_enough_to_be_mailed(kind):
+    assert len(page_of(kind)) < 1_200_000
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_page_states_verdict_gap_causes_parameters_and_next_step(kind):
     found = diagnosis_example(kind)
     content = Content(page_of(kind))

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symid.report.pages.plot_data import envelope, envelope_places
+from symid.report.figures.envelope import envelope, envelope_places
 
 curves = st.lists(st.floats(-1e6, 1e6) | st.just(float("nan")), min_size=1, max_size=200).map(np.array)
 

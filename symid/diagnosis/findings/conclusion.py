@@ -234,9 +234,6 @@ def _shares(
     for step, before, after in zip(accepted, powers[:-1], powers[1:], strict=True):
         place = step.confirmed[0].key[1]
         shares[place] = shares.get(place, 0.0) + max(before - after, 0.0) / max(powers[0], 1e-12)
-    left = 1 - sum(shares.values())
-    if left > 0.005:
-        shares["unexplained"] = left
     return shares
 
 

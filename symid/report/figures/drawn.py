@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import re
+import textwrap
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -52,7 +53,10 @@ def with_id_prefix(svg: str, name: str) -> str:
 
 
 def svg_of(figure: Figure, name: str) -> str:
-    """A figure as an element of a page, the same each time; figures of one page need different names."""
+    """A figure as an element of a page, the same each time; figures of one page need different names.
+
+    Places along its paths keep two decimals of a point.
+    """
     text = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
@@ -65,7 +69,8 @@ def svg_of(figure: Figure, name: str) -> str:
         count = seen[match[1]]
         return match[0] if count == 1 else f' id="{match[1]} {count}"'
 
-    return re.sub(r' id="([^"]*)"', numbered, svg)
+    shorter = re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), svg)
+    return re.sub(r' id="([^"]*)"', numbered, shorter)
 
 
 def wide_and_narrow(draw: Callable[[bool], Figure | None], name: str) -> tuple[str, str] | None:
@@ -76,6 +81,19 @@ def wide_and_narrow(draw: Callable[[bool], Figure | None], name: str) -> tuple[s
     figures = [(figure, f"{name}{end}") for end, figure in (("", draw(False)), ("-narrow", draw(True)))]
     elements = [with_id_prefix(svg_of(figure, one), one) for figure, one in figures if figure is not None]
     return (elements[0], elements[1]) if len(elements) == 2 else None
+
+
+_LINE, _NARROW_LINE = 80, 42
+"""Characters that a diagram has room for, at a desk and on a phone."""
+
+
+def title_lines(title: str, *, narrow: bool) -> str:
+    r"""A title in lines that a diagram has room for.
+
+    >>> title_lines("validation on acceptance_run_of_the_second_shift.csv", narrow=True)
+    'validation on\nacceptance_run_of_the_second_shift.csv'
+    """
+    return "\n".join(textwrap.wrap(title, _NARROW_LINE if narrow else _LINE))
 
 
 _SEEN = (0.5, 99.5)

@@ -14,7 +14,8 @@ from symid.axis import Axis
 from symid.data.log import Log
 from symid.estimation.residual_measures import means_over
 from symid.report.figures.colours import Palette
-from symid.report.figures.drawn import seen_range
+from symid.report.figures.drawn import seen_range, title_lines
+from symid.report.figures.envelope import envelope, envelope_places
 from symid.simulation.frequency_response import COHERENT, FrequencyResponse, ResponseBand, degrees_of
 
 _SMOOTHED_HZ = 50.0
@@ -48,7 +49,8 @@ class SensorMotion:
         return np.interp(time, self.time, self.position), np.interp(time, self.time, self.velocity)
 
 
-_MOST_POINTS = 20_000
+_MOST_POINTS, _MOST_ON_PAGE = 20_000, 1_500
+"""Points of a curve and dots of a map, which is a picture; points of a curve on a page: two for a column of pixels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +79,13 @@ def draw_panel(place: Any, panel: Panel, palette: Palette, *, narrow: bool = Fal
     below.sharex(top)
     error, used = panel.measured - panel.predicted, np.isfinite(panel.measured)
     wide, thin = (panel.measured, palette.measured, 3.0), (panel.predicted, palette.model, 0.9)
-    draw_over_time(top, panel.time, {"measured": wide, "predicted": thin}, f"{panel.output} [{panel.unit}]")
-    top.set_title(panel.title, loc="left")
-    top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
+    both = {"measured": wide, "predicted": thin}
+    draw_over_time(top, panel.time, both, f"{panel.output} [{panel.unit}]", _MOST_ON_PAGE)
+    top.set_title(title_lines(panel.title, narrow=narrow), loc="left", pad=22)
+    top.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.98), ncols=2, frameon=False)
     top.tick_params(labelbottom=False)
     residual = {"residual": (error, palette.residual, 0.7)}
-    draw_over_time(below, panel.time, residual, f"residual [{panel.unit}]")
+    draw_over_time(below, panel.time, residual, f"residual [{panel.unit}]", _MOST_ON_PAGE)
     below.axhline(0.0, color=palette.ink, linewidth=0.6)
     below.set_xlabel("time [s]")
     _against(against, panel.measured[used], panel.predicted[used], panel, palette)
@@ -102,18 +105,16 @@ def draw_panel(place: Any, panel: Panel, palette: Palette, *, narrow: bool = Fal
 
 
 def draw_over_time(
-    axes: Axes, time: FloatArray, curves: dict[str, tuple[FloatArray, str, float]], label: str
+    axes: Axes,
+    time: FloatArray,
+    curves: dict[str, tuple[FloatArray, str, float]],
+    label: str,
+    most: int = _MOST_POINTS,
 ) -> None:
-    """Curves over time; of long logs the envelope of each bundle of samples, so that no peak is lost."""
+    """Curves over time, long ones as their envelopes."""
+    places = envelope_places(time, most)
     for name, (values, colour, width) in curves.items():
-        bundle = -(-values.size // _MOST_POINTS)
-        if bundle == 1:
-            axes.plot(time, values, color=colour, linewidth=width, label=name)
-            continue
-        whole = values.size // bundle * bundle
-        parts = values[:whole].reshape(-1, bundle)
-        low, high = np.fmin.reduce(parts, axis=1), np.fmax.reduce(parts, axis=1)
-        axes.fill_between(time[:whole:bundle], low, high, color=colour, alpha=0.8, linewidth=0.4, label=name)
+        axes.plot(places, envelope(values, most), color=colour, linewidth=width, label=name)
     axes.set_ylabel(label)
     axes.margins(x=0.01)
 
@@ -172,7 +173,7 @@ def draw_bode(place: Any, response: FrequencyResponse, palette: Palette, band: R
         doubtful = (~sure, 1.5, 0.4, f"coherence below {COHERENT}")
         for some, size, alpha, label in (doubtful, (sure, 3.4, 1.0, "measured (H1)")):
             look: Any = {"color": palette.measured, "markersize": size, "alpha": alpha, "label": label}
-            axes.plot(f[some], of(response.measured)[some], "o", **look)
+            axes.plot(f[some], of(response.measured)[some], "o", rasterized=True, **look)
         axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")
     look = {"color": palette.model, "alpha": 0.25, "linewidth": 0, "label": "95 % of the identified"}
     magnitude.fill_between(band.frequency, band.lowest, band.highest, **look)

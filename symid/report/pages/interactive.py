@@ -21,6 +21,7 @@ from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.estimation.residual_measures import Means, means_over
 from symid.report.figures.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE, NOMINAL, PAPER
 from symid.report.figures.drawn import seen_range
+from symid.report.figures.envelope import envelope, envelope_places
 from symid.report.pages.page_bode import bode_plots
 from symid.report.pages.page_plots import (
     Curve,
@@ -31,18 +32,16 @@ from symid.report.pages.page_plots import (
     stacked,
     with_one_crosshair,
 )
-from symid.report.pages.plot_data import envelope, envelope_places
 from symid.units import Unit
 
-_MOST_POINTS = 20_000
+_MOST_POINTS = 6_000
 
 
 @dataclass(frozen=True)
 class Plots:
     """Plots as pieces of a page."""
 
-    library: str  # script of the plotting library
-    script: str  # script that draws
+    script: str  # the plotting library and what draws, in JavaScript
     # signals, over_velocity, over_position, spectrum: where it draws
     signals: str
     over_velocity: str
@@ -55,7 +54,7 @@ class Plots:
 
 def plots_of(found: Diagnosis) -> Plots:
     """Plots of the signals, the error and the frequency responses, with all that they need."""
-    library = Resources(mode="inline", components=["bokeh"]).render_js()
+    library = Resources(mode="inline", components=["bokeh"]).js_raw
     over_velocity, over_position = error_maps(found)
     fixed = {
         "signals": _over_time(found),
@@ -68,11 +67,11 @@ def plots_of(found: Diagnosis) -> Plots:
         for own in found.drives
         if own.gap.signal != found.gap.signal
     }
-    script, places = components({**fixed, **others, **bode_plots(found)})
+    drawing, places = components({**fixed, **others, **bode_plots(found)}, wrap_script=False)
     responses = {name: place for name, place in places.items() if name not in {**fixed, **others}}
     drawn = {name: places[name] for name in fixed}
     further = {name: places[name] for name in others}
-    return Plots(library, script, **drawn, responses=responses, others=further)
+    return Plots("\n".join([*library, drawing]), **drawn, responses=responses, others=further)
 
 
 def _over_time(found: Diagnosis) -> GridPlot:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import hashlib
 import platform
+from base64 import b64encode
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from inspect import isfunction
@@ -53,8 +55,14 @@ def page_templates() -> jinja2.Environment:
     for write in (fit, motion_line, motion_rows, motions, unit_of_errors, removes, spoken, colours.in_dark):
         templates.filters[write.__name__] = write
     templates.filters |= {name: write for name, write in vars(number_text).items() if isfunction(write)}
+    templates.filters["packed"] = _packed
     templates.globals.update(colours=colours)
     return templates
+
+
+def _packed(script: str) -> str:
+    """A script as compressed base64, which a page unpacks and runs."""
+    return b64encode(gzip.compress(script.encode(), mtime=0)).decode()
 
 
 def provenance(sources: Iterable[str], command: str = "") -> list[tuple[str, str]]:

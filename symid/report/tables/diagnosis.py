@@ -218,7 +218,8 @@ def _motion_table(motion: dict[str, Any], record: dict[str, Any]) -> TextTable:
 
 
 def _location_table(record: dict[str, Any]) -> TextTable:
-    table = TextTable("Where it lies", "at", "share of excess", "band", "regime", right=("share of excess",))
+    share_of = "share of excess" if record["effects"] else "if a known effect"
+    table = TextTable("Where it lies", "at", share_of, "band", "regime", right=(share_of,))
     for place in record["location"]:
         table.add(place["at"], share(place["share"]), band(*place["band_hz"]), place["regime"])
     return table

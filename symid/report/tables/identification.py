@@ -26,9 +26,9 @@ def identification_record(
 ) -> dict[str, Any]:
     """Record of `symid identify --json`.
 
-    Deviations come twice: ``std`` is the classical one of the paper [22]-[30], which takes the residual as white;
-    ``std_corrected`` allows for its correlation. ``bias`` is the expected systematic error, in neither of them;
-    ``bias_dominates`` names the parameters whose bias exceeds a tenth of the corrected deviation.
+    ``std`` is the classical deviation of the paper [22]-[30], which takes the residual as white; ``std_corrected``
+    allows for its correlation, ``deviation`` also for scatter between parts of the logs and for ``bias``, the expected
+    systematic error. ``bias_dominates`` names parameters whose bias exceeds a tenth of the corrected deviation.
     """
     prepared = found.observations[0].preparation
     record: dict[str, Any] = {
@@ -58,6 +58,7 @@ def identification_record(
             found.fit.standard_deviations,
             found.correlated.standard_deviations,
             found.bias,
+            found.standard_deviations,
         ),
         "physical": _physical(found, 0) if found.physical else {},
         "known": {name: {"value": v, "unit": unit} for name, (v, unit) in found.model.known.items()},
@@ -84,7 +85,12 @@ def identification_record(
 
 
 def parameter_records(
-    units: Any, values: FloatArray, stds: FloatArray, corrected: FloatArray, bias: Bias | None = None
+    units: Any,
+    values: FloatArray,
+    stds: FloatArray,
+    corrected: FloatArray,
+    bias: Bias | None = None,
+    widened: FloatArray | None = None,
 ) -> dict[str, dict[str, Any]]:
     """Records of parameters by name: values, deviations, units."""
     relative = relative_standard_deviation(values, stds)
@@ -96,6 +102,7 @@ def parameter_records(
             "relative_std_percent": float(relative[i]),
             "std_corrected": float(corrected[i]),
             "relative_std_corrected_percent": float(relative_corrected[i]),
+            "deviation": float(corrected[i] if widened is None else widened[i]),
             "bias": None if bias is None else float(bias.total[i]),
             "bias_by_noise": None if bias is None else float(bias.noise[i]),
             "unit": unit,
@@ -109,7 +116,8 @@ def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
     classical = estimate.propagated_deviations(found.fit.covariance)
     corrected = estimate.propagated_deviations(found.correlated.covariance)
     bias = None if found.bias is None else found.bias.mapped(estimate.sensitivity)
-    return parameter_records(found.model.physical_units, estimate.parameters, classical, corrected, bias)
+    values = found.model.physical_units, estimate.parameters, classical, corrected, bias
+    return parameter_records(*values, found.widened_deviations(estimate))
 
 
 def _timing(found: Identification) -> dict[str, Any] | None:

@@ -16,7 +16,7 @@ from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
 from symid.parameter_entries import parameter_entries
 from symid.report.tables.console import TextTable, plain, report_console
-from symid.report.tables.number_text import MISSING, percent, significant, with_deviation
+from symid.report.tables.number_text import MISSING, significant, with_deviation
 from symid.text import spoken
 
 _DIFFERENT = 3.0
@@ -71,9 +71,9 @@ def values_of_record(record: object, source: str) -> Values:
         axis,
         status,
         values,
-        {name: one.std for name, one in entries.items()},
+        (deviations := {name: one.std for name, one in entries.items()}),
         {name: one.unit for name, one in entries.items() if one.unit},
-        _covariance(record, values),
+        _covariance(record, deviations),
         record["filter"] if isinstance(record.get("filter"), dict) else {},
         _facts(record),
         _errors(record),
@@ -115,12 +115,12 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
     files = zip("AB", record["files"], record["axis"], record["status"], strict=True)
     for which, file, axis, status in files:
         console.print(plain(f"{which}: {file}" + "".join(f", {word}" for word in (axis, status) if word)))
-    numbers = ("A", "B", "B - A", "of A", "deviations")
+    numbers = ("A", "B", "B - A", "% of A", "deviations")
     table = TextTable("", "", *numbers, "unit", right=numbers)
     for name, one in record["parameters"].items():
-        a, b = (with_deviation(one[key]["value"], one[key]["std"]) for key in ("a", "b"))
-        apart = significant(one["deviations"], 3) + "  differs" * one["differs"]
-        table.add(name, a, b, significant(one["difference"]), percent(one["relative"]), apart, one["unit"])
+        sides = (with_deviation(one[key]["value"], one[key]["std"]) for key in ("a", "b", "difference"))
+        apart = significant(one["deviations"], 2) + "  differs" * one["differs"]
+        table.add(name, *sides, significant(100 * one["relative"], 2), apart, one["unit"])
     console.print(table)
     if record["errors"]:
         errors = TextTable("", "", "A", "B", "unit", right=("A", "B"))
@@ -218,16 +218,21 @@ def _errors(record: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
     }
 
 
-def _covariance(record: Mapping[str, Any], values: Mapping[str, float]) -> FloatArray | None:
+def _covariance(record: Mapping[str, Any], deviations: Mapping[str, float]) -> FloatArray | None:
+    """Covariance of the parameters, with their correlations and these deviations; None where it is not known."""
     covariance = record.get("covariance")
     names = record.get("physical")
-    if not isinstance(covariance, dict) or not isinstance(names, dict) or list(names) != list(values):
+    if not isinstance(covariance, dict) or not isinstance(names, dict) or list(names) != list(deviations):
         return None
     try:
         matrix = np.array(covariance.get("physical"), dtype=np.float64)
     except (TypeError, ValueError):
         return None
-    return matrix if matrix.shape == (len(values), len(values)) and np.isfinite(matrix).all() else None
+    if matrix.shape != (len(deviations), len(deviations)) or not (np.diag(matrix) > 0).all():
+        return None
+    widened = np.array(list(deviations.values())) / np.sqrt(np.diag(matrix))
+    matrix *= np.outer(widened, widened)
+    return matrix if np.isfinite(matrix).all() else None
 
 
 def _compared(name: str, first: Values, second: Values) -> dict[str, Any]:
@@ -239,7 +244,7 @@ def _compared(name: str, first: Values, second: Values) -> dict[str, Any]:
     return {
         "a": {"value": a, "std": stds[0]},
         "b": {"value": b, "std": stds[1]},
-        "difference": b - a,
+        "difference": {"value": b - a, "std": spread},
         "relative": (b - a) / a if a else math.nan,
         "deviations": apart,
         "differs": bool(abs(apart) > _DIFFERENT),

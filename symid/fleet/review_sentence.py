@@ -1,0 +1,62 @@
+"""What a review of a fleet says first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from symid.fleet.results import UNKNOWN, EffectCount
+from symid.text import counted, spoken
+
+if TYPE_CHECKING:
+    from symid.fleet.review import AxisReview
+
+
+def review_sentence(
+    axes: Sequence[AxisReview], statuses: Mapping[str, int], effects: Sequence[EffectCount]
+) -> str:
+    """Sentences on the logs, the parameters that differ or change, and the most frequent effect."""
+    logs = sum(statuses.values())
+    if not logs:
+        return "No log."
+    known = [one for one in axes if one.axis != UNKNOWN]
+    only = known[0].name if len(known) == 1 else ""
+    good = statuses.get("ok", 0)
+    others = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in statuses.items() if name != "ok")
+    ok = "all ok" if good == logs else f"{good} ok ({others})"
+    parts = [f"{counted(logs, 'log')} of {only or counted(len(known), 'axis', 'axes')}, {ok}."]
+    tested = [one for one in axes if one.verdict.probabilities]
+    differing = [one for one in tested if one.verdict.differs]
+    differing.sort(key=lambda axis: -max(one.spread.share for one in axis.parameters))
+    if differing:
+        which = [f"{_names(one.verdict.parameters)}{'' if only else f' of {one.name}'}" for one in differing]
+        verb = "differs" if len(differing) == len(differing[0].verdict.parameters) == 1 else "differ"
+        parts.append(f"{_names(which)} {verb} from run to run beyond the intervals.")
+    elif tested:
+        parts.append("No parameter differs from run to run beyond the intervals.")
+    changed = [(one, p) for one in axes for p in one.parameters if p.chart.changes]
+    for kind in ("step", "drift"):
+        moved = [
+            p.name if only else f"{p.name} of {one.name}"
+            for one, p in changed
+            if any(change.kind == kind for change in p.chart.changes)
+        ]
+        if moved:
+            parts.append(f"{_names(moved)} {kind}{'s' if len(moved) == 1 else ''}.")
+    if effects:
+        first = effects[0]
+        parts.append(
+            f"Most frequent effect: {spoken(first.effect, first.at)}, in {counted(first.logs, 'log')}"
+            + ("." if only else f" of {counted(len(first.axes), 'axis', 'axes')}.")
+        )
+    return " ".join(parts)
+
+
+def _names(names: Sequence[str]) -> str:
+    """The first three names.
+
+    >>> _names(["M"]), _names(["M", "Fv"]), _names(["M", "Fv", "Fs", "Kt", "D"])
+    ('M', 'M and Fv', 'M, Fv, Fs and 2 more')
+    """
+    listed = [*names[:3], f"{len(names) - 3} more"] if len(names) > 3 else list(names)
+    return " and ".join([", ".join(listed[:-1]), listed[-1]] if len(listed) > 1 else listed)
