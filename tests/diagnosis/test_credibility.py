@@ -8,6 +8,7 @@ import pytest
 import scipy
 from hand_made import rigid_log
 
+from benchmarks.diagnosis import machines
 from symid import (
     AsymmetricFriction,
     Axis,
@@ -143,3 +144,12 @@ def test_a_mass_and_the_force_constant_beside_it_are_not_determined() -> None:
     )
     known = diagnose(axis.with_known({"Kt": 1.0}), log, nominal=values, library=()).parameters
     assert all(np.isfinite(parameter.reidentified_std) for parameter in known)
+
+
+def test_a_mode_that_only_passes_on_less_of_the_encoder_noise_is_not_found():
+    case = machines.drawn(353747, worldly=True)
+    log, other = case.logs
+    library = tuple(effect for effect in LIBRARY if effect.name == "flexible_mode")
+    found = diagnose(case.machine.axis, log, validation=other, nominal=case.nominal, library=library)
+    assert found.alternatives[0].log_likelihood > 1000.0  # relative to the noise of the model without it
+    assert (found.verdict, found.effects) == ("parameters", ())

@@ -156,9 +156,10 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
             step = np.linalg.lstsq(left, gradient, rcond=RANK)[0] / scale if damping else undamped
             whole = np.zeros(moves.size)
             whole[moves] = step
-            found = Fit(evaluated(state, weighting, *_moved(state, whole)), weighting)
-            if found.cost < fit.cost:
-                return found
+            with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound costs more
+                found = Fit(evaluated(state, weighting, *_moved(state, whole)), weighting)
+                if found.cost < fit.cost:
+                    return found
         except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
             continue
     return None

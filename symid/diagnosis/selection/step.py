@@ -77,7 +77,10 @@ class SelectionStep:
         closed = _taken(self.before, own.fit, self.before)
         least = least_gain(own.effect.name, self.before.n_rows)
         gains = own.penalised_gain > least and closed > THRESHOLDS.least_share
-        return gains and own.certainty > THRESHOLDS.least_certainty
+        # A model that passes on less of the encoder's noise errs less for that alone. Where the model before leaves
+        # noise only, it must err less relative to its own noise too.
+        explains = is_more_than_noise(self.before) or own.fit.mean_square < self.before.mean_square
+        return gains and explains and own.certainty > THRESHOLDS.least_certainty
 
     def with_acceptable(self) -> SelectionStep:
         """The step led by its best acceptable candidate, if that gains enough.
