@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
 import json
+import operator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,15 +43,17 @@ BASES = (
     "export rigid_1m --parameters P.json --to c",
     "export rigid_1m --parameters P.json --to mjcf",
     "export rigid_1m --parameters P.json --to st",
+    "export rigid_1m --parameters R.json --to urdf",
     "batch rigid_1m run.csv --output out/r.parquet --jobs 1",
     "fleet results.parquet",
+    "fleet results.parquet --joint",
     "show rigid_1m",
     "new own",
     "generate own_axis.py",
     "tune rigid_1m --parameters P.json",
     "diagnose rigid_1m run.csv",
     "excite rigid_1m --parameters P.json --noise q=1e-6 --noise F=0.1 --limits travel=0.1,speed=0.5,acceleration=5 "
-    "--seconds 2 --rate 500 --seeds 0 --output out/e.csv",
+    "--seconds 2 --rate 500 --seeds 0 --runs 4 --output out/e.csv",
     "demo",
 )
 """Commands that work and are quick."""
@@ -72,7 +77,8 @@ READ_BY = {
                "--travel 0.01 --output out/s.csv --overwrite", "identify rigid_1m run.csv --nominal P.json",
                "compare R.json P.json", "diagnose rigid_1m run.csv --nominal P.json"),
     "R.json": ("export rigid_1m --parameters R.json --to json", "identify rigid_1m run.csv --nominal R.json",
-               "compare R.json R.json", "compare P.json R.json"),
+               "compare R.json R.json", "compare P.json R.json", "identify rigid_1m run.csv --prior R.json"),
+    "Q.json": ("identify rigid_1m run.csv --prior Q.json",),
     "M.json": ("identify rigid_1m foreign.csv --mapping M.json", "batch rigid_1m foreign.csv --mapping M.json --output "
                "out/m.parquet --jobs 1"),
 }  # fmt: skip
@@ -148,17 +154,37 @@ def _options(draw: st.DrawFn) -> Case:
     return Case(tuple(arguments))
 
 
+def with_each_option(base: str) -> st.SearchStrategy[tuple[Case, ...]]:
+    """A command with each of its options in turn."""
+    command = tuple(base.split())
+    return st.tuples(
+        *(
+            st.just(Case((*command, name)))
+            if flag
+            else st.sampled_from(WORDS).map(lambda word, name=name: Case((*command, name, word)))
+            for name, flag in _options_of(base)
+        )
+    )
+
+
+def fields(record: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Keys that lead to each field of a record.
+
+    >>> list(fields({"a": [1, 2]}))
+    [('a',), ('a', 0), ('a', 1)]
+    """
+    for key in record if isinstance(record, dict) else range(len(record)):
+        yield (*place, key)
+        if isinstance(record[key], (dict, list)):
+            yield from fields(record[key], (*place, key))
+
+
 @st.composite
-def _json(draw: st.DrawFn, texts: dict[str, str]) -> Case:
-    file = draw(st.sampled_from(sorted(READ_BY)))
-    record = json.loads(texts[file])
-    place: Any = record
-    while True:
-        keys = sorted(place) if isinstance(place, dict) else list(range(len(place)))
-        key = draw(st.sampled_from(keys))
-        if not (isinstance(place[key], (dict, list)) and place[key] and draw(st.booleans())):
-            break
-        place = place[key]
+def with_changed_field(draw: st.DrawFn, file: str, text: str, field: tuple[Any, ...]) -> Case:
+    """A command that reads a JSON file in which one field is changed, renamed or gone, or whose end is cut off."""
+    record = json.loads(text)
+    place = functools.reduce(operator.getitem, field[:-1], record)
+    key = field[-1]
     how = draw(st.integers(0, 9))
     if how == 0:
         del place[key]
@@ -203,4 +229,6 @@ _headers = st.builds(
 def cases(texts: dict[str, str]) -> st.SearchStrategy[Case]:
     """Cases; `texts` are those of the JSON files as they should be."""
     options = _options()
-    return st.one_of(options, options, options, _json(texts), _json(texts), _tables, _journals, _headers)
+    places = [(file, texts[file], field) for file in READ_BY for field in fields(json.loads(texts[file]))]
+    changed = st.sampled_from(places).flatmap(lambda place: with_changed_field(*place))
+    return st.one_of(options, options, options, changed, changed, _tables, _journals, _headers)

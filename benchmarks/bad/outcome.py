@@ -35,6 +35,7 @@ def good_folder(folder: Path) -> dict[str, str]:
         folder / "foreign.csv"
     )
     (folder / "P.json").write_text(json.dumps({"M": 5.0, "Fv": 3.0, "Fs": 2.0}), encoding="utf-8")
+    (folder / "Q.json").write_text(json.dumps({"M": [5.0, 0.1], "Fv": [3.0, 1.0]}), encoding="utf-8")
     (folder / "own_axis.py").write_text(AXIS, encoding="utf-8")
     (folder / "out").mkdir()
     os.mkfifo(folder / "pipe")
@@ -45,7 +46,9 @@ def good_folder(folder: Path) -> dict[str, str]:
     ):
         verdict = outcome_of(Case(tuple(command.split())), folder)
         assert verdict.verdict == "done", verdict
-    return {name: (folder / name).read_text(encoding="utf-8") for name in ("P.json", "R.json", "M.json")}
+    return {
+        name: (folder / name).read_text(encoding="utf-8") for name in ("P.json", "Q.json", "R.json", "M.json")
+    }
 
 
 def outcome_in_a_copy(case: Case, good: Path) -> Outcome:

@@ -208,7 +208,8 @@ def _fitted(
     relations = minimal.size - guess.size
     exact = relations == 0 and model.physical_parameters is not None
     with np.errstate(all="ignore"):
-        if not np.all(np.isfinite(slope(guess / scale))):
+        begin = np.column_stack([weighted_residuals(guess / scale), slope(guess / scale)])
+        if not np.all(np.isfinite(begin)):
             return None
         relative = (
             guess / scale

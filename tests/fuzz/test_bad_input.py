@@ -1,12 +1,14 @@
 """A quick slice of benchmarks/bad_input.py: strange options, JSON fields, tables and headers."""
 
+import json
+import time
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from benchmarks.bad.cases import Case, cases
+from benchmarks.bad.cases import BASES, READ_BY, Case, cases, fields, with_changed_field, with_each_option
 from benchmarks.bad.outcome import good_folder, outcome_in_a_copy
 
 
@@ -16,13 +18,42 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, str]
     return folder, good_folder(folder)
 
 
-@settings(max_examples=40, suppress_health_check=list(HealthCheck))
+MOST_SECONDS = 2.0
+"""Processor time after which the other options of a slow command are left to another run."""
+
+
+def check(case: Case, folder: Path) -> None:
+    outcome = outcome_in_a_copy(case, folder)
+    assert not outcome.is_failure, f"{case}: {outcome}"
+
+
+@settings(max_examples=20, suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_drawn_cases(good: tuple[Path, dict[str, str]], data: st.DataObject) -> None:
     folder, texts = good
-    case = data.draw(cases(texts))
-    outcome = outcome_in_a_copy(case, folder)
-    assert not outcome.is_failure, f"{case}: {outcome}"
+    check(data.draw(cases(texts)), folder)
+
+
+@pytest.mark.parametrize("base", BASES)
+@settings(max_examples=2, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
+@given(st.data())
+def test_each_option_of_each_command(
+    base: str, good: tuple[Path, dict[str, str]], data: st.DataObject
+) -> None:
+    begin = time.process_time()
+    for case in data.draw(with_each_option(base).flatmap(st.permutations)):
+        check(case, good[0])
+        if time.process_time() - begin > MOST_SECONDS:
+            break
+
+
+@pytest.mark.parametrize("file", READ_BY)
+@settings(max_examples=2, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
+@given(st.data())
+def test_each_field_of_each_file(file: str, good: tuple[Path, dict[str, str]], data: st.DataObject) -> None:
+    folder, texts = good
+    for field in fields(json.loads(texts[file])):
+        check(data.draw(with_changed_field(file, texts[file], field)), folder)
 
 
 def test_a_traceback_and_a_loss_would_be_seen(

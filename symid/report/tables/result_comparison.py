@@ -231,7 +231,8 @@ def _covariance(record: Mapping[str, Any], deviations: Mapping[str, float]) -> F
     if matrix.shape != (len(deviations), len(deviations)) or not (np.diag(matrix) > 0).all():
         return None
     widened = np.array(list(deviations.values())) / np.sqrt(np.diag(matrix))
-    matrix *= np.outer(widened, widened)
+    with np.errstate(over="ignore"):
+        matrix *= np.outer(widened, widened)
     return matrix if np.isfinite(matrix).all() else None
 
 
