@@ -84,7 +84,7 @@ def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: i
     """
     faults = []
     for name, x in signals.items():
-        jumps = _jumps(x)
+        jumps = jumps_of(x)
         if jumps:
             first = jumps[0]
             more = f", and {counted(len(jumps) - 1, 'time')} more" if len(jumps) > 1 else ""
@@ -95,7 +95,7 @@ def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: i
     return tuple(faults)
 
 
-def _jumps(x: FloatArray) -> list[int]:
+def jumps_of(x: FloatArray) -> list[int]:
     """Samples before which a position jumps: the step is far larger than those nearby, its neighbours left out."""
     if x.size < 2 * _NEAR:
         return []

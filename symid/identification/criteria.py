@@ -40,6 +40,9 @@ class Criteria:
     bent_force: float = 0.05
     # the same of its second derivative, for a force that was smoothed: reversals of friction make 1 to 2 % of it
     smoothed_output: float = 0.03
+    # part of the residual's power that friction of another course over the speed must explain, where that moves
+    # parameters out of their intervals: undamaged random logs show up to 0.09 and EMPS 0.03, Stribeck 0.2 to 0.9
+    friction_shape: float = 0.15
     # difference of a force's gain from its mean in either direction: twice as much moves masses by 5 %; EMPS, whose
     # friction is asymmetric, shows 0.014 and 2 to 6 % of its residual's power
     uneven_gain: float = 0.025

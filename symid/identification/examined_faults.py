@@ -44,6 +44,7 @@ def faults_of(
         or more.force_nonlinearity()
         or _change_statement(found, change)
         or more.gain_drift()
+        or more.friction_shape(found)
         or more.force_limit()
         or _structure_fault(found)
         or _mode_beyond_band(found, parts, fit)

@@ -9,7 +9,6 @@ its second derivative.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -19,24 +18,27 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares
+from symid.identification.added_column import AddedColumn
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
+from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
 from symid.identification.noise import noise_of_rows
-from symid.identification.observation import SignalRows
+from symid.identification.observation import SignalRows, sliding_velocities
 from symid.identification.poor_fit import unexplained
+from symid.identification.reliability import is_beyond_intervals
 from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
 """Ratio of the residual to the noise of columns and output below which smoothing of the force is not tested."""
 _OTHER_CAUSE = 1.0
 """Relative change of a gain along a log, or by direction, above which it has another cause."""
+_WIDTHS = (0.05, 0.2)
+"""Speeds, over the highest one, within which friction decays."""
 _AT_LIMIT = 0.95
 """Share of its largest value above which a force may be at a limit, noise included."""
 _FREE = 1e-6
 """Distance from 1 at which a factor means that all terms of a reading have free parameters."""
-_INDEPENDENT = 1e-8
-"""Least share of a column's power that is linearly independent of the model's columns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +61,7 @@ class ColumnTests:
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
-            cubic = _AddedColumn.of(Z, rest, (y / scale) ** 3, y)
+            cubic = AddedColumn.of(Z, rest, (y / scale) ** 3, y)
             certain = self._certain(rest, self.criteria.gain_certain)
             is_curved = cubic.share > min(self.criteria.nonlinear, certain)
             if is_curved and abs(cubic.size) > self.criteria.nonlinear_output:
@@ -75,7 +77,7 @@ class ColumnTests:
             if not beyond_noise[j]:
                 continue  # noise in W does too
             curvature = np.concatenate([self._second_difference(r.part, j) for r in rows])
-            missing = _AddedColumn.of(Z, rest, curvature, y)
+            missing = AddedColumn.of(Z, rest, curvature, y)
             if missing.share > self.criteria.nonlinear and missing.size > self.criteria.smoothed_output:
                 return (
                     f"{force} does not contain the fast part of the motion (its second derivative explains "
@@ -106,7 +108,7 @@ class ColumnTests:
                 shapes = [
                     part.log[force] * (sign - mean) for part, sign in zip(self.parts, signs, strict=True)
                 ]
-                column = _AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
+                column = AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
                 if column.share > least and self.criteria.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
                     return (
                         f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
@@ -130,13 +132,43 @@ class ColumnTests:
                 ("its cube explains", cube, self.criteria.nonlinear, 0.0),
                 ("its largest values explain", limit, self.criteria.cut, self.criteria.nonlinear_output),
             ):
-                column = _AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
+                column = AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
                 is_short = column.factor < -self.criteria.bent_force * largest
                 if is_short and column.share > share and -column.size > size:
                     return (
                         f"where {force} is large it is less than in proportion to the motion ({words} "
                         f"{100 * column.share:.2g} % of the residual's power): it is limited; record with a wider range"
                     )
+        return ""
+
+    def friction_shape(self, found: Identification) -> str:
+        """Statement on friction of another course over the speed, where that moves parameters beyond their intervals.
+
+        The columns are friction that decays exponentially with the speed, within two parts of the highest one.
+        """
+        if not any(self.model.sliding):
+            return ""
+        Z, rest, y = _of_all(self.rows)
+        speeds = [
+            sliding_velocities(self.model, part.log, replace(part.observation.preparation, trim=None))[0]
+            for part in self.parts
+        ]
+        highest = max(float(np.max(np.abs(v))) for v in speeds) or 1.0
+        for width in _WIDTHS:
+            shapes = [np.sign(v) * np.exp(-np.abs(v) / (width * highest)) for v in speeds]
+            made = self._made_by(self.model.force, shapes)
+            column = AddedColumn.of(Z, rest, made, y)
+            certain = self._certain(rest, self.criteria.gain_certain)
+            without = self.fit.solution - self.fit.rank.inverse_root @ (Z.T @ made) * column.factor
+            if column.share > max(self.criteria.friction_shape, certain) and is_beyond_intervals(
+                found, without
+            ):
+                more = "more" if column.factor > 0 else "less"
+                return (
+                    f"friction is not constant beside its viscous part ({more} of it at low speed explains "
+                    f"{100 * column.share:.2g} % of the residual's power), which biases parameters: see what `symid "
+                    "diagnose` finds, and declare its law (StribeckFriction, QuadraticDrag)"
+                )
         return ""
 
     def _made_by(self, force: str, shapes: Sequence[FloatArray]) -> FloatArray:
@@ -154,7 +186,7 @@ class ColumnTests:
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
             grown = [self._growing(r, self.parts[r.part].moved(force).rows) for r in rows]
-            drift = _AddedColumn.of(Z, rest, np.concatenate(grown), y)
+            drift = AddedColumn.of(Z, rest, np.concatenate(grown), y)
             certain = self._certain(rest, self.criteria.gain_certain)
             if drift.share > certain and self.criteria.gain_drift < abs(drift.factor) < _OTHER_CAUSE:
                 return (
@@ -174,7 +206,7 @@ class ColumnTests:
             if name in self.model.forces:
                 continue
             own = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
-            gain = _AddedColumn.of(Z, rest, np.concatenate(own), y)
+            gain = AddedColumn.of(Z, rest, np.concatenate(own), y)
             certain = self._certain(rest, self.criteria.gain_certain)
             if abs(gain.factor - 1.0) < _FREE:
                 continue  # free parameters multiply all of its terms, and absorb its gain
@@ -259,39 +291,3 @@ def _of_equation(
     """Rows of an equation by part, and of all parts together columns, residual and prediction."""
     rows = [r for r in every if r.equation == equation]
     return rows, *_of_all(rows)
-
-
-@dataclass(frozen=True)
-class _AddedColumn:
-    """The effect of one more column on the residual.
-
-    Share of the residual's power that it takes away; rms that the other columns do not explain, as part of the output
-    and with the sign of the factor; factor that multiplies it.
-    """
-
-    share: float = 0.0
-    size: float = 0.0
-    factor: float = 0.0
-
-    @classmethod
-    def of(cls, Z: FloatArray, r: FloatArray, column: FloatArray, y: FloatArray) -> _AddedColumn:
-        """Effect of `column` on residual r, beside the columns Z of the model; y is the output.
-
-        It does not depend on the scale of the column.
-
-        >>> r = np.array([1.0, -1.0, 2.0, -2.0])
-        >>> [round(_AddedColumn.of(np.ones((4, 1)), r, scale * r**3, r).share, 3) for scale in (1.0, 1e-170)]
-        [0.889, 0.889]
-        """
-        power, largest = float(r @ r), float(np.max(np.abs(column), initial=0.0))
-        if not power > 0.0 or not largest > np.finfo(float).tiny:
-            return cls()
-        # Only the component orthogonal to the model's columns can reduce the residual (Frisch-Waugh-Lovell theorem).
-        unit = column / largest  # of a filter's tail alone, its squares would underflow
-        own = unit - Z @ np.linalg.lstsq(Z, unit, rcond=None)[0]
-        rest = float(own @ own)
-        if rest < _INDEPENDENT * float(unit @ unit):
-            return cls()
-        taken = float(own @ r) / math.sqrt(rest)
-        size = taken / math.sqrt(max(float(y @ y), np.finfo(float).tiny))
-        return cls(taken**2 / power, size, taken / math.sqrt(rest) / largest)

@@ -160,10 +160,14 @@ def trimmed_ends(chosen: Preparation, n_samples: int) -> tuple[int, int]:
 
 def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> FloatArray:
     """Highest speed of each sliding velocity between the trimmed ends of a log, shape (n_sliding,)."""
+    return np.asarray(np.max(np.abs(sliding_velocities(model, log, chosen)), axis=1))
+
+
+def sliding_velocities(model: GeneratedModel, log: Log, chosen: Preparation) -> FloatArray:
+    """Each sliding velocity at the samples between the trimmed ends of a log, shape (n_sliding, n_samples)."""
     sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
     signals = sampling.motion(0, sampling.n_samples)
-    velocities = model.sliding_velocities(*(signals[name] for name in model.signals))
-    return np.asarray(np.max(np.abs(velocities), axis=1))
+    return np.asarray(model.sliding_velocities(*(signals[name] for name in model.signals)))
 
 
 @dataclass(frozen=True, eq=False)

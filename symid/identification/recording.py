@@ -8,18 +8,21 @@ steps of exactly the same largest size.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
+from symid.data.checks import jumps_of
 from symid.data.lost_samples import FEWEST, dropped, repeated, step_of
 from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.smoothing import slow_update
+from symid.text import counted
 
 _SPAN = 8
 """Fewest equal samples that count as a held span."""
@@ -51,6 +54,12 @@ def fault_of(
             x, is_force = part.log[name], name in model.forces
             if is_force and is_switched(x):
                 continue
+            if not is_force and (spikes := _spikes(x)):
+                k = spikes[0]
+                return (
+                    f"{name} jumps by {x[k] - x[k - 1]:.3g} and back within a sample at t = {part.log.time[k]:.7g} s, "
+                    f"as no machine moves ({counted(len(spikes), 'time')}): cut that out, or repair the channel"
+                )
             slow = slow_update(x, name)
             if (fault := channel_fault(x, name, criteria, is_force=is_force)) or (slow and not is_force):
                 return slow or fault
@@ -119,6 +128,16 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
         odd = np.abs(mover[spans[:, 1]] - mover[spans[:, 0]]) > 0.25 * pace
     found = int(np.count_nonzero(inside & odd))
     return found if found >= FEWEST else 0
+
+
+def _spikes(x: FloatArray) -> list[int]:
+    """Samples to which a reading jumps, and from which it jumps back.
+
+    >>> _spikes(np.sin(np.arange(99) / 9) + 5.0 * (np.arange(99) == 40) + 3.0 * (np.arange(99) > 70))
+    [40]
+    """
+    jumps, step = jumps_of(x), np.diff(x)
+    return [k for k, after in pairwise(jumps) if after == k + 1 and step[k - 1] * step[k] < 0.0]
 
 
 def _wrapped(x: FloatArray) -> int:
