@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from symid.axis import Axis, axis_file, load_axis
 from symid.codegen.model import GeneratedModel, declared_delays, passed_over
 from symid.codegen.store import FORMAT, generated_folder, module_name, text_of
-from symid.codegen.vetting import require_vetted
+from symid.codegen.vetting import vetted
 from symid.errors import GeneratedModuleError, SymidError
 
 if TYPE_CHECKING:
@@ -156,8 +156,7 @@ def compile_module(text: str, name: str, cure: str = "generate it again") -> Gen
             f"generated module {name} has format {found[1]}, this symid reads {FORMAT}; {cure}"
         )
     try:
-        require_vetted(text)
-        exec(compile(text, name, "exec"), namespace)
+        exec(compile(vetted(text), name, "exec"), namespace)
         return GeneratedModel.from_namespace(namespace)
     except GeneratedModuleError as error:
         raise GeneratedModuleError(f"generated module {name} {error}; {cure}") from error

@@ -9,16 +9,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from functools import cache
 from itertools import compress, groupby
 from operator import itemgetter
 from typing import Any
 
 import sympy as sp
+from sympy import QQ
 from sympy.polys.rings import PolyElement
 from sympy.printing.numpy import NumPyPrinter
 
 from symid.symbolic.minimal import MinimalParameter
+from symid.symbolic.parameter_function import ParameterFunction
+
+_LARGEST_EXACT = 2**53
+"""Integers beyond it are not all doubles."""
 
 
 class _ModulePrinter(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
@@ -55,7 +61,7 @@ class PolynomialLowering:
 
     def lower(self, polynomial: PolyElement) -> str:
         """Code of a polynomial in terms of variables and earlier assignments."""
-        number = cache(lambda c: self._write(polynomial.ring.domain.to_sympy(c)))
+        number = cache(lambda c: self._write(_number(c, polynomial.ring.domain)))
         ordered = sorted(polynomial.items(), key=itemgetter(0), reverse=True)
         return self._lower([m for m, _ in ordered], [number(c) for _, c in ordered], 0)
 
@@ -99,10 +105,30 @@ def minimal_parameter_code(
     """Assignments of common subexpressions of minimal parameters, and the code of each parameter."""
     lowering, results = PolynomialLowering(names, write), []
     for parameter in parameters:
-        above = lowering.lower(parameter.function.numerator)
-        below = lowering.lower(parameter.function.denominator)
+        above, below = map(lowering.lower, _scaled(parameter.function))
         results.append(above if below == write(sp.S.One) else f"{as_factor(above)}/{as_factor(below)}")
     return lowering.assignments, results
+
+
+def _scaled(function: ParameterFunction) -> tuple[PolyElement, PolyElement]:
+    """Numerator and denominator, divided by the largest coefficient of the latter if doubles do not hold all of them."""
+    above, below = function.numerator, function.denominator
+    if above.ring.domain != QQ or all(map(_is_exact, (*above.coeffs(), *below.coeffs()))):
+        return above, below
+    scale = 1 / max(map(abs, below.coeffs()))
+    return above.mul_ground(scale), below.mul_ground(scale)
+
+
+def _number(value: Any, domain: Any) -> sp.Expr:
+    """A coefficient; rounded to double precision if its numerator or denominator has more digits."""
+    if domain != QQ or _is_exact(value):
+        return domain.to_sympy(value)
+    return sp.Float(float(Fraction(int(value.numerator), int(value.denominator))), 17)
+
+
+def _is_exact(value: Any) -> bool:
+    """Whether numerator and denominator of a rational number are integers that a double holds."""
+    return max(abs(value.numerator), value.denominator) <= _LARGEST_EXACT
 
 
 def as_factor(text: str) -> str:

@@ -45,24 +45,28 @@ _EXPRESSIONS: Final = (
     ast.boolop,
     ast.expr_context,
 )
+_PLAIN: Final = frozenset({ast.Load, ast.Store, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.USub})
 
 
 def signed(text: str) -> str:
     r"""Text of a module with a last line that holds its hash.
 
-    >>> require_vetted(signed("a = 1\n"))
+    >>> len(vetted(signed("a = 1\n")).body)
+    1
     """
     return f"{text.rstrip()}\n\n{_MARK}{_hash(text.rstrip())}\n"
 
 
-def require_vetted(text: str) -> None:
-    """Raise GeneratedModuleError unless a module is unchanged and contains only arithmetic."""
+def vetted(text: str) -> ast.Module:
+    """Syntax tree of a module; GeneratedModuleError unless it is unchanged and contains only arithmetic."""
     end = _END.search(text)
     if end is None or _hash(text[: end.start()].rstrip()) != end[1]:
         raise GeneratedModuleError("was changed after it was generated")
-    for statement in ast.parse(text).body:
+    tree = ast.parse(text)
+    for statement in tree.body:
         if fault := _fault(statement):
             raise GeneratedModuleError(f"contains code that symid does not generate (line {fault})")
+    return tree
 
 
 def _hash(text: str) -> str:
@@ -94,6 +98,8 @@ def _fault_within(statement: ast.AST, own: Set[str] = frozenset()) -> int | None
     if not isinstance(statement, (ast.Assign, ast.Return, ast.Expr, ast.Constant)):
         return int(getattr(statement, "lineno", 0))
     for node in ast.walk(statement):
+        if type(node) in _PLAIN:  # most nodes
+            continue
         foreign = (
             isinstance(node, ast.Name) and hasattr(builtins, node.id) and node.id not in own | _FUNCTIONS
         )

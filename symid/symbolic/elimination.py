@@ -32,7 +32,7 @@ from symid.symbolic.kernel import (
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, by_power, operator_model
-from symid.symbolic.polynomials import TooLargeError
+from symid.symbolic.polynomials import TooLargeError, common_divisor, quotient
 from symid.symbolic.readings import with_readings
 from symid.symbolic.scaling import Scaling, scaling_of
 
@@ -163,22 +163,23 @@ def _reduced_by(
     """The row reduced by another whose signals, or their derivatives, it all contains; None if it does not."""
     if other.is_linear:
         return None
-    s = operators.ring.gens[0]
+    mine = _signals_of(row, operators)
     for order in range(1 + max(0, row.degree - other.degree)):
-        mine = _signals_of(row, operators)
-        shifted = other.scaled(s**order)
-        theirs = _signals_of(shifted, operators)
+        theirs = _signals_of(other, operators, order)
         if theirs.keys() <= mine.keys():
+            shifted = other.scaled(operators.ring.gens[0] ** order)
             leading = max(theirs, key=lambda signal: (signal[0].startswith(_FORCE), signal[1]))
-            _, own_factor, other_factor = mine[leading].cofactors(theirs[leading])
-            return primitive(
-                row.combine(other_factor, shifted, -own_factor), operators.ring, keep_powers_of_s=True
-            )
+            common = common_divisor([mine[leading], theirs[leading]])
+            own_factor, other_factor = quotient(mine[leading], common), quotient(theirs[leading], common)
+            reduced = row.combine(other_factor, shifted, -own_factor)
+            return primitive(reduced, operators.ring, keep_powers_of_s=True)
     return None
 
 
-def _signals_of(row: EliminationRow, operators: OperatorModel) -> dict[tuple[str, int], PolyElement]:
-    """Coefficients of a row by signal and order of derivative."""
+def _signals_of(
+    row: EliminationRow, operators: OperatorModel, derivative: int = 0
+) -> dict[tuple[str, int], PolyElement]:
+    """Coefficients of a derivative of a row by signal and order of derivative."""
     drives, inputs = driving_terms(row, operators)
     forces = {_FORCE + signal: entry for signal, entry in drives.items()}
     columns = {**row.entries, **inputs, **forces}
@@ -191,7 +192,11 @@ def _signals_of(row: EliminationRow, operators: OperatorModel) -> dict[tuple[str
             if w.expression.free_symbols and not isinstance(w.expression, (sp.sign, positive))
         ),
     }
-    powers = ((column, order, c) for column, entry in columns.items() for order, c in by_power(entry).items())
+    powers = (
+        (column, power + derivative, c)
+        for column, entry in columns.items()
+        for power, c in by_power(entry).items()
+    )
     return {(column, order): c for column, order, c in powers if order == 0 or column in smooth}
 
 

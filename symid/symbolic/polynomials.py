@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Collection, Hashable, Mapping, Sequence
 from functools import cache, reduce
 from math import prod
-from operator import sub
+from operator import add, sub
 from typing import Any, TypeVar
 
 import flint
@@ -34,6 +34,9 @@ def times(first: PolyElement, second: PolyElement) -> PolyElement:
     >>> times((x + y) ** 40, x - y) == (x + y) ** 40 * (x - y)
     True
     """
+    if len(second) == 1:
+        ((powers, scale),) = second.items()
+        return first.new({tuple(map(add, monomial, powers)): c * scale for monomial, c in first.items()})
     if first.ring.domain != QQ or len(first) * len(second) < _WORTH_A_COPY:
         return first * second
     return _back(_copy(first) * _copy(second), first.ring)
