@@ -30,6 +30,7 @@ _OPTIONS: Final = {
     **{
         name: f"--{name}"
         for name in (
+            "bounds",
             "held",
             "jobs",
             "joint",

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 from symid.axis import Axis
 from symid.export.c_source import c_source
-from symid.export.exported import Exported
+from symid.export.exported import Exported, require_physical
 from symid.export.fmu import write_fmu
 from symid.export.mjcf import mjcf
 from symid.export.parameters import parameter_record
@@ -37,6 +37,7 @@ __all__ = [
     "c_source",
     "mjcf",
     "parameter_record",
+    "require_physical",
     "structured_text",
     "urdf",
     "write_fmu",

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from symid.axis import Axis
 from symid.axis.imperfections import Imperfection
+from symid.errors import SettingError
+from symid.simulation import plant_of
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,21 @@ class Exported:
         main, *others = self.files.values()
         lines = (line for line in main.splitlines(keepends=True) if not line.startswith('#include "'))
         return "\n".join([*others, "".join(lines)])
+
+
+def require_physical(axis: Axis, values: Mapping[str, float]) -> None:
+    """SettingError if no machine has such values: a mass that is not positive, stiffness or friction below zero.
+
+    >>> from symid.axis import load_axis
+    >>> require_physical(load_axis("rigid_1m"), {"M": 100.0, "Fv": 80.0, "Fs": 40.0})
+    """
+    unsigned = [name for name in axis.physical_parameters if name not in axis.signed_parameters]
+    if below := [f"{name} {values[name]:g}" for name in unsigned if values[name] < 0]:
+        raise SettingError(
+            f"{', '.join(below)} of axis {axis.name!r} must not be negative: nothing is exported; give values that a "
+            "machine can have, such as those identified with `bounds=physical`"
+        )
+    plant_of(axis, values)
 
 
 def losses_of_imperfections(

@@ -90,6 +90,20 @@ def test_a_mistake_is_one_line(
     assert error.count("\n") == 1
 
 
+@pytest.mark.parametrize("to", ["c", "fmu", "json", "mjcf", "st", "urdf"])
+@pytest.mark.parametrize(
+    ("wrong", "printed"),
+    [({"Ks": -1e9}, "Ks -1e+09 of"), ({"Fsm": -98}, "Fsm -98 of"), ({"Mm": 0}, "not positive")],
+)
+def test_values_that_no_machine_has_are_not_exported(
+    to: str, wrong: dict[str, float], printed: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "P.json").write_text(json.dumps({**VALUES["direct_2m1s"], **wrong}))
+    assert run("export", "direct_2m1s", "--parameters", "P.json", "--to", to, "-o", f"a.{to}") == 2
+    assert printed in capsys.readouterr().err
+    assert not (folder / f"a.{to}").exists()
+
+
 @pytest.mark.usefixtures("folder")
 def test_what_a_diagnosis_found_is_exported(capsys: pytest.CaptureFixture[str]) -> None:
     write_log(rigid_log(lambda t, q, v, a, path: 300 * v * abs(v), seconds=5.0), Path("run.csv"))
