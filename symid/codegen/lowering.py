@@ -111,7 +111,7 @@ def minimal_parameter_code(
 
 
 def _scaled(function: ParameterFunction) -> tuple[PolyElement, PolyElement]:
-    """Numerator and denominator, divided by the largest coefficient of the latter if doubles do not hold all of them."""
+    """Numerator and denominator, over its largest coefficient where doubles do not hold all numbers."""
     above, below = function.numerator, function.denominator
     if above.ring.domain != QQ or all(map(_is_exact, (*above.coeffs(), *below.coeffs()))):
         return above, below

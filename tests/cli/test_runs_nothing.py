@@ -14,7 +14,7 @@ from fleet_logs import write_log
 
 from symid.cli.terminal import is_closed, prepare_streams
 from symid.codegen import load_generated
-from symid.codegen.vetting import vetted, signed
+from symid.codegen.vetting import signed, vetted
 from symid.errors import GeneratedModuleError
 
 EVIL = "from pathlib import Path\nPath('PWNED').write_text('')\n"
