@@ -128,7 +128,7 @@ def _number(value: Any, domain: Any) -> sp.Expr:
 
 def _is_exact(value: Any) -> bool:
     """Whether numerator and denominator of a rational number are integers that a double holds."""
-    return max(abs(value.numerator), value.denominator) <= _LARGEST_EXACT
+    return bool(max(abs(value.numerator), value.denominator) <= _LARGEST_EXACT)
 
 
 def as_factor(text: str) -> str:
