@@ -132,10 +132,11 @@ class Cluster:
 
     def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
         """Run tasks, as `Scheduler.run`."""
-        distributed = _distributed()
+        # A client that never began waits for an answer once more, and complains, when it is deleted.
+        begun = type("Client", (_distributed().Client,), {"__del__": lambda _: None})
         try:
-            client = distributed.Client(self.address, timeout=_PATIENCE, set_as_default=False)
-        except (OSError, ValueError) as error:
+            client = begun(self.address, timeout=_PATIENCE, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:  # TypeError: tls without certificates
             raise SettingError(
                 f"no Dask scheduler answers at {self.address}: start one with 'dask scheduler', or check the address"
             ) from error

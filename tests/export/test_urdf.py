@@ -7,12 +7,19 @@ from axes.shipped import VALUES
 from driven import acceleration
 
 from symid import load_axis
-from symid.export import urdf
+from symid.errors import SettingError
+from symid.export import TEXT_TARGETS, urdf
 from symid.simulation import plant_of
 
 
 def read(name: str) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(urdf(load_axis(name), VALUES[name]).text)
+
+
+@pytest.mark.parametrize("write", [target.write for target in TEXT_TARGETS.values()])
+def test_no_format_holds_a_mass_that_no_machine_has(write) -> None:
+    with pytest.raises(SettingError, match="masses of axis 'rigid_1m' are not positive"):
+        write(load_axis("rigid_1m"), {"M": -5.0, "Fv": 1.0, "Fs": 1.0})
 
 
 def test_a_slide_is_read_with_its_properties() -> None:

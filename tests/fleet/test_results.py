@@ -202,6 +202,10 @@ def test_folders_patterns_and_files_name_each_log_once(logs: Path) -> None:
         (["no_axis", "logs", "-o", "r.csv"], "no axis 'no_axis'"),
         (["rigid_1m", "logs", "-o", "logs/0.parquet"], "holds no results"),
         (
+            ["rigid_1m", "logs", "-o", "r.csv", "--scheduler", "tls://127.0.0.1:1"],
+            "no Dask scheduler answers",
+        ),
+        (
             ["rigid_1m", "logs", "-o", "r.csv", "--scheduler", "tcp://127.0.0.1:1"],
             "no Dask scheduler answers",
         ),
