@@ -13,6 +13,7 @@ from click import argument, option
 
 from symid.axis import axis_path, load_axis, write_axis
 from symid.cli.excite_command import references_log
+from symid.cli.knowledge import fix_option, fixed_values
 from symid.cli.log_options import known_late, log_options, read_log_of
 from symid.cli.options import (
     cascade_gains,
@@ -62,6 +63,7 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "secon
 )
 @measured_option
 @log_options
+@fix_option
 @held_option
 @late_option
 @gain_option
@@ -92,6 +94,8 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "secon
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Find where the gap between AXIS and LOGs lies, which unmodelled effect causes it, and how far it shrinks."""
     declared = load_axis(axis)
+    if options["fixed"]:
+        declared = declared.with_known(fixed_values(options["fixed"], declared))
     runs = [read_log_of(declared, log, options) for log in logs]
     validation = read_log_of(declared, options["validation"], options) if options["validation"] else None
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None

@@ -12,7 +12,7 @@ import numpy as np
 from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, load_axis
-from symid.cli.knowledge import quantity
+from symid.cli.knowledge import fix_option, fixed_values, quantity
 from symid.cli.options import (
     POSITIVE,
     assignments,
@@ -71,6 +71,7 @@ _run_options = shared(
 )
 @argument("axis")
 @parameter_option("Rough values of the parameters, SI.")
+@fix_option
 @option("--noise", multiple=True, required=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
 @option(
     "--limits",
@@ -95,7 +96,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     """
     reference_file(output)
     declared = with_imperfections(load_axis(axis), options)
-    parameters = parameter_file(file, declared)
+    parameters = parameter_file(file, declared, fixed_values(options["fixed"], declared))
     limits, force, apart = _limits(options["limits_text"], declared)
     controllers = cascades_of(declared, plant_of(declared, parameters), {**options, "force_limit": math.inf})
     model = model_of(axis, signal_list(options["measured"]))

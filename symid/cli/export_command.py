@@ -11,6 +11,7 @@ import click
 from click import Choice, argument, option
 
 from symid.axis import Axis, load_axis
+from symid.cli.knowledge import fix_option, fixed_values
 from symid.cli.options import json_option, measured_option, parameter_file, signal_list, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import say
@@ -39,6 +40,7 @@ def _kind_of_file(options: Mapping[str, Any]) -> str:
     metavar="P.json",
     help="Physical parameters, or what `symid identify --json` or `symid diagnose --write-axis` wrote.",
 )
+@fix_option
 @option(
     "--to",
     type=Choice(("c", "fmu", "json", *TEXT_TARGETS)),
@@ -58,7 +60,7 @@ def _kind_of_file(options: Mapping[str, Any]) -> str:
 def command(axis: str, **options: Any) -> None:
     """Write AXIS with its parameters for another program, and name what that program cannot express."""
     declared = load_axis(axis)
-    values = parameter_file(options["parameters"], declared)
+    values = parameter_file(options["parameters"], declared, fixed_values(options["fixed"], declared))
     require_physical(declared, values)
     exported = _exported(declared, values, options)
     written = _write(exported, options["output"]) if options["output"] else []

@@ -124,7 +124,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     fixed = fixed_values(options["fixed"], declared)
     known = declared.with_known(fixed) if fixed else declared
     if options["known"]:
-        _by_known_values(known, runs, signals, options)
+        _by_known_values(known, logs, runs, signals, options)
         return
     found = _identified(axis, runs, signals, fixed, options)
     # output error may have no start to begin at
@@ -162,7 +162,11 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
 
 
 def _by_known_values(
-    declared: Axis, runs: Sequence[AnyLog], signals: tuple[str, ...], options: dict[str, Any]
+    declared: Axis,
+    logs: Sequence[str],
+    runs: Sequence[AnyLog],
+    signals: tuple[str, ...],
+    options: dict[str, Any],
 ) -> None:
     """Identify from logs with values known for each, and print the result."""
     for name in ("validation", "plot", "report"):
@@ -173,7 +177,7 @@ def _by_known_values(
     found = identify_with_known(
         declared,
         runs,
-        known_by_log(options["known"], declared, len(runs)),
+        known_by_log(options["known"], declared, logs),
         signals,
         preparation=_preparation(declared, options),
         nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,

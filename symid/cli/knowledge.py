@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import re
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from click import option
 
 from symid.axis import Axis
 from symid.cli.options import assignments, number, shared
+from symid.data.columns import split_unit
 from symid.errors import SettingError
-from symid.files import read_json
+from symid.files import read_json, require_regular
 from symid.parameter_entries import parameter_entries
 from symid.units import Unit, to_si
 
 _QUANTITY = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*")
 
+fix_option = option(
+    "--fix",
+    "fixed",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Value of a parameter that is known, such as M=95 or M=95kg.",
+)
+
 knowledge_options = shared(
-    option(
-        "--fix",
-        "fixed",
-        multiple=True,
-        metavar="NAME=VALUE",
-        help="Value of a parameter that is known, such as M=95 or M=95kg.",
-    ),
+    fix_option,
     option(
         "--bounds",
         multiple=True,
@@ -43,7 +49,8 @@ known_option = option(
     "--known",
     multiple=True,
     metavar="NAME=VALUE,...",
-    help="Value of a parameter in each LOG, in their order, such as the payload: Ml=0,12.5kg.",
+    help="Value of a parameter in each LOG, in their order, such as the payload: Ml=0,12.5kg; or a CSV table "
+    "with a column log and one for each such parameter.",
 )
 
 
@@ -54,19 +61,44 @@ def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
     return {name: quantity(text, units[name], f"--fix {name}") for name, text in given.items()}
 
 
-def known_by_log(values: tuple[str, ...], axis: Axis, logs: int) -> list[dict[str, float]]:
-    """Values of ``--known`` in each log, SI."""
+def known_by_log(values: tuple[str, ...], axis: Axis, logs: Sequence[str]) -> list[dict[str, float]]:
+    """Values of ``--known`` in each log, SI; those without ``=`` are tables."""
     units = axis.parameter_units
-    known: list[dict[str, float]] = [{} for _ in range(logs)]
-    for name, text in assignments(values, "--known", units).items():
+    tables = [value for value in values if "=" not in value]
+    known = [_from_tables(tables, axis, log) for log in logs]
+    for name, text in assignments(tuple(v for v in values if v not in tables), "--known", units).items():
         parts = text.split(",")
-        if len(parts) != logs:
+        if len(parts) != len(logs):
             raise SettingError(
-                f"--known {name}={text} has {len(parts)} values for {logs} logs: give one for each log"
+                f"--known {name}={text} has {len(parts)} values for {len(logs)} logs: give one for each log"
             )
         for one, part in zip(known, parts, strict=True):
             one[name] = quantity(part, units[name], f"--known {name}")
     return known
+
+
+def _from_tables(files: Sequence[str], axis: Axis, log: str) -> dict[str, float]:
+    """Values that tables have for a log, which they call by its path or its name."""
+    units, values = axis.parameter_units, dict[str, float]()
+    for file in files:
+        require_regular(file)
+        header, *rows = [*csv.reader(Path(file).read_text(errors="replace").splitlines())] or [[]]
+        if "log" not in header:
+            raise SettingError(f"--known {file} has no column log: write one, and one for each parameter")
+        own = [
+            row for row in rows if dict(zip(header, row, strict=False)).get("log") in (log, Path(log).name)
+        ]
+        if len(own) != 1 or len(own[0]) != len(header):
+            raise SettingError(
+                f"--known {file} has {len(own)} rows for {log}: give it one row of {len(header)} values"
+            )
+        for column, text in zip(header, own[0], strict=True):
+            name, unit = split_unit(column)
+            if name not in (*units, "log"):
+                raise SettingError(f"--known {file}: {name} is not known: choose from {', '.join(units)}")
+            if name != "log":
+                values[name] = quantity(text + (unit or ""), units[name], f"--known {file}: {name}")
+    return values
 
 
 def quantity(text: str, unit: Unit, what: str) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -233,8 +233,11 @@ def seconds_of(text: str, what: str) -> float:
     return seconds
 
 
-def parameter_file(file: str, axis: Axis) -> dict[str, float]:
-    """Physical parameters, SI, of a JSON file: names with values, or the result of an identification or a diagnosis."""
+def parameter_file(file: str, axis: Axis, fixed: Mapping[str, float] | None = None) -> dict[str, float]:
+    """Physical parameters, SI, of a JSON file: names with values, or the result of an identification or a diagnosis.
+
+    Values of `fixed` go before those of the file.
+    """
     record = read_json(file)
     if not isinstance(record, dict):
         raise SettingError(f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units')
@@ -245,10 +248,12 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
         if not is_finite_number(value) or (value and not 1 / _LARGEST < abs(value) < _LARGEST):
             raise SettingError(f"{file}: {name} is {shortened(value)}: give a finite number in SI units")
         parameters[name] = float(value)
+    parameters |= fixed or {}
     missing = [name for name in axis.physical_parameters if name not in parameters]
     if missing:
         raise SettingError(
-            f"{file} lacks {', '.join(missing)}: give a value for each physical parameter of {axis.name!r}"
+            f"{file} lacks {', '.join(missing)}: give a value for each physical parameter of {axis.name!r}, "
+            f"in the file or with --fix {missing[0]}=VALUE"
         )
     return parameters
 

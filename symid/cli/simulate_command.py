@@ -12,6 +12,7 @@ import numpy as np
 from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, load_axis
+from symid.cli.knowledge import fix_option, fixed_values
 from symid.cli.options import (
     LIMIT,
     NOT_NEGATIVE,
@@ -99,6 +100,7 @@ controller_options = shared(
 )
 @argument("axis")
 @parameter_option("Values of the physical parameters, SI.")
+@fix_option
 @option(
     "-o",
     "--output",
@@ -129,7 +131,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     if Path(output).suffix not in (".csv", ".parquet"):
         raise SettingError(f"log {output!r} is of an unknown kind: end its name with .csv or .parquet")
     declared = with_imperfections(load_axis(axis), options)
-    parameters = parameter_file(file, declared)
+    parameters = parameter_file(file, declared, fixed_values(options["fixed"], declared))
     plant = plant_of(declared, parameters)
     controllers, trajectories = runs_of(declared, plant, options)
     trajectory = trajectories[0]

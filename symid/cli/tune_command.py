@@ -10,6 +10,7 @@ import click
 from click import Choice, argument, option
 
 from symid.axis import Axis, load_axis
+from symid.cli.knowledge import fix_option, fixed_values
 from symid.cli.log_options import late_of, log_options, read_log_of
 from symid.cli.options import (
     ORDER,
@@ -60,6 +61,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 )
 @argument("axis")
 @parameter_option("A priori values of the parameters, SI.")
+@fix_option
 @measured_option
 @option(
     "--max-lowpass-error",
@@ -122,7 +124,7 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
     total error.
     """
     declared = load_axis(axis)
-    parameters = parameter_file(file, declared)
+    parameters = parameter_file(file, declared, fixed_values(options["fixed"], declared))
     if options["noise_from"] or options["noise"]:
         total = _total(axis, declared, parameters, options)
         record = total_record(total)

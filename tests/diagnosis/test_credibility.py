@@ -29,6 +29,7 @@ from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.credibility import _is_a_gain, _is_ringing
+from symid.errors import SettingError
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 SCREW = load_axis("ballscrew_2m1s")
@@ -131,19 +132,27 @@ def test_a_force_of_the_wrong_sign_is_reported_without_nominal_values() -> None:
     assert "opposite" in found.faults[0]
 
 
-def test_a_mass_and_the_force_constant_beside_it_are_not_determined() -> None:
-    """One log shows their ratios alone."""
+def test_the_constant_of_a_drive_is_taken_as_given_and_effects_are_in_its_force() -> None:
+    """One log shows the ratio of mass and constant alone: free, both could grow with the effect."""
     slide = Body("slide", mass="M")
     laws = ViscousFriction(slide, "Fv"), CoulombFriction(slide, "Fs")
-    axis = Axis("slide", (slide, *laws), Drive("F", slide, gain="Kt", unit="A"), (Position("q", slide),))
-    log, values = rigid_log(), {"M": 110.0, "Fv": 140.0, "Fs": 9.0, "Kt": 1.1}
-    loose = diagnose(axis, log, nominal=values, library=())
-    assert [parameter.reidentified_std for parameter in loose.parameters] == [np.inf] * 4
-    assert loose.next_experiment.startswith(
-        "Take over the re-identified values but M, Fv, Fs and Kt, which the sensors used do not separate"
+    axis = Axis("slide", (slide, *laws), Drive("iq", slide, gain="Kt", unit="A"), (Position("q", slide),))
+    force = rigid_log()
+    shifted = (force["F"] + 12.0) / 50.0
+    log = Log.from_arrays({"q": force["q"], "iq": shifted}, sampling_period=force.sampling_period)
+    values = {"M": 110.0, "Fv": 140.0, "Fs": 9.0, "Kt": 50.0}
+    found = diagnose(
+        axis,
+        log,
+        nominal=values,
+        library=tuple(effect for effect in LIBRARY if effect.name == "offset_force"),
     )
-    known = diagnose(axis.with_known({"Kt": 1.0}), log, nominal=values, library=()).parameters
-    assert all(np.isfinite(parameter.reidentified_std) for parameter in known)
+    assert found.sentence.startswith("The model lacks offset force")
+    assert found.effects[0].parameters["F0"].value == pytest.approx(12.0, rel=0.05)
+    assert "Kt of iq is taken as 50 N/A." in found.assumptions
+    assert all(np.isfinite(parameter.reidentified_std) for parameter in found.parameters)
+    with pytest.raises(SettingError, match=r"does not determine Kt: give what is known"):
+        diagnose(axis, log)
 
 
 def test_a_mode_that_only_passes_on_less_of_the_encoder_noise_is_not_found():

@@ -211,6 +211,12 @@ def test_the_command(
     record = json.loads(Path("found.json").read_text())
     assert record["physical"]["Kt"]["value"] == pytest.approx(55.0, rel=5e-3)
     assert [group["known"]["Ml"] for group in record["groups"]] == [0.0, 12.5]
+    joint = json.loads(Path("found.json").read_text())["physical"]
+    Path("loads.csv").write_text("log,Ml [g]\nempty.csv,0\nloaded.csv,12500\n")
+    assert run("identify", "current.py", *logs, "--known", "loads.csv", "--json", "found.json") == 0
+    assert json.loads(Path("found.json").read_text())["physical"] == joint
+    Path("loads.csv").write_text("log,Ml\n" + logs[0] + ",0\n")
+    assert run("identify", "current.py", *logs, "--known", "loads.csv") == 2
     assert run("identify", "current.py", *logs, "--known", "Ml=12.5kg") == 2
     assert "1 values for 2 logs" in capsys.readouterr().err
     assert run("identify", "current.py", *logs, "--known", "Ml=0,1", "--method", "iv") == 2

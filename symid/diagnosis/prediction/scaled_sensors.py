@@ -1,4 +1,7 @@
-"""Logs of sensors whose gain or offset is a parameter, converted to the quantities that they read."""
+"""Gains of sensors and drives that are parameters: taken as known, and logs of sensors converted to quantities.
+
+With a free constant of the drive, all masses, frictions and effects of an axis could grow together.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +28,10 @@ class Unscaled(NamedTuple):
 
 
 def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None = None) -> Unscaled:
-    """The axis and its logs with quantities in place of the signals of scaled sensors.
+    """The axis with known constants of its drives, and quantities in place of the signals of scaled sensors.
 
-    Gains and offsets come from `nominal`, or else are identified from the first log; SettingError if it does not
-    determine them.
+    Constants, gains and offsets come from `nominal`, or else are identified from the first log; SettingError if it
+    does not determine them.
 
     >>> from symid import Body, Drive, Position
     >>> table = Body("table", mass="M")
@@ -39,11 +42,17 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
     (None, [2.5, 2.5, 2.5], 'q is taken with gain 2 and offset 0.5.')
     """
     scaled = [sensor for sensor in axis.sensors if sensor.is_scaled]
-    if not scaled:
+    constants = {drive.constant: drive for drive in axis.drives if drive.constant in axis.physical_parameters}
+    if not (scaled or constants):
         return Unscaled(axis, list(logs), axis, ())
     read = [sensor for sensor in scaled if all(sensor.signal in log.signals for log in logs)]
-    values = _values(axis, read, logs[0], nominal or {})
-    notes, changed = [], list(logs)
+    values = _values(axis, [*_parameters_of(read), *constants], logs[0], nominal or {})
+    units = axis.parameter_units
+    notes = [
+        f"{name} of {one.signal} is taken as {values[name]:.6g} {units[name]}."
+        for name, one in constants.items()
+    ]
+    changed = list(logs)
     for sensor in read:
         gain = 1.0 if sensor.gain is None else values[sensor.named("gain")]
         offset = 0.0 if sensor.offset is None else values[sensor.named("offset")]
@@ -59,25 +68,26 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
     )
     own = {sensor.named(field) for sensor in scaled for field in ("gain", "offset")}
     known = {name: value for name, value in axis.known.items() if name not in own}
-    taken = {name: values[name] for name in own if name in values and name in axis.physical_parameters}
+    known |= {name: values[name] for name in constants}
+    taken = {n: values[n] for n in (*own, *constants) if n in values and n in axis.physical_parameters}
     return Unscaled(replace(axis, sensors=plain, known=known), changed, axis.with_known(taken), tuple(notes))
 
 
-def _values(axis: Axis, read: Sequence[Sensor], log: Log, nominal: Mapping[str, float]) -> dict[str, float]:
-    """Known, nominal or else identified gains and offsets of sensors."""
-    names = [
-        sensor.named(field)
-        for sensor in read
-        for field in ("gain", "offset")
-        if getattr(sensor, field) is not None
-    ]
+def _parameters_of(sensors: Sequence[Sensor]) -> list[str]:
+    """Names of gains and offsets of sensors."""
+    fields = ((sensor, field) for sensor in sensors for field in ("gain", "offset"))
+    return [sensor.named(field) for sensor, field in fields if getattr(sensor, field) is not None]
+
+
+def _values(axis: Axis, names: Sequence[str], log: Log, nominal: Mapping[str, float]) -> dict[str, float]:
+    """Known, nominal or else identified values of gains and offsets."""
     values = axis.with_known_values(nominal)
     if any(name not in values for name in names):
         measured = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
         try:
             found = identify(model_of(axis, measured), log, examine=False).physical_parameters
         except SymidError as error:
-            raise SettingError(f"no gains of sensors can be identified ({error}): give `nominal`") from error
+            raise SettingError(f"no gains can be identified ({error}): give `nominal`") from error
         values = {**found, **values}
     if lacking := [name for name in names if not np.isfinite(values.get(name, np.nan))]:
         raise SettingError(
