@@ -81,6 +81,7 @@ def add_legend(plot: figure, items: dict[str, list[Any]]) -> None:
     legend = Legend(
         items=[LegendItem(label=value(label), renderers=drawn) for label, drawn in items.items()],
         orientation="horizontal",
+        ncols=2 if len(items) > 3 else "auto",  # four names are wider than a phone
         click_policy="hide",
         margin=4,
         spacing=16,
