@@ -75,6 +75,8 @@ class Criteria:
     ac_coupling_leaves: float = 0.99
     # the same of what a zero-phase low-pass took: on undamaged random logs at least 0.96 is left
     smoothing_leaves: float = 0.75
+    # change of a parameter by that where a signal without noise shows a filter
+    smoothing_moves: float = 0.025
     # residual, as part of the output, above which an equation is unusable if noise does not explain it:
     # shares of damaged logs start there, EMPS leaves 0.04, a motor bench 0.1
     worst_fit: float = 0.3

@@ -20,6 +20,7 @@ from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt, blocks_of, running_integral
 from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
+from symid.identification.noise import noise_deviations
 from symid.identification.observation import SignalRows
 from symid.identification.redundancy import high_pass_of
 from symid.identification.reliability import is_beyond_intervals
@@ -27,6 +28,8 @@ from symid.identification.reliability import is_beyond_intervals
 _Rows = tuple[FloatArray, FloatArray]
 """Rows of W and y that a signal makes."""
 _MOST_ROUNDS = 6
+_BARE = 1e-10
+"""Noise near the Nyquist frequency, over the rms signal, below that of any sensor: 0.1 nm of a metre."""
 _SETTLED = 0.01
 """Relative change of the factor that ends the rounds."""
 
@@ -100,8 +103,10 @@ def smoothing_by_residual(
 ) -> str:
     """Statement on a signal whose fast part was damped without a delay, as a zero-phase filter does; else empty.
 
-    Such a filter of squared gain 1 / (1 + (T w)^2) is undone by x - T^2 x''. Where more of x'' is left than taken, the
-    model imitates what a filter did, if next to nothing of the residual remains.
+    Such a filter of squared gain 1 / (1 + (T w)^2) is undone by x - T^2 x''. Where more of x'' is left than taken,
+    the model imitates what a filter did, if next to nothing of the residual remains. A signal without noise beside one
+    with noise was filtered. Then less counts: what this takes from the residual, and half of the change, since of other
+    filters it undoes a part only.
     """
     every = []
     for name in shiftable(found.model):
@@ -114,8 +119,11 @@ def smoothing_by_residual(
     if not every:
         return ""
     best, name = min(every, key=lambda pair: pair[0].remaining)
-    least = criteria.smoothing_leaves if best.factor < 0.0 else criteria.lagging
-    if best.remaining > least or not is_beyond_intervals(found, best.parameters):
+    is_late = found.timing is not None and found.timing.is_significant
+    is_filtered = not is_late and _is_bare(found.model, parts)
+    least = 1.0 if is_filtered else criteria.smoothing_leaves if best.factor < 0.0 else criteria.lagging
+    moves = criteria.smoothing_moves if is_filtered else criteria.cutoff_change
+    if best.remaining > least or not is_beyond_intervals(found, best.parameters, moves):
         return ""
     if not abs(best.factor) > criteria.ac_coupling * best.deviation():
         return ""
@@ -124,6 +132,16 @@ def smoothing_by_residual(
         f"{100 * (1 - best.remaining):.2g} % of the residual), which biases all parameters: a signal was smoothed or "
         "filtered before it was recorded; record all signals raw, or lower `cutoff_hz`"
     )
+
+
+def _is_bare(model: GeneratedModel, parts: Sequence[Excerpt]) -> bool:
+    """Whether a signal has less noise than any sensor, and another one has not: all of them have none if computed."""
+    bare = [
+        noise < _BARE * float(np.sqrt(np.mean(part.log[name] ** 2)))
+        for part in parts
+        for name, noise in noise_deviations(model, part.log).items()
+    ]
+    return any(bare) and not all(bare)
 
 
 def _second_derivative(x: FloatArray, period: float) -> FloatArray:

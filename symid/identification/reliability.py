@@ -118,8 +118,11 @@ def _is_fault(found: Identification, timing: Timing) -> bool:
     return not (natural or timing.is_small) or is_beyond_intervals(found, timing.parameters)
 
 
-def is_beyond_intervals(found: Identification, parameters: FloatArray) -> bool:
-    """Whether minimal parameters of an estimate without a fault differ by more than values and deviations allow."""
+def is_beyond_intervals(found: Identification, parameters: FloatArray, least: float = _LARGE_BIAS) -> bool:
+    """Whether minimal parameters of an estimate without a fault differ by more than values and deviations allow.
+
+    `least` is the change, as part of the value, from which it counts.
+    """
     removed = found.bias.removed if found.bias is not None and found.bias.removed is not None else 0.0
     change = parameters - (found.fit.solution + removed)  # as it was before the bias was taken off
     if found.physical:
@@ -128,7 +131,7 @@ def is_beyond_intervals(found: Identification, parameters: FloatArray) -> bool:
     else:
         values, deviations = found.fit.parameters, found.standard_deviations
     with np.errstate(invalid="ignore"):
-        beyond = (np.abs(change) > _CERTAIN * deviations) & (np.abs(change) > _LARGE_BIAS * np.abs(values))
+        beyond = (np.abs(change) > _CERTAIN * deviations) & (np.abs(change) > least * np.abs(values))
     return bool(np.any(beyond))
 
 
