@@ -63,11 +63,8 @@ def fault_of(
             slow = slow_update(x, name)
             if (fault := channel_fault(x, name, criteria, is_force=is_force)) or (slow and not is_force):
                 return slow or fault
-            if held := _held(x, mover if is_force else None):
-                return (
-                    f"{name} keeps exactly one value over {held} spans of {_SPAN} samples and more while the axis "
-                    "moves: samples were lost and held or set to a value; cut those parts out"
-                )
+            if held := held_fault(x, name, mover if is_force else None):
+                return held
     return _coarse_force(model, [part.log for part in parts], fit, criteria)
 
 
@@ -96,6 +93,19 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
         share = f"{100 * limited:.2g} %"
         return f"{name} changes by exactly its largest step in {share} of the samples: its slope is limited"
     return ""
+
+
+def held_fault(x: FloatArray, name: str, mover: FloatArray | None) -> str:
+    """Statement on spans in which a channel keeps one value while the axis moves; empty without them.
+
+    The mover is the position beside which a force is judged; a reading is judged alone.
+    """
+    if not (held := _held(x, mover)):
+        return ""
+    return (
+        f"{name} keeps exactly one value over {held} spans of {_SPAN} samples and more while the axis moves: samples "
+        "were lost and held or set to a value; cut those parts out"
+    )
 
 
 def _held(x: FloatArray, mover: FloatArray | None) -> int:

@@ -180,6 +180,17 @@ def test_a_weight_that_the_model_lacks_is_neither_an_absolute_value_nor_friction
     assert diagnose(load_axis("rigid_1m"), absolute, nominal=RIGID).verdict == "recording"
 
 
+@pytest.mark.parametrize("value", [0.0, None])
+def test_a_force_whose_samples_were_lost_in_bursts_is_no_physics(value: float | None) -> None:
+    log = rigid_log(lambda t, q, v, a, path: np.zeros_like(t))
+    force = log["F"].copy()
+    for k in range(400, force.size - 400, 400):
+        force[k : k + 60] = force[k] if value is None else value
+    found = diagnose(load_axis("rigid_1m"), replace(log, signals={**log.signals, "F": force}), nominal=RIGID)
+    assert found.verdict == "recording"
+    assert "F keeps exactly one value" in found.sentence
+
+
 def test_an_axis_that_coasts_while_its_drive_is_off_has_no_absolute_force() -> None:
     rng, t, step = np.random.default_rng(1), np.arange(4000) / 1000, 1e-3
     F = np.where((t > 0.5) & (t < 1.5), 400.0, 0.0)

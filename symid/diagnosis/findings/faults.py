@@ -15,7 +15,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state
 from symid.identification.criteria import CRITERIA
-from symid.identification.recording import channel_fault
+from symid.identification.recording import channel_fault, held_fault
 
 _LOST = replace(CRITERIA, dead_share=0.05)
 _REPEATED = replace(CRITERIA, dead_share=0.4)
@@ -64,9 +64,12 @@ def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
     faults = [
         _fault_of_channel(log[name], name, is_force=name in record.forces) for log in logs for name in names
     ]
+    held = [
+        held_fault(log[name], name, log[positions[0]]) for log in logs for name in record.forces if positions
+    ]
     notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
     signs = [_wrong_sign(begun, found, drive) for drive in range(record.n_drives)]
-    fatal = tuple(dict.fromkeys(text for text in (*signs, *faults) if text))
+    fatal = tuple(dict.fromkeys(text for text in (*signs, *faults, *held) if text))
     return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
 
 
