@@ -107,6 +107,9 @@ class Thresholds:
     # share of the mean square up to which a fit from the values found with an effect, but without it, takes the
     # place of the first one
     astray: float = 0.5
+    # share of the least mean square of other candidates up to which friction whose motion follows the measured force
+    # is taken (drawn worldly cases: loads that stick and slip 0.1, play that friction imitated 0.97)
+    follows: float = 0.5
     # samples by which a delay may differ from half a sample and count as a held force
     half_sample: float = 0.12
     # factor on its error to which an effect must lower that of data that took no part in the fit

@@ -39,12 +39,13 @@ LOAD, LOAD_BY_PLACE = 30 * np.cos(2 * np.pi * 5 * TIME), 2000.0
 def stepped(law: Pointwise) -> tuple[FloatArray, FloatArray]:
     """Motion and force of a mass on a spring to the ground under a push, with one law more."""
     still = np.zeros(N)
-    states, (force,) = _stepped(
+    states, observed, (force,) = _stepped(
         _discretised(MASS, DAMPING, STIFFNESS, STEP),
-        _Driven(PUSH, LOAD, np.array([LOAD_BY_PLACE, 0.0]), still, still),
+        _Driven(PUSH, LOAD, np.array([LOAD_BY_PLACE, 0.0]), still, still, still, still),
         np.array([[0.0, 1.0, 1.0, 0.0]]),
         [law],
     )
+    np.testing.assert_array_equal(observed, states)
     return states, force
 
 

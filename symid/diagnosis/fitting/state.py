@@ -236,6 +236,7 @@ def _acted_on(
         impedances=impedances,
         integrated=integrated,
         integrated_terms=hidden,
+        follows=any(item.follows for item in placed),
     )
 
 
@@ -261,6 +262,13 @@ def can_integrate(prediction: Prediction, item: Placed, *, read: bool = False) -
     if not (record.is_predicted(direction) if read else record.is_hidden(direction)):
         return False
     return effect.pointwise(prediction, item.shape, item.amplitudes) is not None
+
+
+def is_dry(prediction: Prediction, item: Placed) -> bool:
+    """Whether an effect in a joint is dry friction."""
+    assert isinstance(item.effect, JointEffect)
+    law = item.effect.pointwise(prediction, item.shape, item.amplitudes)
+    return law is not None and law.dry
 
 
 def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:

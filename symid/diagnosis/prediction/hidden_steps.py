@@ -8,18 +8,21 @@ from symid.simulation.evaluation import built_up, evaluate
 
 @compiled
 def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # compiled for records
-    """Hidden coordinate, of shape (n,), and forces of laws, (n_laws, n), from a deflection of 0 at rest on.
+    """Hidden coordinate as predicted and as observed, each (n,), and forces of laws, (n_laws, n), from rest at 0 on.
 
-    Smooth forces follow Heun's rule; dry friction is constant over each step.
+    Laws act at the observed motion, which `gain` draws to the measured force; the predicted one is the response to
+    their forces alone. Both are the same without gain. Smooth forces follow Heun's rule; dry friction is constant over
+    each step.
     """
     # Numba counts references at each access to a field: the fields are read once, here.
-    (transition, falling, rising, held), (pushed, load, by_state, q, v) = equation, driven
+    (transition, falling, rising, held), (pushed, load, by_state, q, v, rest, gain) = equation, driven
     by_driven, by_hidden, on_hidden, on_drive, reach, dry, courses = laws[:7]
     operations, operands, ends, arguments, stack = laws[7:]
     n_laws = dry.size
     n = pushed.size
-    states, forces, before = np.zeros(n), np.zeros((n_laws, n)), np.zeros(n_laws)
+    predicted, observed, forces, before = np.zeros(n), np.zeros(n), np.zeros((n_laws, n)), np.zeros(n_laws)
     x, rate, total, before_drive = 0.0, 0.0, 0.0, 0.0
+    free, free_rate, last_elastic = 0.0, 0.0, 0.0
     for i in range(n):
         last_total = total
         if i:  # the linear part is exact for inputs that are linear between two points
@@ -28,7 +31,11 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             ahead = transition[0, 0] * x + transition[0, 1] * rate + given - held[0] * total
             rate = transition[1, 0] * x + transition[1, 1] * rate + quickened - held[1] * total
             x = ahead
-        drive = load[i] + by_state[0] * x + by_state[1] * rate
+            ahead = transition[0, 0] * free + transition[0, 1] * free_rate + given - held[0] * total
+            free_rate = transition[1, 0] * free + transition[1, 1] * free_rate + quickened - held[1] * total
+            free = ahead
+        elastic = by_state[0] * x + by_state[1] * rate
+        drive = load[i] + elastic
         if i:
             for j in range(n_laws):
                 drive += on_drive[j] * forces[j, i - 1]
@@ -51,6 +58,8 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
         # Corrector: the change of the smooth forces rises linearly over the step.
         x -= rising[0] * (total - last_total)
         rate -= rising[1] * (total - last_total)
+        free -= rising[0] * (total - last_total)
+        free_rate -= rising[1] * (total - last_total)
         for j in range(n_laws):
             if dry[j]:
                 place, speed = (
@@ -64,8 +73,17 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
                 forces[j, i] = own = level if own > level else -level if own < -level else own
                 x -= held[0] * on_hidden[j] * own
                 rate -= held[1] * on_hidden[j] * own
-        states[i] = x
-    return states, forces
+                free -= held[0] * on_hidden[j] * own
+                free_rate -= held[1] * on_hidden[j] * own
+        if i:  # at the point before, where the dry friction is known by now
+            unexplained = rest[i - 1] - last_elastic
+            for j in range(n_laws):
+                acting = 0.5 * (forces[j, i - 1] + forces[j, i]) if dry[j] else forces[j, i - 1]
+                unexplained -= on_drive[j] * acting
+            x += gain[i - 1] * unexplained
+        last_elastic = elastic
+        predicted[i], observed[i] = free, x
+    return predicted, observed, forces
 
 
 @compiled

@@ -237,13 +237,14 @@ def prediction_of(
     impedances: Sequence[Impedance] = (),
     integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
     integrated_terms: tuple[tuple[int, int], ...] = (),
+    follows: bool = False,
 ) -> Prediction:
     """The axis under a record at physical parameters, SI.
 
     The law forces of the prediction `before` move hidden joints; without it, only the linear part does. The frequency
     response and impedances of the prediction `like` are reused. Effects add `forces` on the bodies, of shape (n_bins,
     n_bodies), `impedances`, and laws `integrated` with the hidden motion by direction; `integrated_terms` are the
-    declared terms among them, see `Prediction`.
+    declared terms among them, see `Prediction`. The motion at which these act `follows` the measured force, or not.
     """
     if before is not None and before.integrated_terms != integrated_terms:
         before = replace(before, integrated_terms=integrated_terms)
@@ -261,8 +262,8 @@ def prediction_of(
         known = np.zeros((n, 1)) if before is None else before.law_courses
         if of_effects.any():
             known = known + record.fine(of_effects.T)
-        moved, pushes = integrated_motion(record, response.plant, known, integrated)
-        observed = moved
+        plant = response.plant
+        moved, observed, pushes = integrated_motion(record, plant, known, integrated, follows=follows)
         of_integrated = np.asarray(
             -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
         )

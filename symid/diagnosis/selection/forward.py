@@ -180,7 +180,11 @@ def _confirm(
         refined = any(other.placed.contains(start.placed.key) for other in confirmed.values())
         most = math.inf if refined or start.to_the_end else hopeless * least_left(confirmed)
         own = confirmed_from(fit, start, most)
-        if own is not None and (own.key not in confirmed or _is_better(own, confirmed[own.key])):
+        # Motion that follows the force is freer than one that is predicted: it must explain far more.
+        least = THRESHOLDS.follows * least_left(confirmed) if start.placed.follows else math.inf
+        if own is None or own.fit.mean_square > least:
+            continue
+        if own.key not in confirmed or _is_better(own, confirmed[own.key]):
             confirmed[own.key] = own
     return tried
 

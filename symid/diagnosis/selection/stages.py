@@ -10,7 +10,7 @@ from itertools import islice
 from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
-from symid.diagnosis.fitting.state import can_integrate
+from symid.diagnosis.fitting.state import can_integrate, is_dry
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed
@@ -18,6 +18,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _INTEGRATED = 2
 _OTHER_PLACES = 3
+_FOLLOWING = 3
 _AGAIN = 3
 """Candidates that are fitted from the nominal values too if they explain nearly all."""
 _ALWAYS = 3
@@ -59,6 +60,8 @@ def stages(
         yield integrated([Start.of(fit, c.placed) for c in promising], fit)[:1]
     else:
         yield from from_nominal(fit, nominal, library, confirmed)
+        if not _explains(fit, confirmed):
+            yield _following(found, fit, confirmed)
         if not _explains(fit, confirmed):
             yield of_grid(fit, nominal, library)
 
@@ -112,6 +115,15 @@ def integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> li
     """The starts with joints that are integrated with their motion, where that is possible."""
     hidden = (replace(s, placed=replace(s.placed, integrated=True)) for s in starts)
     return [s for s in hidden if can_integrate(model.state.prediction, s.placed, read=read)]
+
+
+def _following(found: Sequence[Candidate], fit: Fit, confirmed: Mapping[Key, Confirmed]) -> list[Start]:
+    """Starts of dry friction whose motion follows the measured force; the laws of confirmed candidates come first."""
+    names = [own.effect.name for own in best_first(confirmed)]
+    likely = sorted(found, key=lambda c: c.placed.effect.name not in names[:1])
+    starts = integrated([Start.of(fit, c.placed) for c in likely], fit, read=True)
+    dry = (s for s in starts if is_dry(fit.state.prediction, s.placed))
+    return [replace(s, placed=replace(s.placed, follows=True)) for s in islice(dry, _FOLLOWING)]
 
 
 def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
