@@ -1,6 +1,6 @@
-"""C functions for delayed signals: the drive force and the readings of sensors, each late by a known time.
+"""C functions for delayed signals: the forces of drives and the readings of sensors, each late by a known time.
 
-Earlier values are stored in a ring buffer and interpolated linearly: of a reading the value itself, of the force its
+Earlier values are stored in a ring buffer and interpolated linearly: of a reading the value itself, of a force its
 integral, whose change over a step gives the mean force that arrives in the step.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from symid.export.c_code import c_name
 from symid.export.c_motion import force_parameters, lines, quantised, sent_forces
 from symid.export.dynamics import SymbolicDynamics
 
@@ -18,7 +19,7 @@ _HEADER = """\
 /* Signals delayed by up to {longest!r} s, in steps h of at least {shortest:.2g} s. Initialise it with zeros. */
 typedef struct {{
     struct {{ double time[{cells}], value[{cells}]; int newest, count; }} lane[{lanes}];
-    double now, sent;
+    double now, sent[{drives}];
 }} {name}_way;
 
 /* One step h with the delays, which the functions above leave out: x advances, y is what sensors read at its end. */
@@ -73,24 +74,34 @@ void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_sta
 
 def delay_fields(dynamics: SymbolicDynamics, shortest: float) -> dict[str, str]:
     """Fields that delays add to header and source, for steps of at least `shortest` s; empty without delays."""
-    axis, drive = dynamics.axis, dynamics.imperfect.delay
+    axis, paths = dynamics.axis, dynamics.imperfect.drives
     late = [(i, sensor) for i, sensor in enumerate(axis.sensors) if sensor.delay]
-    longest = max([drive, *(sensor.delay for _, sensor in late)])
+    longest = max([*(path.delay for path in paths), *(sensor.delay for _, sensor in late)])
     if not longest:
         return {"way_header": "", "way_source": ""}
-    # Before the first step, readings and force are taken as constant. Lane 0 is that of the force, of which there is
-    # only one (`symbolic_dynamics` refuses several drives); late readings follow.
-    force = sent_forces(axis)
-    begin = [f"{axis.name}_derivative(p, x, {force}, change);", f"{axis.name}_sensors(x, change, y);"]
-    arrive, read = list[str](), list[str]()
-    if drive:
-        begin += [f"note(way, 0, {-2 * drive!r}, {-2 * drive!r}*{force});", "note(way, 0, 0.0, 0.0);"]
-        arrive = [
-            f"way->sent += h*{force};",
-            "note(way, 0, now + h, way->sent);",
-            f"const double late = (noted(way, 0, now + h - {drive!r}) - noted(way, 0, now - {drive!r}))/h;",
-        ]
-    for lane, (i, sensor) in enumerate(late, int(drive > 0)):
+    # Before the first step, readings and forces are taken as constant. The first lanes are those of late forces; late
+    # readings follow.
+    begin = [
+        f"{axis.name}_derivative(p, x, {sent_forces(axis)}, change);",
+        f"{axis.name}_sensors(x, change, y);",
+    ]
+    arrive, read, forces = list[str](), list[str](), list[str]()
+    for k, path in enumerate(paths):
+        lane = sum(other.delay > 0 for other in paths[:k])
+        force, delay = c_name(path.drive.signal), path.delay
+        forces.append(f"late_{lane}_" if delay else force)
+        if delay:
+            begin += [
+                f"note(way, {lane}, {-2 * delay!r}, {-2 * delay!r}*{force});",
+                f"note(way, {lane}, 0.0, 0.0);",
+            ]
+            arrive += [
+                f"way->sent[{k}] += h*{force};",
+                f"note(way, {lane}, now + h, way->sent[{k}]);",
+                f"const double late_{lane}_ = (noted(way, {lane}, now + h - {delay!r}) "
+                f"- noted(way, {lane}, now - {delay!r}))/h;",
+            ]
+    for lane, (i, sensor) in enumerate(late, sum(path.delay > 0 for path in paths)):
         begin.append(f"note(way, {lane}, 0.0, y[{i}]);")
         read.append(f"note(way, {lane}, way->now, y[{i}]);")
         read.append(f"y[{i}] = noted(way, {lane}, way->now - {sensor.delay!r});  /* {sensor.signal} */")
@@ -99,11 +110,12 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float) -> dict[str, str]:
     words = {
         "name": axis.name,
         "forces": force_parameters(axis),
-        "acting": "late" if drive else force,
+        "acting": ", ".join(forces),
         "n_state": dynamics.n_states,
         "n_sensors": len(axis.sensors),
+        "drives": len(paths),
         "cells": math.ceil(longest / shortest) + 3,
-        "lanes": (drive > 0) + len(late),
+        "lanes": sum(path.delay > 0 for path in paths) + len(late),
         "longest": longest,
         "shortest": shortest,
         "begin": "\n".join(["    if (!way->lane[0].count) {", lines(f"    {one}" for one in begin), "    }"]),

@@ -11,7 +11,7 @@ from symid.axis import Axis
 from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, SymbolicDynamics
-from symid.export.imperfect_terms import ACTING, NOW, Memory, added, sent
+from symid.export.imperfect_terms import NOW, Memory, acting, added, sent
 from symid.symbolic.expressions import READING, misread
 
 
@@ -20,7 +20,7 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     n, axis = len(dynamics.bodies), dynamics.axis
     x, v = state_symbols(n)
 
-    def lagging(_: int, memory: Memory) -> tuple[list[str], str]:
+    def lagging(_: str, memory: Memory) -> tuple[list[str], str]:
         return [f"d{memory.symbol} = {c_code(memory.rate)};"], str(memory.symbol)
 
     statements = [*clock(dynamics, "0.0"), *acting_force(dynamics, lagging)]
@@ -68,9 +68,9 @@ def state_symbols(n: int) -> tuple[sp.Matrix, sp.Matrix]:
 def smooth_force(dynamics: SymbolicDynamics) -> sp.Matrix:
     """B F + c - C v - K x with the acting forces F."""
     x, v = state_symbols(len(dynamics.bodies))
-    symbols = [ACTING] if acts_otherwise(dynamics) else [sp.Symbol(d.signal) for d in dynamics.axis.drives]
-    acting = sp.Matrix(symbols)
-    return dynamics.drives * acting + dynamics.constant - dynamics.damping * v - dynamics.stiffness * x
+    otherwise = acts_otherwise(dynamics)
+    forces = sp.Matrix([acting(d) if otherwise else sp.Symbol(d.signal) for d in dynamics.axis.drives])
+    return dynamics.drives * forces + dynamics.constant - dynamics.damping * v - dynamics.stiffness * x
 
 
 def sent_forces(axis: Axis) -> str:
@@ -84,9 +84,9 @@ def force_parameters(axis: Axis) -> str:
 
 
 def acts_otherwise(dynamics: SymbolicDynamics) -> bool:
-    """Whether the acting force differs from the commanded one."""
-    imperfect = dynamics.imperfect
-    return bool(imperfect.drive) or any(ACTING in joint.law.free_symbols for joint in imperfect.joints)
+    """Whether an acting force differs from the commanded one, or friction depends on it."""
+    symbols = set().union(*(joint.law.free_symbols for joint in dynamics.imperfect.joints))
+    return any(path.elements or acting(path.drive) in symbols for path in dynamics.imperfect.drives)
 
 
 def clock(dynamics: SymbolicDynamics, ahead: str) -> list[str]:
@@ -103,16 +103,21 @@ def clock(dynamics: SymbolicDynamics, ahead: str) -> list[str]:
 
 
 def acting_force(
-    dynamics: SymbolicDynamics, lag: Callable[[int, Memory], tuple[list[str], str]]
+    dynamics: SymbolicDynamics, lag: Callable[[str, Memory], tuple[list[str], str]]
 ) -> list[str]:
-    """Statements for the acting force; `lag` gives statements and value of a lagging force from its index and state."""
+    """Statements for the acting forces; `lag` gives those of a lag, and its value, from its place and state."""
     if not acts_otherwise(dynamics):
         return []
-    found = [f"double {ACTING} = {c_name(dynamics.axis.only_drive.signal)};"]
-    for i, (element, memory) in enumerate(dynamics.imperfect.drive):
-        before, value = ([], c_code(sent(element))) if memory is None else lag(i, memory)
-        first, *others = [*before, f"{ACTING} = {value};"]
-        found += [f"{first}  /* {type(element).__name__} */", *others]
+    found = list[str]()
+    for path in dynamics.imperfect.drives:
+        force = acting(path.drive)
+        found.append(f"double {force} = {c_name(path.drive.signal)};")
+        for i, (element, memory) in enumerate(path.elements):
+            before, value = (
+                ([], c_code(sent(element, path.drive))) if memory is None else lag(f"{force}{i}", memory)
+            )
+            first, *others = [*before, f"{force} = {value};"]
+            found += [f"{first}  /* {type(element).__name__} */", *others]
     return found
 
 

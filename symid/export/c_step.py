@@ -25,7 +25,7 @@ from symid.export.c_motion import (
     used_parameters,
 )
 from symid.export.dynamics import VELOCITY, SymbolicDynamics
-from symid.export.imperfect_terms import ACTING, NOW, Memory
+from symid.export.imperfect_terms import NOW, Memory, acting
 
 _LAW = """\
 /* Force of the laws in a joint against its motion. */
@@ -135,9 +135,9 @@ def step_function(dynamics: SymbolicDynamics) -> str:
     )
 
 
-def _lagging(place: int, memory: Memory) -> tuple[list[str], str]:
+def _lagging(place: str, memory: Memory) -> tuple[list[str], str]:
     """Statements for a lagging force, and its mean over the step."""
-    before = f"before{place}_"
+    before = f"before_{place}_"
     return (
         [f"const double {before} = {memory.symbol};", _follows(memory)],
         f"({before} + {memory.symbol})/2.0",
@@ -183,7 +183,8 @@ def _beyond(dynamics: SymbolicDynamics) -> list[tuple[str, str]]:
     found = []
     if any(memory.symbol in symbols for joint in dynamics.laws for memory in joint.memories):
         found.append(("const double x[]", "x"))
-    return [*found, *((f"double {s}", str(s)) for s in (ACTING, NOW) if s in symbols)]
+    inputs = (*map(acting, dynamics.axis.drives), NOW)
+    return [*found, *((f"double {s}", str(s)) for s in inputs if s in symbols)]
 
 
 def _joints(dynamics: SymbolicDynamics) -> str:

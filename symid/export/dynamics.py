@@ -14,7 +14,7 @@ from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Drive, Joint, Sensor
 from symid.errors import SettingError
-from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of, of_force
+from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of
 from symid.simulation.plant import condensed
 from symid.symbolic.forward_terms import ForwardTerms, Functional, forward_terms
 from symid.symbolic.lagrange import Kinematics
@@ -91,11 +91,6 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
     >>> dynamics.mass, dynamics.laws[0].force
     (Matrix([[M]]), Fs*sign(joint_v_))
     """
-    if len(axis.drives) > 1 and (disturbing := [e for e in axis.imperfections if of_force(e)]):
-        raise SettingError(
-            f"axis {axis.name!r} has several drives and {type(disturbing[0]).__name__}, which cannot be exported "
-            "together: leave it out"
-        )
     terms = forward_terms(axis)
     is_node = [not any(row) for row in terms.mass]
     imperfect = imperfections_of(axis, first=2 * is_node.count(False))

@@ -1,4 +1,4 @@
-"""Imperfections of an axis as expressions: in the drive, in time, with memory."""
+"""Imperfections of an axis as expressions: in its drives, in time, with memory."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from symid.axis import (
     ActuatorDelay,
     Axis,
     CoulombFriction,
+    Drive,
     DriveImperfection,
     Imperfection,
     JointImperfection,
@@ -28,13 +29,18 @@ from symid.symbolic.expressions import (
     parameter_symbol,
 )
 
-ACTING, NOW = sp.Symbol("force_"), sp.Symbol("now_")
-"""The acting force and the time in expressions; no name of a parameter ends with an underscore."""
+NOW = sp.Symbol("now_")
+"""The time in expressions; no name of a parameter ends with an underscore."""
+
+
+def acting(drive: Drive) -> sp.Symbol:
+    """The force of a drive that acts, in expressions."""
+    return sp.Symbol(f"force_{drive.signal}_")
 
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """State of an imperfection with memory: z(1) = gain - decay z, in `ACTING`, or in q and v of its joint."""
+    """State of an imperfection with memory: z(1) = gain - decay z, in the acting force, or in q and v of its joint."""
 
     name: str
     symbol: sp.Symbol  # the state in C
@@ -48,22 +54,28 @@ class Memory:
 
 
 class JointForce(NamedTuple):
-    """An imperfection in a joint: its force in terms of q, v, `ACTING`, `NOW` and the state of its memory."""
+    """An imperfection in a joint: its force in terms of q, v, acting forces, `NOW` and the state of its memory."""
 
     element: JointImperfection
     law: sp.Expr
     memory: Memory | None
 
 
+class DrivePath(NamedTuple):
+    """What is between the force that a drive is sent and the one that acts."""
+
+    drive: Drive
+    elements: tuple[tuple[DriveImperfection, Memory | None], ...]  # in signal-flow order, with their states
+    delay: float  # which follows them, s
+
+
 @dataclass(frozen=True, eq=False)
 class Imperfect:
     """The imperfections of an axis."""
 
-    # those of the drive except its delay, in signal-flow order, with their states
-    drive: tuple[tuple[DriveImperfection, Memory | None], ...]
+    drives: tuple[DrivePath, ...]
     joints: tuple[JointForce, ...]  # those that act as forces in joints
     memories: tuple[Memory, ...]  # all states, in order
-    delay: float  # delay of the drive, s
     changes: tuple[PayloadChange, ...]  # changes of masses over time
     clock: str  # C expression of the time, a state of the axis if anything depends on it; else empty
 
@@ -77,49 +89,48 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
     """The imperfections of an axis as expressions; `first` is the index of the first memory in the state."""
     memories: list[Memory] = []
 
-    def remembered(element: Imperfection) -> Memory | None:
+    def remembered(element: Imperfection, place: str, force: sp.Expr = FORCE) -> Memory | None:
         if not element.rate:
             return None
-        rate = sp.expand(imperfection_rate(element).xreplace({FORCE: ACTING}))
+        rate = sp.expand(imperfection_rate(element).xreplace({FORCE: force}))
         decay, symbol = -rate.coeff(MEMORY), sp.Symbol(f"x[{first + len(memories)}]")
-        place = joint_label(element.at) if isinstance(element, JointImperfection) else "drive"
         memories.append(Memory(f"z_{place}", symbol, sp.expand(rate + decay * MEMORY), decay))
         return memories[-1]
 
     def force(element: JointImperfection) -> JointForce:
-        law, memory = imperfection_law(element), remembered(element)
+        law, memory = imperfection_law(element), remembered(element, joint_label(element.at))
         if isinstance(element, PreslidingFriction):  # limited to the declared Coulomb level
             levels = [w for w in axis.laws if isinstance(w, CoulombFriction) and w.at == element.at]
             declared = sp.Add(*(parameter_symbol(w.named("level")) for w in levels))
             law = law / element.level * sp.Min(element.level, declared)
-        known = {FORCE: ACTING, TIME: NOW} | ({MEMORY: memory.symbol} if memory else {})
+        known = {FORCE: load, TIME: NOW} | ({MEMORY: memory.symbol} if memory else {})
         return JointForce(element, law.xreplace(known), memory)
 
-    passed = in_order(e for e in axis.elements if isinstance(e, DriveImperfection))
-    drive = tuple((e, remembered(e)) for e in passed if not isinstance(e, ActuatorDelay))
+    def path(drive: Drive) -> DrivePath:
+        passed, place = in_order(axis.imperfections_of(drive)), drive.signal if several else "drive"
+        late = sum(e.seconds for e in passed if isinstance(e, ActuatorDelay))
+        kept = (e for e in passed if not isinstance(e, ActuatorDelay))
+        return DrivePath(drive, tuple((e, remembered(e, place, acting(drive))) for e in kept), late)
+
+    several = len(axis.drives) > 1
+    # friction that grows with the load feels the sum of the sizes of all forces
+    load = sp.Add(*(sp.Abs(acting(d)) for d in axis.drives)) if several else acting(axis.only_drive)
+    drives = tuple(map(path, axis.drives))
     joints = tuple(force(e) for e in axis.elements if isinstance(e, JointImperfection))
     changes = tuple(e for e in axis.elements if isinstance(e, PayloadChange))
     is_timed = bool(changes) or any(NOW in joint.law.free_symbols for joint in joints)
     return Imperfect(
-        drive=drive,
+        drives=drives,
         joints=joints,
         memories=tuple(memories),
-        delay=sum(e.seconds for e in passed if isinstance(e, ActuatorDelay)),
         changes=changes,
         clock=f"x[{first + len(memories)}]" if is_timed else "",
     )
 
 
-def of_force(element: Imperfection) -> bool:
-    """Whether an imperfection is in the drive, or a law that depends on the drive force."""
-    return isinstance(element, DriveImperfection) or (
-        isinstance(element, JointImperfection) and FORCE in imperfection_law(element).free_symbols
-    )
-
-
-def sent(element: DriveImperfection) -> sp.Expr:
-    """Output force of an imperfection in the drive, in terms of its input force `ACTING`."""
-    return imperfection_law(element).xreplace({FORCE: ACTING})
+def sent(element: DriveImperfection, drive: Drive) -> sp.Expr:
+    """Output force of an imperfection in a drive, in terms of its input force."""
+    return imperfection_law(element).xreplace({FORCE: acting(drive)})
 
 
 def added(change: PayloadChange) -> sp.Symbol:

@@ -93,14 +93,13 @@ class _Writer:
         self.axis, self.machine, self.timestep = axis, machine, timestep
         self.tendons: dict[Path, str] = {}
         self.losses = [*machine.losses, *losses_of_signals(axis)]
-        # Of the imperfections, MuJoCo has delay, limit and one lag of the drive.
-        lags = sorted(
-            (e for e in axis.imperfections if isinstance(e, ActuatorLag)), key=lambda lag: lag.seconds
-        )
-        self.losses += [
-            f"ActuatorLag: MuJoCo has one for each actuator, the slowest; left out: {lag.formula}."
-            for lag in lags[:-1]
-        ]
+        # Of the imperfections, MuJoCo has delay, limit and one lag of each drive.
+        for drive in axis.drives:
+            lags = (e for e in axis.imperfections_of(drive) if isinstance(e, ActuatorLag))
+            self.losses += [
+                f"ActuatorLag: MuJoCo has one for each actuator, the slowest; left out: {lag.formula}."
+                for lag in sorted(lags, key=lambda lag: lag.seconds)[:-1]
+            ]
         self.losses += losses_of_imperfections(axis, "MuJoCo", (ActuatorDelay, ActuatorLag, ForceLimit))
         if any(p.frictionloss for p in machine.paths.values()):
             self.losses.append(_SOFT)

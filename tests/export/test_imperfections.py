@@ -92,7 +92,7 @@ def compiled(axis: Axis, folder: Path, values: dict[str, float] = RIGID) -> Comp
 def by_c(axis: Axis, folder: Path, values: dict[str, float] = RIGID, force: np.ndarray = FORCE) -> np.ndarray:
     """Readings by the compiled functions at the samples, of shape (sensors, samples)."""
     code, dynamics = compiled(axis, folder, values), symbolic_dynamics(axis)
-    late = bool(dynamics.imperfect.delay) or any(sensor.delay for sensor in axis.sensors)
+    late = any(path.delay for path in dynamics.imperfect.drives) or any(s.delay for s in axis.sensors)
     p, way = code.parameters(values), ctypes.create_string_buffer(10_000_000)
     x, y, change = np.zeros(dynamics.n_states), np.zeros(len(axis.sensors)), np.zeros(dynamics.n_states)
     code.library[f"{axis.name}_sensors"](x.ctypes, change.ctypes, y.ctypes)
