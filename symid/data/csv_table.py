@@ -23,6 +23,7 @@ from symid.data.layout import (
     layout_of_text,
     lines_of,
     uncommented,
+    without_footer,
 )
 from symid.data.table import (
     POLARS_FAILURES,
@@ -85,7 +86,8 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
         )
     headers = layout.headers(lines)
     row = fields(lines[skipped], layout.separator)
-    stamps = frozenset(i for i, text in enumerate(row) if is_stamp(text.strip(" \t\"'")))
+    # a day alone, in a column beside the time of day, does not tell samples apart
+    stamps = frozenset(i for i, text in enumerate(row) if ":" in text and is_stamp(text.strip(" \t\"'")))
     file = _Csv(path, layout.separator, max(len(headers), len(row)))
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
@@ -93,8 +95,7 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
             text = content().decode(layout.encoding).replace("\r\n", "\n").replace("\r", "\n")
         except UnicodeError as error:
             raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
-        text = text.split("\n", skipped)[-1].rstrip("\n")
-        text = text[:-4] if text.endswith("\nEOF") else text  # some writers mark the end of a file
+        text = without_footer(text.split("\n", skipped)[-1], layout.separator)
         if layout.separator == " ":
             text = "\n".join(" ".join(line.split()) for line in text.split("\n"))
         values = text.encode("utf-8", errors="replace")

@@ -191,18 +191,38 @@ def _table(lines: Sequence[str], separator: str) -> tuple[int, int] | None:
     widths = [_numbers(line, separator) for line in lines]
     for begin in range(len(widths) - _LEAST_ROWS + 1):
         run = widths[begin : begin + _LEAST_ROWS]
-        if run[0] > 1 and len(set(run)) == 1:
-            return run[0], begin
+        width = max(filled for _, filled in run)
+        if width > 1 and min(filled for _, filled in run) and len({whole for whole, _ in run}) == 1:
+            return width, begin
     return None
 
 
-def _numbers(line: str, separator: str) -> int:
-    """Number of fields of a line of numbers; 0 if one is anything else."""
+def _numbers(line: str, separator: str) -> tuple[int, int]:
+    """Fields of a line of numbers, all and those up to the last that is not blank; 0 if one is anything else.
+
+    A blank one at the end is a separator too many, or a sample that a slower channel lacks.
+    """
     texts = [text.strip() for text in fields(line, separator)]
-    if texts and not texts[-1]:
-        texts.pop()  # a separator at the end of the line
     comma = separator != ","
-    return len(texts) if texts and all(is_number_text(text, comma=comma) for text in texts) else 0
+    if not all(is_number_text(text, comma=comma) for text in texts):
+        return 0, 0
+    return len(texts), max((place for place, text in enumerate(texts, 1) if text), default=0)
+
+
+def without_footer(text: str, separator: str) -> str:
+    """Lines of values without those below them that hold a remark, such as ``EOF``: fewer fields, the first no number.
+
+    >>> without_footer("0;1,5\\n1;2,5\\n\\nSamples: 2", ";")
+    '0;1,5\\n1;2,5'
+    """
+    width = len(fields(text.split("\n", 1)[0], separator))
+    while True:
+        text = text.rstrip("\n")
+        above, _, last = text.rpartition("\n")
+        filled = [part.strip() for part in fields(last, separator) if part.strip()]
+        if not 0 < len(filled) < width or is_number_text(filled[0], comma=separator != ","):
+            return text
+        text = above
 
 
 def is_number_text(text: str, *, comma: bool) -> bool:
@@ -230,7 +250,7 @@ def _header(above: Sequence[str], separator: str, width: int) -> int | None:
             len(texts) < width
             or (separator == " " and len(texts) > width)
             or not filled
-            or _numbers(above[place], separator)
+            or any(_numbers(above[place], separator))
             or (nearest is not None and any(is_number_text(text, comma=separator != ",") for text in filled))
         ):
             break

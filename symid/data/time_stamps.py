@@ -11,14 +11,14 @@ import polars as pl
 from symid.arrays import FloatArray
 from symid.data.table import values_of
 
+_DATE: Final = r"(\d{4}[-/.]\d\d[-/.]\d\d|\d\d?[./]\d\d?[./]\d{4})"
+_OF_DAY: Final = r"\d\d?:\d\d(:\d\d([.,]\d{1,9})?)?"
 STAMP: Final = re.compile(
-    r"(\d{4}-\d\d-\d\d|\d\d\.\d\d\.\d{4})[T ]\d\d:\d\d(:\d\d([.,]\d{1,9})?)?\s?(Z|[+-]\d\d:?\d\d)?"
-    r"|\d\d:\d\d:\d\d([.,]\d{1,9})?"
+    rf"{_DATE}([T ]{_OF_DAY}\s?(Z|[+-]\d\d:?\d\d)?)?|\d\d:\d\d:\d\d([.,]\d{{1,9}})?"
 )
-"""ISO 8601 with a point or comma, the same with day, month and year between points, or a time of day."""
-_FORMATS: Final = tuple(
-    f"{day}T%H:%M{second}" for day in ("%Y-%m-%d", "%d.%m.%Y") for second in (":%S%.f", "")
-)
+"""A day with a time or without, as in ISO 8601 or with points or slashes, or a time of day."""
+_DAYS: Final = ("%Y-%m-%d", "%d.%m.%Y", "%Y/%m/%d", "%Y.%m.%d", "%m/%d/%Y", "%d/%m/%Y")
+_FORMATS: Final = tuple(f"{day}T%H:%M{second}" for day in _DAYS for second in (":%S%.f", ""))
 _DAY: Final = 86_400.0
 _ZONE: Final = r"\s?(Z|[+-]\d\d:?\d\d)$"
 
@@ -50,9 +50,12 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
         return None
     plain = written.str.replace(_ZONE, "").str.replace(",", ".", literal=True)
     plain = plain.str.replace(" ", "T", literal=True)
-    of_day = "T" not in str(plain[0])
+    first = str(plain[0])
+    of_day = ":" in first and "T" not in first
     if of_day:
         plain = "1970-01-01T" + plain
+    elif ":" not in first:
+        plain = plain + "T00:00"
     for form in _FORMATS:
         moments = plain.str.to_datetime(form, time_unit="ns", strict=False)
         if not moments.has_nulls():

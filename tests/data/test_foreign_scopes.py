@@ -101,3 +101,33 @@ def test_cells_of_a_sheet_that_are_text_are_numbers(tmp_path: Path) -> None:
     time, way = open_table(tmp_path / "p.xlsx").read([0, 1])
     assert np.asarray(time) == pytest.approx(1e3 * T, abs=0.051)
     assert np.asarray(way) == pytest.approx(Q, abs=1e-6)
+
+
+def test_a_slower_channel_may_lack_every_other_sample(tmp_path: Path) -> None:
+    rows = [f"{t:.6f};{q:.6f};{i if i % 2 else ''}" for i, (t, q) in enumerate(zip(T, Q, strict=True), 1)]
+    path = tmp_path / "slow.csv"
+    path.write_text("\n".join(["Time [s];Position [m];Current [A]", *rows]) + "\n")
+    assert list(guessed(path)) == ["Time [s]", "Position [m]", "Current [A]"]
+    (current,) = open_table(path, guessed_layout(path)).read([2])
+    np.testing.assert_array_equal(current[::2], np.arange(1, T.size + 1, 2))
+    assert np.isnan(current[1::2]).all()
+
+
+def test_remarks_below_the_values_are_no_values(tmp_path: Path) -> None:
+    path = written(tmp_path / "foot.csv", ["Zeit [s];Weg [mm];"], "{t:.6f};{q:.6f};")
+    path.write_text(path.read_text() + "\nMesswerte: 40\n\nEnde;\n")
+    assert guessed(path)["Weg [mm]"] == ("position", "mm")
+    (q,) = open_table(path, guessed_layout(path)).read([1])
+    np.testing.assert_allclose(q, Q, atol=1e-6)
+
+
+@pytest.mark.parametrize("day", ["21.11.2026", "2026/11/21", "11/21/2026"])
+@pytest.mark.parametrize("between", [";", " "])
+def test_day_and_time_are_in_one_column_or_two(day: str, between: str, tmp_path: Path) -> None:
+    head = f"Datum{between}Zeit;Position [mm]"
+    path = written(tmp_path / "d.csv", [head], f"{day}{between}09:59:59.{{i:06d}};{{q:.6f}}")
+    table = open_table(path, guessed_layout(path))
+    times = [place for place, column in enumerate(foreign_columns(table)) if column.quantity == "time"]
+    assert times == [int(between == ";")]
+    (seconds,) = table.read(times)
+    np.testing.assert_allclose(seconds, 1e-6 * np.arange(T.size), atol=1e-9)
