@@ -210,10 +210,10 @@ def _numbers(line: str, separator: str) -> tuple[int, int]:
 
 
 def without_footer(text: str, separator: str) -> str:
-    """Lines of values without those below them that hold a remark, such as ``EOF``: fewer fields, the first no number.
+    r"""Lines of values without those below them that hold a remark, such as ``EOF``: fewer fields, the first no number.
 
-    >>> without_footer("0;1,5\\n1;2,5\\n\\nSamples: 2", ";")
-    '0;1,5\\n1;2,5'
+    >>> without_footer("0;1,5\n1;2,5\n\nSamples: 2", ";")
+    '0;1,5\n1;2,5'
     """
     width = len(fields(text.split("\n", 1)[0], separator))
     while True:

@@ -13,9 +13,7 @@ from symid.data.table import values_of
 
 _DATE: Final = r"(\d{4}[-/.]\d\d[-/.]\d\d|\d\d?[./]\d\d?[./]\d{4})"
 _OF_DAY: Final = r"\d\d?:\d\d(:\d\d([.,]\d{1,9})?)?"
-STAMP: Final = re.compile(
-    rf"{_DATE}([T ]{_OF_DAY}\s?(Z|[+-]\d\d:?\d\d)?)?|\d\d:\d\d:\d\d([.,]\d{{1,9}})?"
-)
+STAMP: Final = re.compile(rf"{_DATE}([T ]{_OF_DAY}\s?(Z|[+-]\d\d:?\d\d)?)?|\d\d:\d\d:\d\d([.,]\d{{1,9}})?")
 """A day with a time or without, as in ISO 8601 or with points or slashes, or a time of day."""
 _DAYS: Final = ("%Y-%m-%d", "%d.%m.%Y", "%Y/%m/%d", "%Y.%m.%d", "%m/%d/%Y", "%d/%m/%Y")
 _FORMATS: Final = tuple(f"{day}T%H:%M{second}" for day in _DAYS for second in (":%S%.f", ""))

@@ -156,7 +156,8 @@ class _Guess:
 
     def clock(self, sampling_period: float | None) -> None:
         """The column of the time, or the period of a file that has none."""
-        time = self.chosen("t", [c for c in self.free if c.quantity == "time"])
+        times = [c for c in self.free if c.quantity == "time"]
+        time = self.chosen("t", sorted(times, key=lambda c: c.unit is None))
         if time and time.unit:
             self.take("t", time)
         elif sampling_period is not None:

@@ -109,6 +109,71 @@ def test_matrices_are_their_columns(tmp_path: Path) -> None:
         np.testing.assert_array_equal(log["F"], F)
 
 
+def test_columns_of_an_array_have_the_names_and_units_that_stand_beside_it(tmp_path: Path) -> None:
+    rows = np.column_stack([T, 1e3 * Q, F])
+    with h5py.File(tmp_path / "named.h5", "w") as file:
+        file["data"] = rows
+        file["data"].attrs["columns"], file["data"].attrs["units"] = ["t", "q", "F"], ["s", "mm", "N"]
+    with h5py.File(tmp_path / "pandas.h5", "w") as file:
+        file["df/axis1"], file["df/block0_values"] = np.arange(N), rows
+        file["df/block0_items"] = np.array([b"t", b"q [mm]", b"F"])
+    fields = np.zeros(N, dtype=[("t", "f8"), ("q [mm]", "f8"), ("F", "f8")])
+    fields["t"], fields["q [mm]"], fields["F"] = rows.T
+    np.savez(tmp_path / "fields.npz", log=fields)
+    np.save(tmp_path / "fields.npy", fields)
+    for name in ("named.h5", "pandas.h5", "fields.npz", "fields.npy"):
+        log = read_log(tmp_path / name, expected=EXPECTED)
+        np.testing.assert_allclose(log["q"], Q, atol=1e-12)
+        np.testing.assert_array_equal(log["F"], F)
+
+
+def by_index(values: np.ndarray) -> dict[str, float]:
+    return {str(i): value for i, value in enumerate(values.tolist())}
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"t": by_index(T), "q [mm]": by_index(1e3 * Q), "F": by_index(F)},  # DataFrame.to_json of pandas
+        [
+            {"name": n, "unit": u, "values": x.tolist()}
+            for n, u, x in (("t", "s", T), ("q", "m", Q), ("F", "N", F))
+        ],
+        {
+            "t": T.tolist(),
+            "q": {"unit": "mm", "data": (1e3 * Q).tolist()},
+            "F": {"data": F.tolist(), "unit": "N"},
+        },
+    ],
+)
+def test_signals_of_json_are_records_or_columns(content: object, tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text(json.dumps(content))
+    log = read_log(tmp_path / "a.json", expected=EXPECTED)
+    np.testing.assert_allclose(log["q"], Q, atol=1e-12)
+    np.testing.assert_array_equal(log["F"], F)
+
+
+def test_signals_of_a_recording_have_the_clock_that_they_refer_to(tmp_path: Path) -> None:
+    """Two rasters of ControlDesk, and two scopes of Simulink."""
+    xs, ys = np.empty((1, 2), dtype=object), np.empty((1, 2), dtype=object)
+    xs[0, 0], xs[0, 1] = {"Name": "fast", "Data": T}, {"Name": "slow", "Data": T[::2]}
+    ys[0, 0] = {"Name": "Model/q", "Data": 1e3 * Q, "Unit": "mm", "XIndex": 1}
+    ys[0, 1] = {"Name": "Model/F", "Data": F[::2], "Unit": "N", "XIndex": 2}
+    scipy.io.savemat(tmp_path / "dspace.mat", {"rec": {"X": xs, "Y": ys}}, do_compression=True)
+    scopes = {
+        name: {"time": t, "signals": {"values": x, "label": label}}
+        for name, t, x, label in (("a", T, 1e3 * Q, "Model/q [mm]"), ("b", T[::2], F[::2], "Model/F"))
+    }
+    scipy.io.savemat(tmp_path / "simulink.mat", scopes, do_compression=True)
+    columns = {"q": "Model/q", "F": "Model/F"}
+    for name in ("dspace.mat", "simulink.mat"):
+        with pytest.raises(LogError, match="has other times than"):
+            read_log(tmp_path / name, expected=EXPECTED, columns=columns)
+        log = read_log(tmp_path / name, expected=EXPECTED, columns=columns, resample="own")
+        assert log.sampling_period == pytest.approx(PERIOD)
+        np.testing.assert_allclose(log["F"], F[: log.n_samples], atol=1e-3)
+
+
 def test_names_that_repeat_are_whole_paths(tmp_path: Path) -> None:
     scipy.io.savemat(tmp_path / "two.mat", {"a": {"q": Q}, "b": {"q": Q}, "t": T}, do_compression=True)
     assert set(open_table(tmp_path / "two.mat").headers) == {"a.q", "b.q", "t"}
@@ -128,7 +193,7 @@ def test_a_library_that_is_missing_is_named_with_its_extra(
 
 
 def test_results_and_settings_in_a_folder_are_no_logs() -> None:
-    assert set(SUFFIXES) - set(FOLDER_SUFFIXES) == {".json", ".npz", ".xls", ".ods"}
+    assert set(SUFFIXES) - set(FOLDER_SUFFIXES) == {".json", ".npz", ".npy", ".xls", ".ods"}
 
 
 @pytest.mark.parametrize(

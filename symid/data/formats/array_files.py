@@ -1,4 +1,4 @@
-"""Arrays by name: MATLAB files with structs of Simulink and dSPACE, version 7.3 as the HDF5 file that it is; NPZ."""
+"""Arrays by name: MATLAB files with structs of Simulink and dSPACE, version 7.3 as HDF5; files of NumPy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import warnings
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
@@ -15,15 +15,22 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from symid.data.formats.channels import Channel, columns_of, short_names, table_of_arrays, table_of_channels
+from symid.data.formats.channels import (
+    Channel,
+    columns_of,
+    described,
+    short_names,
+    table_of_arrays,
+    table_of_channels,
+)
 from symid.data.formats.hdf5 import MAGIC, open_hdf5, values_behind_references
 from symid.data.formats.matlab_objects import may_hold_objects, with_objects
 from symid.data.formats.separate import answer, channels_apart
 from symid.data.table import Table, first_line, parsing, require_memory
 from symid.errors import LogError
 
-_VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name")
-"""Field names of Simulink and dSPACE for the samples of a signal and for its name."""
+_SIMULINK, _DSPACE = ("time", "signals"), ("X", "Y")
+"""Fields of a recording of Simulink and of dSPACE: times, and signals."""
 _DEEPEST = 12
 _COMPRESSED = 15
 """Type of an element of a MATLAB file that is compressed."""
@@ -105,10 +112,9 @@ def _channels(path: Path, memory: int | None) -> list[Channel]:
 
 def _as_channels(variables: Mapping[str, object]) -> list[Channel]:
     """Columns of all arrays of numbers, with times where a time series gives them."""
-    no_times = Channel("", "", np.zeros(0), np.zeros(0))
     paths, channels = [], []
     for names, leaf in _leaves(variables):
-        channel = leaf if isinstance(leaf, Channel) else replace(no_times, values=leaf)
+        channel = _channel(leaf)
         if channel.values.size == 1:
             continue
         paths.append((*names[:-1], channel.name) if channel.name else names)
@@ -120,6 +126,38 @@ def _as_channels(variables: Mapping[str, object]) -> list[Channel]:
     ]
 
 
+def _channel(leaf: _Leaf) -> Channel:
+    return leaf if isinstance(leaf, Channel) else Channel("", "", np.zeros(0), leaf)
+
+
+def _recording(value: Mapping[str, object], names: tuple[str, ...]) -> list[tuple[tuple[str, ...], Channel]]:
+    """Signals of a recording with their times: Simulink's ``time``, or that of dSPACE's ``X`` which one refers to."""
+    if all(field in value for field in _SIMULINK):
+        times, signals = [value["time"]], _listed(value["signals"])
+    elif all(field in value for field in _DSPACE):
+        times = [one.get("Data") if isinstance(one, Mapping) else None for one in _listed(value["X"])]
+        signals = _listed(value["Y"])
+    else:
+        return []
+    found = []
+    for i, signal in enumerate(signals):
+        place = signal.get("XIndex", 1) if isinstance(signal, Mapping) else 1
+        time = times[int(place) - 1] if np.size(place) == 1 and 0 < int(place) <= len(times) else None
+        for path, leaf in _leaves(signal, (*names, f"signal {i + 1}")):
+            channel = _channel(leaf)
+            if not isinstance(time, np.ndarray) or time.size not in channel.values.shape:
+                return []
+            found.append((path, replace(channel, time=np.ravel(time).astype(np.float64))))
+    return found
+
+
+def _listed(value: object) -> list[object]:
+    """Items of a list or of an array of structs; a struct alone is one."""
+    if isinstance(value, Mapping):
+        return [value]
+    return list(np.ravel(np.array(value, dtype=object))) if isinstance(value, (list, np.ndarray)) else []
+
+
 def _leaves(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], _Leaf]]:
     """Arrays of numbers and time series in nested structs, with the names that lead to them."""
     if len(names) > _DEEPEST or isinstance(value, scipy.io.matlab.MatlabFunction):
@@ -127,16 +165,21 @@ def _leaves(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[
     if isinstance(value, Channel):
         yield names, value
     elif isinstance(value, Mapping):
-        labels = (value[key] for key in _NAMES if isinstance(value.get(key), str) and value[key])
-        own = next(labels, None)
+        own, clocked = described(value, names), _recording(value, names)
+        yield from clocked
         for key, inner in value.items():
-            labelled = own is not None and key in _VALUES
-            yield from _leaves(inner, (*names, str(own)) if labelled else (*names, str(key)))
+            if clocked and key in (*_SIMULINK, *_DSPACE):
+                continue
+            if own is None or key != own[0]:
+                yield from _leaves(inner, (*names, str(key)))
+            else:
+                yield from (
+                    (path, replace(_channel(leaf), unit=own[2])) for path, leaf in _leaves(inner, own[1])
+                )
     elif isinstance(value, np.ndarray) and value.dtype.kind in "biufc" and value.dtype.names is None:
         yield names, value
-    elif isinstance(value, (list, np.ndarray)) and (isinstance(value, list) or value.dtype == object):
-        items: Sequence[object] = list(np.ravel(np.array(value, dtype=object))) if len(value) else []
-        for i, inner in enumerate(items):
+    elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
+        for i, inner in enumerate(_listed(value)):
             yield from _leaves(inner, (*names[:-1], f"{names[-1]}({i + 1})") if names else (str(i + 1),))
 
 
@@ -149,13 +192,16 @@ def _require_memory_for(path: Path, memory: int | None) -> None:
     require_memory(sum(math.prod(map(int, shape)) for _, shape, _ in listed), memory)
 
 
-def open_npz(path: Path, memory: int | None = None) -> Table:
-    """Table in an NPZ file; objects in it are not loaded, they could run code.
+def open_numpy(path: Path, memory: int | None = None) -> Table:
+    """Table in an NPZ or NPY file; objects in it are not loaded, they could run code.
 
     LogError if it is damaged, or holds objects.
     """
     failures = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError)
-    with parsing(path, "NPZ", *failures):
+    with parsing(path, path.suffix[1:].upper(), *failures):
+        if path.suffix.lower() == ".npy":
+            require_memory(path.stat().st_size // 8, memory)
+            return table_of_arrays({"data": np.load(path, allow_pickle=False)})
         with zipfile.ZipFile(path) as archive:
             require_memory(sum(entry.file_size for entry in archive.infolist()) // 8, memory)
         with np.load(path, allow_pickle=False) as arrays:

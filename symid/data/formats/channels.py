@@ -15,6 +15,9 @@ from symid.data.columns import TIME
 from symid.data.table import Table
 
 _NUMBERS, _MOST_COLUMNS = "biufc", 32  # kinds of NumPy; signals in the columns of one array
+_VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name")
+UNITS = ("unit", "units", "Unit", "Units")
+"""Names of the fields that programs write for the samples of a signal, for its name and for its unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +36,25 @@ class Channel:
     def header(self) -> str:
         """Header of the column: name and unit."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+def described(record: Mapping[str, Any], names: tuple[str, ...]) -> tuple[str, tuple[str, ...], str] | None:
+    """Field of the samples in a record of one signal, the names of the signal, and its unit; None of other records.
+
+    `names` are those that lead to the record.
+
+    >>> described({"unit": "mm", "values": [0, 1]}, ("run", "position"))
+    ('values', ('run', 'position'), 'mm')
+    >>> described({"position": [0, 1]}, ("run",))
+    """
+    name, unit = (_text_of(record, fields) for fields in (_NAMES, UNITS))
+    field = next((field for field in _VALUES if field in record), None)
+    path = (*names, name) if name else names
+    return (field, path, unit) if field and path and (name or unit) else None
+
+
+def _text_of(record: Mapping[str, Any], fields: Sequence[str]) -> str:
+    return next((str(record[f]) for f in fields if isinstance(record.get(f), str) and record[f]), "")
 
 
 def vector(array: npt.NDArray[Any]) -> FloatArray | str:
@@ -61,7 +83,12 @@ def table_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> Table:
     ('t', 'data(:,1)', 'data(:,2)')
     """
     columns: dict[str, npt.NDArray[Any]] = {}
-    for name, array in arrays.items():
+    fields = {
+        (name, *((field,) if field else ())): array[field] if field else array
+        for name, array in arrays.items()
+        for field in array.dtype.names or ("",)
+    }
+    for name, array in zip(short_names(list(fields)), fields.values(), strict=True):
         columns.update(columns_of(name, array))
     headers = tuple(columns)
     return Table(headers, lambda positions: [vector(columns[headers[position]]) for position in positions])

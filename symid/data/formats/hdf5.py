@@ -10,13 +10,14 @@ from typing import Any, Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.formats.channels import are_columns, short_names, vector
+from symid.data.formats.channels import UNITS, are_columns, short_names, vector
 from symid.data.formats.extra import required
 from symid.data.table import Table, parsing, require_memory
 
 MAGIC: Final = b"\x89HDF\r\n\x1a\n"
 """Signature of HDF5 files, after an optional user block."""
-_UNITS: Final = ("unit", "units", "Unit", "Units")
+_TITLES: Final = ("columns", "names", "labels", "channels", "column_names")
+"""Attributes that name the columns of an array."""
 
 
 def open_hdf5(path: Path, memory: int | None = None) -> Table:
@@ -60,13 +61,12 @@ class _Vector:
     size: int
     place: int | str | None = None
     rows_first: bool = True
+    title: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of groups, array and column."""
-        if self.place is None:
-            return self.path
-        return (*self.path, str(self.place + 1) if isinstance(self.place, int) else self.place)
+        return (*self.path, self.title) if self.title else self.path
 
     def read(self, file: Any) -> FloatArray | str:
         """Values of the vector or column."""
@@ -85,14 +85,21 @@ def _vectors(file: Any, h5py: Any) -> list[_Vector]:
             return
         if "MATLAB_object_decode" in item.attrs:  # refers to an object
             return
-        path, unit = tuple(name.split("/")), _unit(item)
+        path, units = tuple(name.split("/")), _texts(item, UNITS)
+        unit = units[0] if len(units) == 1 else ""
         if item.dtype.names:
             numbers = [field for field in item.dtype.names if item.dtype[field].kind in "biuf"]
-            found.extend(_Vector(path, "", item.size, field) for field in numbers if item.ndim == 1)
+            found.extend(
+                _Vector(path, "", item.size, field, title=field) for field in numbers if item.ndim == 1
+            )
         elif item.dtype.kind in "biuf" and item.attrs.get("MATLAB_class", b"") not in (b"char", b"cell"):
             long, narrow = max(item.shape), min(item.shape)
             if are_columns(item.shape):
-                found.extend(_Vector(path, unit, long, j, item.shape[0] == long) for j in range(narrow))
+                titles = _texts(item, _TITLES) or _items_of_pandas(file, name)
+                for j in range(narrow):
+                    own = units[j] if len(units) == narrow else unit
+                    title = titles[j] if len(titles) == narrow else str(j + 1)
+                    found.append(_Vector(path, own, long, j, item.shape[0] == long, title))
             else:
                 found.append(_Vector(path, unit, item.size))
 
@@ -100,11 +107,23 @@ def _vectors(file: Any, h5py: Any) -> list[_Vector]:
     return found
 
 
-def _unit(item: Any) -> str:
+def _texts(item: Any, attributes: Sequence[str]) -> list[str]:
+    """Texts of the first of these attributes that a dataset has."""
     try:
-        given = next((item.attrs[name] for name in _UNITS if name in item.attrs), "")
+        given = next((item.attrs[name] for name in attributes if name in item.attrs), ())
     except (OSError, TypeError):  # an attribute of a kind that h5py does not read
-        return ""
-    if isinstance(given, bytes):
-        return given.decode("utf-8", "replace")
-    return str(given) if isinstance(given, str) else ""
+        return []
+    return _as_texts(given)
+
+
+def _items_of_pandas(file: Any, name: str) -> list[str]:
+    """Names of the columns of an array that pandas wrote, which stand in an array beside it."""
+    beside = f"{name.removesuffix('_values')}_items"
+    items = file[beside] if name.endswith("_values") and beside in file else None
+    return _as_texts(items[()]) if items is not None and getattr(items, "ndim", 0) == 1 else []
+
+
+def _as_texts(given: Any) -> list[str]:
+    values = np.ravel(np.asarray(given, dtype=object)).tolist()
+    texts = [value.decode("utf-8", "replace") if isinstance(value, bytes) else value for value in values]
+    return texts if all(isinstance(text, str) for text in texts) else []

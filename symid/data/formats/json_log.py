@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from symid.data.formats.channels import short_names, table_of_arrays
+from symid.data.formats.channels import described, short_names, table_of_arrays
 from symid.data.table import Table, parsing, require_memory
 from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
@@ -64,10 +64,24 @@ def _columns(value: object, names: tuple[str, ...]) -> Iterator[tuple[tuple[str,
             named = [str(header) for header in headers]
             yield from _records([dict(zip(named, row, strict=True)) for row in rows or ()], names)
             return
+        if value and all(str(key).isdecimal() for key in value):  # as pandas writes a column, by its index
+            yield from _columns(list(value.values()), names)
+            return
+        own = described(value, names)
         for name, inner in value.items():
-            yield from _columns(inner, (*names, str(name)))
+            if own is None or name != own[0]:
+                yield from _columns(inner, (*names, str(name)))
+            else:
+                for (*path, last), array in _columns(inner, own[1]):
+                    yield (*path, f"{last} [{own[2]}]" if own[2] else last), array
     elif isinstance(value, list) and value and isinstance(value[0], Mapping):
-        yield from _records([one for one in value if isinstance(one, Mapping)], names)
+        records = [one for one in value if isinstance(one, Mapping)]
+        own = described(records[0], names)
+        if own is None or not isinstance(records[0][own[0]], list):
+            yield from _records(records, names)
+        else:  # one for each signal
+            for record in records:
+                yield from _columns(record, names)
     elif isinstance(value, list) and value:
         numbers = _numbers(value)
         if numbers is not None:

@@ -16,7 +16,7 @@ from typing import Final, TypeAlias
 from symid.data.columns import TIME, split_unit
 from symid.data.csv_table import open_csv, open_gzipped, open_laid_out
 from symid.data.foreign import foreign_columns
-from symid.data.formats.array_files import open_matlab, open_npz
+from symid.data.formats.array_files import open_matlab, open_numpy
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.columnar import open_feather, open_parquet
 from symid.data.formats.excel import open_excel
@@ -116,7 +116,8 @@ READERS: Final[Mapping[str, Reader]] = MappingProxyType(
         ".xlsx": open_excel,
         ".xls": open_excel,
         ".ods": open_excel,
-        ".npz": open_npz,
+        ".npz": open_numpy,
+        ".npy": open_numpy,
         ".json": open_json,
         ".jsonl": open_json_lines,
         ".ndjson": open_json_lines,
@@ -126,7 +127,7 @@ READERS: Final[Mapping[str, Reader]] = MappingProxyType(
 
 SUFFIXES: Final = tuple(READERS)
 """Suffixes of files that can be read."""
-FOLDER_SUFFIXES: Final = tuple(s for s in SUFFIXES if s not in (".json", ".npz", ".xls", ".ods"))
+FOLDER_SUFFIXES: Final = tuple(s for s in SUFFIXES if s not in (".json", ".npz", ".npy", ".xls", ".ods"))
 """Suffixes that count as logs in a folder; other files often hold results and settings."""
 
 
