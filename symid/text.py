@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Final
 
 _UNSEEN: Final = re.compile(
@@ -49,13 +49,24 @@ def counted(count: int, one: str, many: str = "") -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
-def spoken(name: str, at: str = "") -> str:
-    """The name of an effect or a status in words, with its place if one is given.
+def listed(names: Sequence[str], conjunction: str = "and") -> str:
+    """Names in words.
 
-    >>> spoken("stribeck_friction", "motor")
-    'stribeck friction at motor'
+    >>> listed(["Mb", "K1", "K2"]), listed(["Mb", "K1"], "or"), listed(["Mb"])
+    ('Mb, K1 and K2', 'Mb or K1', 'Mb')
     """
-    return name.replace("_", " ") + (f" at {at}" if at else "")
+    *others, last = names
+    return f"{', '.join(others)} {conjunction} {last}" if others else last
+
+
+def spoken(name: str, at: str = "") -> str:
+    """The name of an effect or a status in words, with its place if one is given that the name does not say.
+
+    >>> spoken("stribeck_friction", "motor"), spoken("actuator_lag", "actuator")
+    ('stribeck friction at motor', 'actuator lag')
+    """
+    words = name.replace("_", " ")
+    return f"{words} at {at}" if at and at not in words.split() else words
 
 
 def similar(name: str, names: Collection[str]) -> str:

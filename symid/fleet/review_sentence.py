@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from symid.fleet.results import UNKNOWN, EffectCount
-from symid.text import counted, spoken
+from symid.text import counted, listed, spoken
 
 if TYPE_CHECKING:
     from symid.fleet.review import AxisReview
@@ -58,5 +58,4 @@ def _names(names: Sequence[str]) -> str:
     >>> _names(["M"]), _names(["M", "Fv"]), _names(["M", "Fv", "Fs", "Kt", "D"])
     ('M', 'M and Fv', 'M, Fv, Fs and 2 more')
     """
-    listed = [*names[:3], f"{len(names) - 3} more"] if len(names) > 3 else list(names)
-    return " and ".join([", ".join(listed[:-1]), listed[-1]] if len(listed) > 1 else listed)
+    return listed([*names[:3], f"{len(names) - 3} more"] if len(names) > 3 else names)

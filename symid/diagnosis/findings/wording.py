@@ -10,7 +10,7 @@ from symid.diagnosis.findings.found_effects import Alternative, FoundEffect, Par
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
-from symid.text import spoken
+from symid.text import listed, spoken
 
 _ADVICE = {
     "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag differ",
@@ -93,7 +93,7 @@ def of_doubtful_values(found: Diagnosis) -> str:
 
 
 def _values(parameters: Sequence[ParameterChange]) -> str:
-    return _listed([f"{p.name} = {p.explained:.3g} {p.unit}" for p in parameters])
+    return listed([f"{p.name} = {p.explained:.3g} {p.unit}" for p in parameters])
 
 
 def _lacking(effects: Sequence[FoundEffect]) -> str:
@@ -102,11 +102,9 @@ def _lacking(effects: Sequence[FoundEffect]) -> str:
     doubt = effects[0].indistinguishable_from
     lacks = "lacks" if effects[0].probability_with_ties > _LIKELY else "may lack"
     if doubt:
-        *others_like_it, last = (spoken(*key) for key in doubt)
-        rest = ", ".join(others_like_it)
-        either = f"{rest} or {last}" if rest else last
+        either = listed([spoken(*key) for key in doubt], "or")
         first += f" (or {either}: this log does not distinguish them)"
-    return f"{lacks} {' and '.join([first, *further])}"
+    return f"{lacks} {listed([first, *further])}"
 
 
 def of_motion(found: Diagnosis) -> str:
@@ -127,7 +125,7 @@ def of_motion(found: Diagnosis) -> str:
 
 def rejection(found: Diagnosis) -> str:
     """Sentence on effects that would close the gap of the force, but against which the simulated motion speaks."""
-    named = _listed([spoken(effect.effect, effect.at) for effect in found.effects])
+    named = listed([spoken(effect.effect, effect.at) for effect in found.effects])
     share = 100 * (1 - found.gap.unexplained_share)
     return f"Rejected: {named} would remove {share:.0f} % of the excess of the force.{of_motion(found)}"
 
@@ -141,7 +139,7 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
     shrinks = f": with the machine's, the force error falls{before} to {_size(gap, gap.explained.rms)}."
     parts = []
     if found.effects:
-        parts.append("lacks " + " and ".join(spoken(e.effect, e.at) for e in found.effects))
+        parts.append("lacks " + listed([spoken(e.effect, e.at) for e in found.effects]))
     if surplus:
         parts.append(f"has {' and '.join(surplus)}, which the machine does not have")
     if apart and found.verdict != "no_gap":
@@ -171,16 +169,6 @@ def _size(gap: Gap, rms: float) -> str:
     return f"{rms:.3g} {gap.unit} ({multiple:{'.1f' if multiple >= 0.1 else '.1g'}} times the noise)"
 
 
-def _listed(names: Sequence[str]) -> str:
-    """Names in words.
-
-    >>> _listed(["Mb", "K1", "K2"])
-    'Mb, K1 and K2'
-    """
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else last
-
-
 def next_experiment(
     verdict: Verdict,
     effects: Sequence[FoundEffect],
@@ -193,7 +181,7 @@ def next_experiment(
     if verdict == "parameters":
         values = "Take over the re-identified values"
         if undetermined:
-            values += f" but {_listed(undetermined)}, which the sensors used do not separate"
+            values += f" but {listed(undetermined)}, which the sensors used do not separate"
         return f"{values}, and repeat the diagnosis on another motion."
     if verdict == "recording":
         return "Record the log again; until then, trust neither parameters nor effects."
