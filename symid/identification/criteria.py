@@ -18,6 +18,8 @@ class Criteria:
     # relative change of a parameter within a log that is called another machine, gain or payload: well above the
     # 10 % by which friction warms up, below the factors of the faults that were tried (20 % and more)
     change: float = 0.15
+    # the same of a mass or an inertia, which does not warm up: the one of all rows is off by half of it
+    inertia_change: float = 0.1
     # standard deviations of that change; 15 segments make 105 spans, and residuals are not normal
     change_certain: float = 6.0
     # part of the residual's power that separate parameters for the two parts must remove: a change that explains

@@ -21,6 +21,8 @@ from symid.identification.whitened import Segment
 _SEEN = 0.03
 """Part of the information on a direction that a span must hold to be compared in it."""
 _FEWEST = 4  # segments
+_INERTIAS = ("kg", "kg*m^2")
+"""Units of what does not change with temperature, unlike friction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,8 @@ class Change:
         size = np.maximum(np.abs(self.inside), np.abs(self.outside))
         units = np.array(list(model.minimal_units.values()))
         size = np.where(signed, [np.max(size[units == unit]) for unit in units], size)
-        certain = (moved > criteria.change_certain * self.deviations) & (moved > criteria.change * size)
+        least_change = np.where(np.isin(units, _INERTIAS), criteria.inertia_change, criteria.change)
+        certain = (moved > criteria.change_certain * self.deviations) & (moved > least_change * size)
         least = criteria.change_distorts if distorts else criteria.change_explains
         if self.explained < least or not certain.any():
             return ""
