@@ -162,6 +162,11 @@ def _show_columns(log: str, look: ForeignFile, *, numbered: bool = False) -> Non
         unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
         shown.add(*[str(place)] * numbered, column.header, what, unit, column.reason)
     console.print(shown)
+    described = {column.header for column in look.columns}
+    others = [place for place, header in enumerate(look.table.headers) if header and header not in described]
+    for place, values in zip(others, look.table.read(others), strict=True):
+        reason = values if isinstance(values, str) else "has no values"
+        console.print(f"left out: {look.table.headers[place]!r} {reason}", markup=False)
 
 
 def _show_mapping(log: str, mapping: LogMapping | None, options: dict[str, Any]) -> None:
