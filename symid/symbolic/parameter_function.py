@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import prod
@@ -97,14 +97,20 @@ class ParameterFunction:
 
     def __str__(self) -> str:
         """The expression. A long one is written term by term, since sympy would take minutes to sort it."""
-        if len(self.numerator) <= _LONG or not self.denominator.is_term:
+        if len(self.numerator) + len(self.denominator) <= _LONG:
             return str(self.expression)
         names, field = list(map(str, self.numerator.ring.symbols)), self.numerator.ring.domain
-        written = []
-        for (_, powers), c in self.monomials.items():
-            factors = [f"{n}**{p}" if p != 1 else n for n, p in zip(names, powers, strict=True) if p]
-            written.append("*".join(factors if c == 1 else [f"({field.to_sympy(c)})", *factors]))
-        return " + ".join(written)
+
+        def written(terms: Iterable[tuple[tuple[int, ...], Any]]) -> str:
+            texts = []
+            for powers, c in terms:
+                factors = [f"{n}**{p}" if p != 1 else n for n, p in zip(names, powers, strict=True) if p]
+                texts.append("*".join(factors if c == 1 else [f"({field.to_sympy(c)})", *factors]))
+            return " + ".join(texts)
+
+        if self.denominator.is_term:
+            return written((powers, c) for (_, powers), c in self.monomials.items())
+        return f"({written(self.numerator.terms())})/({written(self.denominator.terms())})"
 
     def unit(self, units: dict[str, Unit]) -> Unit:
         """Unit, from those of the physical parameters; numbers and known constants have none."""

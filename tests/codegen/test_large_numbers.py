@@ -1,5 +1,7 @@
 """Coefficients that doubles do not hold, as products of the decimals of many ratios and known values become."""
 
+from fractions import Fraction
+
 import pytest
 from sympy import QQ
 from sympy.polys.rings import PolyRing
@@ -36,3 +38,10 @@ def test_no_number_in_exported_code_has_more_digits_than_a_double():
         [MinimalParameter("X1", function, Unit())], [None, "x", "y"], c_code
     )
     assert max(map(len, (*(text for _, text in shared), *results))) < 100
+
+
+def test_a_long_quotient_of_polynomials_is_written_as_what_it_is():
+    above, below = (X + 2 * Y) ** 14 * (X - Y) ** 130 + X, (X + Y) ** 150 + 1
+    x, y = Fraction(3, 2), Fraction(-2, 3)
+    wanted = ((x + 2 * y) ** 14 * (x - y) ** 130 + x) / ((x + y) ** 150 + 1)
+    assert eval(str(ParameterFunction(above, below)), {"x": x, "y": y}) == wanted
