@@ -105,7 +105,9 @@ class ParameterFunction:
             texts = []
             for powers, c in terms:
                 factors = [f"{n}**{p}" if p != 1 else n for n, p in zip(names, powers, strict=True) if p]
-                texts.append("*".join(factors if c == 1 else [f"({field.to_sympy(c)})", *factors]))
+                texts.append(
+                    "*".join(factors if factors and c == 1 else [f"({field.to_sympy(c)})", *factors])
+                )
             return " + ".join(texts)
 
         if self.denominator.is_term:
