@@ -97,6 +97,9 @@ class Thresholds:
     # share of what a limit or a bent gain makes of the force that must differ from the course of the force: of a
     # sine cut to a fifth it is 0.016, of a force of two levels 0 (relay test of a cart, real)
     own_course: float = 0.01
+    # share of its stiffness that a spring loses within its play, at least: a smaller one imitates what else bends
+    # (a spring of MuJoCo whose damping the model lacked, 0.08)
+    least_play: float = 0.2
     # share of the mean square above that of noise up to which what is left speaks for an unusual size: a gain that
     # bends by most of it, a command that an integrator winds up to many times a limit
     explains_all: float = 0.01

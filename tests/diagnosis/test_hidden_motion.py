@@ -10,7 +10,7 @@ import scipy
 from symid.arrays import FloatArray
 from symid.axis import CoulombFriction, LoadDependentFriction, StiffnessNonlinearity, load_axis
 from symid.data import Log
-from symid.diagnosis.effects import Placed, effects_of
+from symid.diagnosis.effects import LIBRARY, Placed, effects_of
 from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect
 from symid.diagnosis.effects.presliding_friction import dahl_state
 from symid.diagnosis.fitting.fit import Fit
@@ -212,3 +212,16 @@ def test_motion_that_a_sensor_reads_is_integrated_on_demand_only() -> None:
     assert not can_integrate(prediction, friction)
     assert can_integrate(prediction, friction, read=True)
     assert not can_integrate(prediction, replace(friction, at="motor"), read=True)
+
+
+def test_a_play_within_which_a_spring_is_hardly_softer_is_none() -> None:
+    t = np.arange(4000) / 1000
+    log = Log("by hand", 0.0, 1e-3, {"qm": 0.05 * np.sin(7 * t), "Fm": 30 * np.cos(11 * t)})
+    values = {"Mm": 80.0, "Fvm": 80.0, "Fsm": 40.0, "Kt": 8e6, "Ft": 900.0, "Ml": 160.0, "Fvl": 100.0}
+    prediction = prediction_of(record_of(forward_dynamics(load_axis("ballscrew_2m1s")), log, 40.0), values)
+    backlash = next(effect for effect in LIBRARY if effect.name == "backlash")
+    possible = [
+        backlash.is_possible(prediction, Placed(backlash, "transmission", (2e-5,), (share * 8e6,)))
+        for share in (-0.1, 0.08, 0.5, 1.0)
+    ]
+    assert possible == [False, False, True, True]

@@ -1,6 +1,7 @@
 """The library of effects that a diagnosis considers."""
 
-from symid.axis import Cogging, PeriodicFriction
+from symid.axis import Backlash, Cogging, PeriodicFriction
+from symid.diagnosis.effects.backlash import BacklashEffect
 from symid.diagnosis.effects.declared_imperfections import (
     declared_effects,
     effects_of_element,
@@ -45,7 +46,9 @@ from symid.diagnosis.effects.signals import (
 )
 
 LIBRARY: tuple[Effect, ...] = (
-    *library_of_laws({Cogging: CoggingEffect, PeriodicFriction: PeriodicFrictionEffect}),
+    *library_of_laws(
+        {Backlash: BacklashEffect, Cogging: CoggingEffect, PeriodicFriction: PeriodicFrictionEffect}
+    ),
     PreslidingFrictionEffect(),
     LoadDependentFrictionEffect(),
     FrictionDriftEffect(coulomb=True, viscous=False),
