@@ -12,9 +12,8 @@ from sympy.printing.str import StrPrinter
 
 from symid.axis import Axis, Between, Body
 from symid.errors import SettingError
-from symid.export.exported import Exported, losses_of_imperfections
+from symid.export.exported import Exported, losses_of_imperfections, require_physical
 from symid.export.feedforward import ACCELERATION, POSITION, SPEED, feedforward
-from symid.simulation import plant_of
 
 _BLOCK = """\
 (* Feed-forward of axis {name}, exported by symid:
@@ -104,7 +103,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     Raises
     ------
     SettingError
-        If a mass is not positive, or the axis does not have exactly one motion without deflection or has a law that
+        If no machine has the values, or the axis does not have exactly one motion without deflection or has a law that
         the language cannot express.
 
     Examples
@@ -114,7 +113,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     >>> [line for line in exported.text.splitlines() if line.startswith("friction")]
     ['friction := Fs*direction + Fv*velocity;']
     """
-    plant_of(axis, values)  # refuses masses that are not positive
+    require_physical(axis, values)
     found, drive = feedforward(axis.without(*axis.imperfections)), axis.only_drive
     named = {name: _name(name, axis.physical_parameters) for name in axis.physical_parameters}
     losses = list(losses_of_imperfections(axis, "a feed-forward"))
