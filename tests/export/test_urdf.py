@@ -18,7 +18,7 @@ def read(name: str) -> mujoco.MjModel:
 
 @pytest.mark.parametrize("write", [target.write for target in TEXT_TARGETS.values()])
 def test_no_format_holds_a_mass_that_no_machine_has(write) -> None:
-    with pytest.raises(SettingError, match="of axis 'rigid_1m' (must not be negative|are not positive)"):
+    with pytest.raises(SettingError, match=r"of axis 'rigid_1m' (must not be negative|are not positive)"):
         write(load_axis("rigid_1m"), {"M": -5.0, "Fv": 1.0, "Fs": 1.0})
 
 
