@@ -22,7 +22,7 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
     n = pushed.size
     predicted, observed, forces, before = np.zeros(n), np.zeros(n), np.zeros((n_laws, n)), np.zeros(n_laws)
     x, rate, total, before_drive = 0.0, 0.0, 0.0, 0.0
-    free, free_rate, last_elastic = 0.0, 0.0, 0.0
+    off, off_rate, last_elastic = 0.0, 0.0, 0.0  # observed less predicted motion, which no force changes
     for i in range(n):
         last_total = total
         if i:  # the linear part is exact for inputs that are linear between two points
@@ -31,9 +31,9 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             ahead = transition[0, 0] * x + transition[0, 1] * rate + given - held[0] * total
             rate = transition[1, 0] * x + transition[1, 1] * rate + quickened - held[1] * total
             x = ahead
-            ahead = transition[0, 0] * free + transition[0, 1] * free_rate + given - held[0] * total
-            free_rate = transition[1, 0] * free + transition[1, 1] * free_rate + quickened - held[1] * total
-            free = ahead
+            ahead = transition[0, 0] * off + transition[0, 1] * off_rate
+            off_rate = transition[1, 0] * off + transition[1, 1] * off_rate
+            off = ahead
         elastic = by_state[0] * x + by_state[1] * rate
         drive = load[i] + elastic
         if i:
@@ -58,8 +58,6 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
         # Corrector: the change of the smooth forces rises linearly over the step.
         x -= rising[0] * (total - last_total)
         rate -= rising[1] * (total - last_total)
-        free -= rising[0] * (total - last_total)
-        free_rate -= rising[1] * (total - last_total)
         for j in range(n_laws):
             if dry[j]:
                 place, speed = (
@@ -73,16 +71,16 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
                 forces[j, i] = own = level if own > level else -level if own < -level else own
                 x -= held[0] * on_hidden[j] * own
                 rate -= held[1] * on_hidden[j] * own
-                free -= held[0] * on_hidden[j] * own
-                free_rate -= held[1] * on_hidden[j] * own
         if i:  # at the point before, where the dry friction is known by now
             unexplained = rest[i - 1] - last_elastic
             for j in range(n_laws):
                 acting = 0.5 * (forces[j, i - 1] + forces[j, i]) if dry[j] else forces[j, i - 1]
                 unexplained -= on_drive[j] * acting
-            x += gain[i - 1] * unexplained
+            correction = gain[i - 1] * unexplained
+            x += correction
+            off += correction
         last_elastic = elastic
-        predicted[i], observed[i] = free, x
+        predicted[i], observed[i] = x - off, x
     return predicted, observed, forces
 
 

@@ -118,9 +118,9 @@ def integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> li
 
 
 def _following(found: Sequence[Candidate], fit: Fit, confirmed: Mapping[Key, Confirmed]) -> list[Start]:
-    """Starts of dry friction whose motion follows the measured force; the laws of confirmed candidates come first."""
-    names = [own.effect.name for own in best_first(confirmed)]
-    likely = sorted(found, key=lambda c: c.placed.effect.name not in names[:1])
+    """Starts of dry friction whose motion follows the measured force; the law of the best candidate comes first."""
+    best = next(iter(best_first(confirmed)), None)
+    likely = sorted(found, key=lambda c: best is None or c.placed.effect.name != best.effect.name)
     starts = integrated([Start.of(fit, c.placed) for c in likely], fit, read=True)
     dry = (s for s in starts if is_dry(fit.state.prediction, s.placed))
     return [replace(s, placed=replace(s.placed, follows=True)) for s in islice(dry, _FOLLOWING)]
