@@ -10,6 +10,7 @@ from command_line import run
 from scipy.stats import chi2
 
 from symid.estimation.correlation import correlation_matrix
+from symid.report.tables.number_text import with_deviation
 
 
 def recording(mass: float, seed: int, file: str) -> None:
@@ -63,6 +64,25 @@ def test_another_mass_differs_and_the_same_does_not(folder: Path, capsys: pytest
     printed = capsys.readouterr().out
     assert "differs" in printed
     assert "setting cutoff_hz" in printed
+
+
+def test_the_console_prints_the_deviation_of_page_and_comparison(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording(5.0, 3, "a.csv")
+    identify = ("identify", "rigid_1m", "a.csv", "--filter", "motion")  # which biases the mass
+    assert run(*identify, "--json", "a.json", "--report", "a.html") == 0
+    mass = json.loads(Path("a.json").read_text(encoding="utf-8"))["physical"]["M"]
+    assert mass["deviation"] > 1.05 * mass["std_corrected"]
+    capsys.readouterr()
+    assert run(*identify) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    columns = next(line for line in lines if line[:2] == ["value", "deviation"])
+    assert columns[2:] == ["%", "of", "value", "bias", "white", "std", "unit"]
+    printed = next(line for line in lines if line[:1] == ["M"])
+    assert printed[2] == f"{mass['deviation']:.4g}"
+    shown = with_deviation(mass["value"], mass["deviation"])
+    assert shown in Path("a.html").read_text(encoding="utf-8")
 
 
 def test_values_without_deviations_are_compared_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -252,7 +252,7 @@ def _counts(title: str, logs: dict[str, int]) -> TextTable:
 
 
 def _parameters(axis: str, parameters: list[dict[str, Any]]) -> TextTable:
-    numbers = ("logs", "median", "spread", "std of one log")
+    numbers = ("logs", "median", "spread", "deviation of one log")
     title = f"Parameters of {axis} over the logs that are ok"
     table = TextTable(title, "", "sensors", *numbers, "unit", right=numbers)
     for p in parameters:

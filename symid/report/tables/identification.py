@@ -167,8 +167,8 @@ def _residuals(found: Identification, residuals: Sequence[EquationResidual]) -> 
 def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
     """Print the record of `identification_record`."""
     console = console or report_console()
-    axis, measured = f"[bold]{record['axis']}[/bold]", ", ".join(record["measured"])
-    console.print(f"{axis} from {measured}: {', '.join(record['log'])}", markup=True)
+    measured, logs = ", ".join(record["measured"]), ", ".join(record["log"])
+    console.print(f"[bold]{record['axis']}[/bold] from {measured}: {logs}", markup=True)
     console.print(_settings_line(record))
     if record["physical"]:
         console.print(_parameter_table("Physical parameters", record["physical"]))
@@ -177,8 +177,8 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
         console.print(f"known: {known}", markup=False)
     for i, branch in enumerate(record["physical_branches"]):
         console.print(_parameter_table(f"Physical parameters, solution {i + 2}", branch))
-    physical_values = {p["value"] for p in record["physical"].values()}
-    if any(p["value"] not in physical_values for p in record["minimal"].values()):
+    shown = {p["value"] for p in record["physical"].values()}
+    if any(p["value"] not in shown for p in record["minimal"].values()):
         console.print(_parameter_table("Minimal parameters", record["minimal"]))
     console.print(_residual_table("Residual", record["residual"]))
     if "validation" in record:
@@ -215,13 +215,7 @@ def shared_record(found: SharedIdentification) -> dict[str, Any]:
         "status": found.status,
         "message": found.message,
         "physical": {
-            name: {
-                "value": value,
-                "std": std,
-                "std_corrected": std,
-                "relative_std_percent": 100 * std / abs(value) if value else None,
-                "unit": unit,
-            }
+            name: {"value": value, "std": std, "deviation": std, "unit": unit}
             for (name, unit), value, std in zip(
                 found.physical_units.items(),
                 found.parameters.tolist(),
@@ -251,10 +245,10 @@ def print_shared(record: dict[str, Any], console: Console | None = None) -> None
     for group in record["groups"]:
         given = ", ".join(f"{name} = {value:.6g}" for name, value in group["known"].items())
         console.print(f"  {given}: {', '.join(group['log'])}", markup=False)
-    table = TextTable("", "parameter", "value", "std", "%", "unit")
+    table = TextTable("", "parameter", "value", "deviation", "% of value", "unit")
     for name, one in record["physical"].items():
-        share = "" if one["relative_std_percent"] is None else f"{one['relative_std_percent']:.2g}"
-        table.add(name, f"{one['value']:.6g}", f"{one['std']:.2g}", share, one["unit"])
+        numbers = (f"{one['value']:.6g}", f"{one['deviation']:.2g}", _relative(one))
+        table.add(name, *numbers, one["unit"])
     console.print(table)
 
 
@@ -272,14 +266,19 @@ def _settings_line(record: dict[str, Any]) -> str:
 
 
 def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> TextTable:
-    numbers = ("value", "std", "std corrected", "% of value", "bias")
+    numbers = ("value", "deviation", "% of value", "bias", "white std")
     table = TextTable(title, "", *numbers, "unit", right=numbers)
     for name, p in parameters.items():
-        deviations = (significant(p["std"]), significant(p["std_corrected"]))
-        relative = significant(p["relative_std_corrected_percent"], 3)
         bias = MISSING if p["bias"] is None else significant(p["bias"], 2)
-        table.add(name, _rounded_to_deviation(p["value"], p["std"]), *deviations, relative, bias, p["unit"])
+        uncertainty = (significant(p["deviation"]), _relative(p), bias, significant(p["std"]))
+        table.add(name, _rounded_to_deviation(p["value"], p["std"]), *uncertainty, p["unit"])
     return table
+
+
+def _relative(parameter: dict[str, Any]) -> str:
+    """Deviation in per cent of the value."""
+    value = abs(parameter["value"])
+    return significant(100 * parameter["deviation"] / value if value else math.nan, 3)
 
 
 def _residual_table(title: str, residuals: dict[str, dict[str, Any]]) -> TextTable:
