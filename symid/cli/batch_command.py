@@ -8,10 +8,10 @@ from typing import Any
 import click
 from click import Choice, IntRange, argument, option
 
-from symid.axis import Axis, load_axis
+from symid.axis import Axis, axis_of, load_axis
 from symid.cli.fleet_command import write_page
 from symid.cli.identify_command import loop_options
-from symid.cli.knowledge import bounds_of, fixed_values, knowledge_options, priors_of
+from symid.cli.knowledge import bounds_of, fixed_values, knowledge_options, known_of_tables, priors_of
 from symid.cli.log_options import (
     foreign_columns,
     late_of,
@@ -38,6 +38,7 @@ from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet
 from symid.fleet.batch_settings import METHODS
 from symid.fleet.worker_limits import LONGEST
 from symid.report.tables.fleet import print_batch
+from symid.units import Unit
 
 batch_options = shared(
     option(
@@ -77,6 +78,12 @@ batch_options = shared(
         is_flag=True,
         help="Keep what symid fleet --joint needs to join the logs of an axis, some hundred numbers each.",
     ),
+    option(
+        "--known",
+        multiple=True,
+        metavar="TABLE.csv",
+        help="Values that differ from log to log, such as the payload: a column log, and one for each parameter.",
+    ),
     option("--report", metavar="OUT.html", type=Output("html"), help="Write the page of symid fleet too."),
     option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds per log."),
 )
@@ -112,6 +119,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
             logs,
             output=options["output"],
             settings=_settings(axis, axes, options),
+            known=known_of_tables(options["known"], _units(axes)),
             jobs=options["jobs"],
             scheduler=options["scheduler"],
             track=lambda rows, total: tracked(rows, "logs", total),
@@ -135,6 +143,11 @@ def _axes(names: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[str | Axis, .
         place = next((i for i, axis in enumerate(declared) if name in axis.parameter_units), 0)
         declared[place] = declared[place].with_known(fixed_values((value,), declared[place]))
     return tuple(declared)
+
+
+def _units(axes: tuple[str | Axis, ...]) -> dict[str, Unit]:
+    """Units of the parameters of all axes."""
+    return {name: unit for axis in axes for name, unit in axis_of(axis).parameter_units.items()}
 
 
 def _settings(name: str, axes: tuple[str | Axis, ...], options: dict[str, Any]) -> BatchSettings:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from symid.cli.options import assignments, number, shared
 from symid.data.columns import split_unit
 from symid.errors import SettingError
 from symid.files import read_json, require_regular
+from symid.identification import known_of_logs
 from symid.parameter_entries import parameter_entries
 from symid.units import Unit, to_si
 
@@ -65,7 +66,7 @@ def known_by_log(values: tuple[str, ...], axis: Axis, logs: Sequence[str]) -> li
     """Values of ``--known`` in each log, SI; those without ``=`` are tables."""
     units = axis.parameter_units
     tables = [value for value in values if "=" not in value]
-    known = [_from_tables(tables, axis, log) for log in logs]
+    known = [dict(one) for one in known_of_logs(known_of_tables(tables, units), logs)]
     for name, text in assignments(tuple(v for v in values if v not in tables), "--known", units).items():
         parts = text.split(",")
         if len(parts) != len(logs):
@@ -77,28 +78,37 @@ def known_by_log(values: tuple[str, ...], axis: Axis, logs: Sequence[str]) -> li
     return known
 
 
-def _from_tables(files: Sequence[str], axis: Axis, log: str) -> dict[str, float]:
-    """Values that tables have for a log, which they call by its path or its name."""
-    units, values = axis.parameter_units, dict[str, float]()
+def known_of_tables(files: Sequence[str], units: Mapping[str, Unit]) -> dict[str, dict[str, float]]:
+    """Values that tables give for each log, by what they call it: its path or its name."""
+    known: dict[str, dict[str, float]] = {}
     for file in files:
-        require_regular(file)
-        header, *rows = [*csv.reader(Path(file).read_text(errors="replace").splitlines())] or [[]]
+        header, *rows = _cells(file)
+        columns = [split_unit(column) for column in header]
         if "log" not in header:
             raise SettingError(f"--known {file} has no column log: write one, and one for each parameter")
-        own = [
-            row for row in rows if dict(zip(header, row, strict=False)).get("log") in (log, Path(log).name)
-        ]
-        if len(own) != 1 or len(own[0]) != len(header):
-            raise SettingError(
-                f"--known {file} has {len(own)} rows for {log}: give it one row of {len(header)} values"
+        if strange := [name for name, _ in columns if name not in (*units, "log")]:
+            raise SettingError(f"--known {file}: {strange[0]} is not known: choose from {', '.join(units)}")
+        logs = [row[header.index("log")] for row in rows if len(row) == len(header)]
+        if len(logs) < len(rows) or len(set(logs)) < len(logs):
+            raise SettingError(f"--known {file}: give each log one row of {len(header)} values")
+        for log, row in zip(logs, rows, strict=True):
+            known.setdefault(log, {}).update(
+                (name, quantity(text + (unit or ""), units[name], f"--known {file}: {name}"))
+                for (name, unit), text in zip(columns, row, strict=True)
+                if name != "log"
             )
-        for column, text in zip(header, own[0], strict=True):
-            name, unit = split_unit(column)
-            if name not in (*units, "log"):
-                raise SettingError(f"--known {file}: {name} is not known: choose from {', '.join(units)}")
-            if name != "log":
-                values[name] = quantity(text + (unit or ""), units[name], f"--known {file}: {name}")
-    return values
+    return known
+
+
+def _cells(file: str) -> list[list[str]]:
+    """Cells of a CSV table, also of one with semicolons and decimal commas."""
+    require_regular(file)
+    lines = [
+        line for line in Path(file).read_text("utf-8-sig", errors="replace").splitlines() if line.strip()
+    ]
+    if lines and ";" in lines[0]:
+        lines = [line.replace(",", ".").replace(";", ",") for line in lines]
+    return [*csv.reader(lines, skipinitialspace=True)] or [[]]
 
 
 def quantity(text: str, unit: Unit, what: str) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -15,7 +15,7 @@ from typing import Any
 import polars as pl
 
 from symid.axis import AnyAxis
-from symid.errors import SymidError
+from symid.errors import SettingError, SymidError
 from symid.files import free_name, replacing
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.journal import Journal, journal_file, locked, read_journal
@@ -32,6 +32,7 @@ from symid.fleet.results import Units
 from symid.fleet.row import Row
 from symid.fleet.schedulers import Scheduler, scheduler_of
 from symid.fleet.work import Task, killed, work
+from symid.identification import known_of_logs
 from symid.shown import Shown
 from symid.text import visible
 
@@ -112,6 +113,7 @@ def identify_batch(
     *,
     output: PathLike | Iterable[PathLike] | None = None,
     settings: BatchSettings | None = None,
+    known: Mapping[str, Mapping[str, float]] | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
     folder: Path | None = None,
@@ -133,6 +135,8 @@ def identify_batch(
         A .parquet or .csv file, or one of each.
     settings : BatchSettings, optional
         Settings that all logs share.
+    known : mapping of str to mapping of str to float, optional
+        Values of parameters that differ from log to log, such as a payload, by path or name of the log; SI.
     jobs : int, optional
         Number of processes; that of the cores by default. With 1, this process does the work.
     scheduler : str, optional
@@ -161,27 +165,33 @@ def identify_batch(
     >>> batch.table.select("axis", "samples").row(0), round(batch.rows[0]["M"])
     (('emps', 24841), 95)
     """
-    chosen = fleet_axes(axes, settings or BatchSettings(), folder)
-    files = result_files(output)  # the Parquet file first
+    settings, files = settings or BatchSettings(), result_files(output)  # the Parquet file first
     names = log_files(logs, exclude=files)
-    run = scheduler_of(jobs, scheduler, len(names), chosen[0].settings.seconds)
+    of_logs = known_of_logs(known, names)
+    if known and settings.joint:
+        raise SettingError("known values of each log do not go with `joint`: leave one of them out")
+    chosen = fleet_axes(axes, settings, folder, of_logs[0])
+    run = scheduler_of(jobs, scheduler, len(names), settings.seconds)
     with locked(files):
-        return _identified(chosen, names, files, run, track)
+        return _identified(chosen, dict(zip(names, of_logs, strict=True)), files, run, track)
 
 
 def _identified(
     chosen: tuple[FleetAxis, ...],
-    names: tuple[str, ...],
+    names: Mapping[str, Mapping[str, float]],
     files: tuple[Path, ...],
     run: Scheduler,
     track: Track,
 ) -> Batch:
-    """The batch, while its files are locked."""
+    """The batch of logs by name, each with the values known of it alone, while its files are locked."""
     journal = journal_file(files[0]) if files else None
     # All files are read, so that a file with other contents is refused before anything is computed.
     table, *_ = [read_rows(file) for file in files] or [[]]
     earlier = _by_key([*table, *(read_journal(journal) if journal else ())])
-    tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(visible(name), ()))) for name in names]
+    tasks = [
+        Task(name, os.path.abspath(name), tuple(earlier.get(visible(name), ())), known)
+        for name, known in names.items()
+    ]
     rows: dict[str, Row] = {}
     made = 0
     try:

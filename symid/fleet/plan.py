@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from glob import glob, has_magic
 from pathlib import Path
@@ -28,7 +28,9 @@ class FleetAxis:
     """An axis with its generated modules as text and its settings: all that a worker needs."""
 
     axis: Axis  # the declaration
-    modules: tuple[tuple[tuple[str, ...], StoredModule], ...]  # generated modules by set of sensors
+    modules: tuple[
+        tuple[tuple[str, ...], StoredModule], ...
+    ]  # by set of sensors; without any, models are derived
     settings: BatchSettings  # those that apply to this axis
 
     @cached_property
@@ -42,11 +44,17 @@ class FleetAxis:
     def model(self, measured: Sequence[str]) -> GeneratedModel:
         """Generated model of a set of sensors; GeneratedModuleError if it does not exist or is outdated."""
         wanted = tuple(sensor.signal for sensor in self.axis.measured(tuple(measured)))
+        if not self.modules:
+            return model_of(self.axis, wanted)
         for signals, module in self.modules:
             if signals == wanted:
                 return _compiled(module)
         command = f"symid generate {self.axis.name} --measured {','.join(wanted)}"
         raise GeneratedModuleError(f"there is no generated module for {', '.join(wanted)}; run: {command}")
+
+    def with_known(self, values: Mapping[str, float]) -> FleetAxis:
+        """The axis of a log of which more values are known."""
+        return replace(self, axis=_with_known(self.axis, values), modules=()) if values else self
 
     def is_held_in(self, columns: frozenset[str]) -> bool:
         """Whether a file with these columns contains the forces and a sensor of the axis."""
@@ -67,12 +75,29 @@ def _compiled(module: StoredModule) -> GeneratedModel:
     return module.compiled()
 
 
+def _with_known(axis: Axis, values: Mapping[str, float]) -> Axis:
+    return axis.with_known({name: value for name, value in values.items() if name in axis.parameter_units})
+
+
 def fleet_axes(
-    axes: AnyAxis | Sequence[AnyAxis], settings: BatchSettings, folder: Path | None = None
+    axes: AnyAxis | Sequence[AnyAxis],
+    settings: BatchSettings,
+    folder: Path | None = None,
+    known: Mapping[str, float] | None = None,
 ) -> tuple[FleetAxis, ...]:
-    """Axes of a batch from names, paths or declarations; `folder` replaces the folder of their generated modules."""
+    """Axes of a batch from names, paths or declarations; `folder` replaces the folder of their generated modules.
+
+    Parameters that are `known` in each log are none of the results; their values are those of the first log.
+    """
     several = axes if isinstance(axes, Sequence) and not isinstance(axes, str) else (axes,)
     given = [axis if isinstance(axis, str) else axis_of(axis) for axis in several]
+    if known:
+        parameters = {name for axis in given for name in axis_of(axis).parameter_units}
+        if strange := sorted(set(known) - parameters):
+            raise SettingError(
+                f"{strange[0]!r} is not a parameter: choose from {', '.join(sorted(parameters))}"
+            )
+        given = [_with_known(axis_of(axis), known) for axis in given]
     declared = [axis_of(axis) for axis in given]
     names = [axis.name for axis in declared]
     if not names or len(set(names)) < len(names):

@@ -27,7 +27,9 @@ DIAGNOSIS: Mapping[str, type] = {
     "sentence": str,
 }
 BEFORE: Mapping[str, type] = {
-    **dict.fromkeys(("log", "content", "key", "axis", "measured", "method", "status", "message"), str),
+    **dict.fromkeys(
+        ("log", "content", "key", "axis", "measured", "method", "known", "status", "message"), str
+    ),
     "samples": int,
     "cutoff_hz": float,
     "order": int,

@@ -7,7 +7,8 @@ import ctypes
 import hashlib
 import os
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from typing import Any
 
@@ -41,12 +42,13 @@ from symid.text import visible
 class Task:
     """One log of a batch: the path as given, and absolute, since a worker may run in another folder.
 
-    `known` are the keys of rows that earlier runs made of this path.
+    `made` are the keys of rows that earlier runs made of this path, `known` values of parameters in this log alone, SI.
     """
 
     log: str
     path: str
-    known: tuple[str, ...] = ()
+    made: tuple[str, ...] = ()
+    known: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -66,11 +68,12 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> LogOutcome:
         row["recorded"] = time_text(os.stat(task.path).st_mtime)
         content = content_of(task.path)
         row["content"] = content
-        axis = _axis_of(axes, task.path)
+        axis = _axis_of(axes, task.path).with_known(task.known)
         key = hashlib.sha256(f"{content}\n{axis.fingerprint}".encode()).hexdigest()
-        if key in task.known:
+        if key in task.made:
             return LogOutcome(task.log, None, unchanged=key)
         row |= {"key": key, "axis": axis.axis.name, "method": axis.settings.method}
+        row["known"] = ", ".join(f"{name}={value:g}" for name, value in task.known.items()) or None
         _keep_freed_memory()
         with _threads().limit(limits=1):
             row |= _identified(axis, task.path)

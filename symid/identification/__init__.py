@@ -9,7 +9,7 @@ from symid.identification.force_steps import misses_steps, with_force_steps
 from symid.identification.guessed_mapping import guessed_mapping, stated_period
 from symid.identification.identification_result import Identification
 from symid.identification.identify import found_from, identify, with_checks
-from symid.identification.known_per_log import SharedIdentification, identify_with_known
+from symid.identification.known_per_log import SharedIdentification, identify_with_known, known_of_logs
 from symid.identification.mapping import LogMapping, read_mapping
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
@@ -38,6 +38,7 @@ __all__ = [
     "guessed_mapping",
     "identify",
     "identify_with_known",
+    "known_of_logs",
     "measured_signals",
     "misses_steps",
     "observe",

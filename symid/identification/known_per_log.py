@@ -8,6 +8,7 @@ constant only; two known payloads determine that constant.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -142,11 +143,35 @@ def identify_with_known(
     return _shared(axis, tuple(found), tuple(map(dict, values)), nominal, constraints)
 
 
+def known_of_logs(
+    known: Mapping[str, Mapping[str, float]] | None, logs: Sequence[str]
+) -> list[Mapping[str, float]]:
+    """Values known in each log, which are given by its path or its name; the same parameters in each.
+
+    >>> known_of_logs({"a.csv": {"Ml": 0.0}, "runs/b.csv": {"Ml": 2.5}}, ["runs/a.csv", "runs/b.csv"])
+    [{'Ml': 0.0}, {'Ml': 2.5}]
+    """
+    if not known:
+        return [{} for _ in logs]
+    found = [known.get(log) or known.get(os.path.basename(log)) or {} for log in logs]
+    if missing := [log for log, values in zip(logs, found, strict=True) if not values]:
+        raise SettingError(
+            f"known values of {len(missing)} of {len(logs)} logs are missing, first those of {missing[0]}: "
+            "give them by its path or its name"
+        )
+    _require_same(found)
+    return found
+
+
 def _check(logs: Sequence[AnyLog], known: Sequence[Mapping[str, float]]) -> None:
     if len(known) != len(logs):
         raise SettingError(
             f"known values are given for {len(known)} logs, there are {len(logs)}: give one set for each log"
         )
+    _require_same(known)
+
+
+def _require_same(known: Sequence[Mapping[str, float]]) -> None:
     names = set(known[0])
     if lacking := [one for one in known if set(one) != names]:
         raise SettingError(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
+import polars as pl
 import pytest
 from command_line import run
 from fleet_logs import TRUE
@@ -58,6 +60,77 @@ def test_what_is_not_possible_is_refused(logs: Path, capsys: pytest.CaptureFixtu
     assert "--fix Mx is not known: choose from M, Fv, Fs" in capsys.readouterr().err
     assert run(*arguments, "--bounds", "M=5") == 2
     assert "LOW..HIGH" in capsys.readouterr().err
+
+
+LOADED = """
+from symid import Axis, Body, CoulombFriction, Drive, Geared, Position, ViscousFriction
+
+table = Body("table", mass="M")
+load = Body("load", mass="Ml", geared=Geared(to=table, ratio=1.0))
+friction = (ViscousFriction(table, "Fv"), CoulombFriction(table, "Fs"))
+axis = Axis("loaded", (table, load, *friction), Drive("F", table), (Position("q", table),))
+"""
+
+
+def loaded_logs() -> None:
+    """Runs of a table of 40 kg with 0, 5 and 20 kg on it, by hand."""
+    Path("loaded.py").write_text(LOADED)
+    t = np.arange(4000) / 1000
+    q = 0.1 * np.sin(7 * t) + 0.02 * np.sin(17 * t)
+    v, a = 0.7 * np.cos(7 * t) + 0.34 * np.cos(17 * t), -4.9 * np.sin(7 * t) - 5.78 * np.sin(17 * t)
+    Path("runs").mkdir()
+    for name, mass in (("a", 0.0), ("b", 5.0), ("c", 20.0)):
+        noise = np.random.default_rng(int(mass)).standard_normal(t.size)
+        force = (40.0 + mass) * a + 90.0 * v + 12.0 * np.sign(v) + noise
+        pl.DataFrame({"t": t, "q": q, "F": force}).write_csv(f"runs/{name}.csv")
+
+
+def test_each_log_has_a_payload_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    loaded_logs()
+    Path("payloads.csv").write_text("\ufefflog;Ml [g]\na.csv;0\nruns/b.csv;5000,0\n\nc.csv;20000\n", "utf-8")
+    batch = ("batch", "loaded.py", "runs", "-o", "r.parquet", "--known", "payloads.csv", "--json", "s.json")
+    assert run(*batch, "--jobs", "1") == 0
+    rows = read_rows(Path("r.parquet"))
+    assert [row["known"] for row in rows] == ["Ml=0", "Ml=5", "Ml=20"]
+    for row, payload in zip(rows, (0.0, 5.0, 20.0), strict=True):
+        assert row["M"] == pytest.approx(40.0, rel=2e-3)
+        alone = symid.identify("loaded.py", str(row["log"]), fixed={"Ml": payload})
+        assert (row["M"], row["Fv_std"]) == (alone.physical_parameters["M"], alone.physical_deviations[1])
+    keys = [row["key"] for row in rows]
+    Path("payloads.csv").write_text("log,Ml\na.csv,0\nb.csv,5\nc.csv,21\n")
+    assert run(*batch, "--jobs", "2") == 0
+    again = read_rows(Path("r.parquet"))
+    assert [row["key"] == key for row, key in zip(again, keys, strict=True)] == [True, True, False]
+    assert again[2]["M"] == pytest.approx(39.0, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("log,Ml\na.csv,0\n", "known values of 2 of 3 logs are missing, first those of runs/b.csv"),
+        ("name,Ml\na.csv,0\n", "has no column log"),
+        ("log,Mx\na.csv,0\n", "Mx is not known: choose from M, Ml, Fv, Fs"),
+        ("log,Ml\na.csv,0\na.csv,1\n", "give each log one row of 2 values"),
+        ("log,Ml\na.csv,0\nb.csv,1\nc.csv,heavy\n", "must be a finite number"),
+    ],
+)
+def test_payloads_that_are_missing_or_wrong_are_refused(
+    table: str,
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    loaded_logs()
+    Path("payloads.csv").write_text(table)
+    assert run("batch", "loaded.py", "runs", "-o", "r.parquet", "--known", "payloads.csv") == 2
+    assert words in capsys.readouterr().err
+    with pytest.raises(SettingError, match="do not go with `joint`"):
+        identify_batch(
+            "loaded.py", "runs/a.csv", known={"a.csv": {"Ml": 0.0}}, settings=BatchSettings(joint=True)
+        )
 
 
 BELTED = """
