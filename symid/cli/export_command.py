@@ -16,7 +16,7 @@ from symid.cli.options import json_option, measured_option, parameter_file, sign
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import say
 from symid.errors import EliminationError, SettingError
-from symid.export import TEXT_TARGETS, Exported, c_source, parameter_record, require_physical, write_fmu
+from symid.export import TEXT_TARGETS, Exported, c_source, parameter_record, write_fmu
 from symid.files import as_json, is_finite_number, read_json, write_whole
 from symid.parameter_entries import entries_of
 from symid.symbolic import derive
@@ -61,7 +61,6 @@ def command(axis: str, **options: Any) -> None:
     """Write AXIS with its parameters for another program, and name what that program cannot express."""
     declared = load_axis(axis)
     values = parameter_file(options["parameters"], declared, fixed_values(options["fixed"], declared))
-    require_physical(declared, values)
     exported = _exported(declared, values, options)
     written = _write(exported, options["output"]) if options["output"] else []
     if options["json_file"]:

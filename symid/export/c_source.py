@@ -30,7 +30,7 @@ from symid.export.c_templates import (
     SOURCE,
 )
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
-from symid.export.exported import Exported, losses_of_signals
+from symid.export.exported import Exported, losses_of_signals, require_physical
 from symid.export.feedforward import feedforward
 from symid.simulation import plant_of
 from symid.symbolic.pipeline import DerivedModel
@@ -64,6 +64,7 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
     (['.c', '.h'], True)
     """
     axis = model if isinstance(model, Axis) else model.axis
+    require_physical(axis, values)
     dynamics = symbolic_dynamics(axis)
     parameters = set(map(sp.Symbol, axis.physical_parameters))
     losses = (

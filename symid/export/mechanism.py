@@ -20,6 +20,7 @@ from symid.axis import (
     Weight,
 )
 from symid.errors import SettingError
+from symid.export.exported import require_physical
 from symid.symbolic.lagrange import Kinematics
 
 Path: TypeAlias = tuple[tuple[str, float], ...]
@@ -121,6 +122,7 @@ def mechanism(axis: Axis, values: Mapping[str, float]) -> Mechanism:
     >>> found.paths[(("motor", 1.0),)].frictionloss
     20.0
     """
+    require_physical(axis, values)
     return _Collector(axis, values).mechanism()
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from symid.codegen.generated_models import compiled
 from symid.errors import SettingError
 from symid.estimation.correlation import correlation_matrix
+from symid.export.exported import require_physical
 from symid.symbolic.pipeline import DerivedModel
 
 
@@ -47,6 +48,7 @@ def parameter_record(
     (['X1', 'X2', 'X3'], [95.0, 200.0, 20.0], ['kg', 'N*s/m', 'N'])
     """
     module, axis = compiled(model), model.axis
+    require_physical(axis, values)
     known = covariances or {}
     if minimal is None:
         found = module.minimal_parameters(*(values[name] for name in module.physical_units))

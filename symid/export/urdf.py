@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 
 from symid.axis import Axis, Body
-from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals, require_physical
+from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
 from symid.export.mechanism import Mechanism, is_joint, mechanism
 
 _WIDE = "1e9"  # limits that URDF requires of a prismatic joint
@@ -39,7 +39,6 @@ def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
     >>> '<dynamics damping="200.0" friction="20.0"/>' in exported.text
     True
     """
-    require_physical(axis, values)
     machine = mechanism(axis, values)
     losses = (*machine.losses, *losses_of_signals(axis), *_losses(axis, machine))
     lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(axis.name)}>"]

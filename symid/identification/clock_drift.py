@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symid.estimation import LeastSquares
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import scan
 from symid.identification.refined_delay import Shifting
@@ -61,17 +61,15 @@ def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[
     return ""
 
 
-def drift_within_a_row(
-    parts: Sequence[Excerpt], fit: LeastSquares, delays: Sequence[Timing], criteria: Criteria = CRITERIA
-) -> str:
+def drift_within_a_row(parts: Sequence[Excerpt], fit: LeastSquares, delays: Sequence[Timing]) -> str:
     """Statement on a delay that grows along the logs by less than a row; empty without one."""
     period = parts[0].log.sampling_period
     longest = _WORST_CLOCK * period * max(part.log.n_samples for part in parts)
     for delay in delays:
         growth = _growth(parts, fit, delay)
         size = abs(growth.seconds)
-        is_certain = size > criteria.clock_certain * growth.deviation
-        matters = growth.explained > criteria.clock_explains and size > criteria.clock_drift * period
+        is_certain = size > CRITERIA.clock_certain * growth.deviation
+        matters = growth.explained > CRITERIA.clock_explains and size > CRITERIA.clock_drift * period
         if is_certain and matters and size < longest:
             return (
                 f"the time of {' and '.join(delay.moved)} drifts by {growth.seconds / period:+.2g} samples from the "

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from symid.estimation import LeastSquares
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification
@@ -68,11 +68,11 @@ def _change_statement(found: Identification, change: Change | None) -> str:
     return change.statement(found.model, signed, distorts=is_beyond_intervals(found, change.outside))
 
 
-def _structure_fault(found: Identification, criteria: Criteria = CRITERIA) -> str:
+def _structure_fault(found: Identification) -> str:
     """Statement on an axis whose minimal parameters contradict each other, or that lost its mode; else empty."""
     if not found.physical:
         return ""
-    if found.physical[0].disagreement_probability < criteria.disagreement:
+    if found.physical[0].disagreement_probability < CRITERIA.disagreement:
         return (
             "relations between the minimal parameters do not hold (probability "
             f"{found.physical[0].disagreement_probability:.1g}): the model lacks an effect, or a signal was filtered "
@@ -82,13 +82,11 @@ def _structure_fault(found: Identification, criteria: Criteria = CRITERIA) -> st
     return lost_mode(found.model, minimal, found.observations[0].preparation.cutoff_hz or 1.0)
 
 
-def _mode_beyond_band(
-    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
-) -> str:
+def _mode_beyond_band(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on a mode above the cutoff of a model that does not describe even what lies below; else empty."""
     cutoff = found.observations[0].preparation.cutoff_hz
     if found.model.known or cutoff is None:
         return ""
-    if np.max(unexplained(found.model, parts, fit, criteria)) <= criteria.cutoff_fit:
+    if np.max(unexplained(found.model, parts, fit)) <= CRITERIA.cutoff_fit:
         return ""
     return mode_above(found.model, fit.solution, cutoff)

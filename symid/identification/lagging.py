@@ -16,7 +16,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt, blocks_of, running_integral
 from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
@@ -34,9 +34,7 @@ _SETTLED = 0.01
 """Relative change of the factor that ends the rounds."""
 
 
-def lag_of(
-    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
-) -> str:
+def lag_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on a signal that lags; empty without one, or if a delay explains as much.
 
     A lag that leaves much of the residual, as noise of the derivative of its signal does, must be certain and move
@@ -53,11 +51,11 @@ def lag_of(
         return ""
     remaining, name, best = min(lags, key=lambda one: one[:2])
     lag = best.factor
-    if remaining > criteria.lag_leaves * by_delay or lag < parts[0].log.sampling_period:
+    if remaining > CRITERIA.lag_leaves * by_delay or lag < parts[0].log.sampling_period:
         return ""
-    explains = remaining <= criteria.lagging * by_delay
+    explains = remaining <= CRITERIA.lagging * by_delay
     if not explains and not (
-        is_beyond_intervals(found, best.parameters) and lag > criteria.ac_coupling * best.deviation()
+        is_beyond_intervals(found, best.parameters) and lag > CRITERIA.ac_coupling * best.deviation()
     ):
         return ""
     return (
@@ -67,9 +65,7 @@ def lag_of(
     )
 
 
-def ac_coupling_of(
-    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
-) -> str:
+def ac_coupling_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on a signal that has passed a high-pass, which moves parameters out of their intervals; else empty."""
     model, passed = found.model, []
     for name in shiftable(model):
@@ -84,11 +80,11 @@ def ac_coupling_of(
         )
         passed += [(one, name)] if one else []
     for one, name in sorted(passed, key=lambda pair: pair[0].remaining):
-        explains = one.remaining < criteria.ac_coupling_leaves
+        explains = one.remaining < CRITERIA.ac_coupling_leaves
         if (
             explains
             and is_beyond_intervals(found, one.parameters)
-            and one.factor > criteria.ac_coupling * one.deviation()
+            and one.factor > CRITERIA.ac_coupling * one.deviation()
         ):
             return (
                 f"{name} seems to have passed a high-pass with a corner of {one.factor / (2 * np.pi):.3g} Hz, which "
@@ -98,9 +94,7 @@ def ac_coupling_of(
     return ""
 
 
-def smoothing_by_residual(
-    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
-) -> str:
+def smoothing_by_residual(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on a signal whose fast part was damped without a delay, as a zero-phase filter does; else empty.
 
     Such a filter of squared gain 1 / (1 + (T w)^2) is undone by x - T^2 x''. Where more of x'' is left than taken,
@@ -121,11 +115,11 @@ def smoothing_by_residual(
     best, name = min(every, key=lambda pair: pair[0].remaining)
     is_late = found.timing is not None and found.timing.is_significant
     is_filtered = not is_late and _is_bare(found.model, parts)
-    least = 1.0 if is_filtered else criteria.smoothing_leaves if best.factor < 0.0 else criteria.lagging
-    moves = criteria.smoothing_moves if is_filtered else criteria.cutoff_change
+    least = 1.0 if is_filtered else CRITERIA.smoothing_leaves if best.factor < 0.0 else CRITERIA.lagging
+    moves = CRITERIA.smoothing_moves if is_filtered else CRITERIA.cutoff_change
     if best.remaining > least or not is_beyond_intervals(found, best.parameters, moves):
         return ""
-    if not abs(best.factor) > criteria.ac_coupling * best.deviation():
+    if not abs(best.factor) > CRITERIA.ac_coupling * best.deviation():
         return ""
     return (
         f"the fast part of {name} does not agree with the other signals (its second derivative takes away "

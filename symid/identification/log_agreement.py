@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +25,7 @@ class LogEstimate:
     deviations: FloatArray
 
 
-def disagreement_between(
-    names: Sequence[str], alone: Sequence[LogEstimate], criteria: Criteria = CRITERIA
-) -> str:
+def disagreement_between(names: Sequence[str], alone: Sequence[LogEstimate]) -> str:
     """Statement on the log whose own parameters differ most from those of the others; empty where all agree.
 
     >>> masses = {"a": 5.0, "b": 6.0, "c": 5.1}
@@ -47,11 +45,11 @@ def disagreement_between(
     with np.errstate(invalid="ignore", divide="ignore"):
         others = (np.sum(precision * own, axis=0) - precision * own) / rest
         certain = np.abs(own - others) / np.sqrt(1 / precision + 1 / rest)
-    large = np.abs(own - others) > criteria.log_change * np.abs(others)
+    large = np.abs(own - others) > CRITERIA.log_change * np.abs(others)
     certain = np.where(large, np.nan_to_num(certain), 0.0)
     k, i = divmod(int(np.argmax(certain)), certain.shape[1])
     # the largest of many differences is large by chance: its square grows with twice the logarithm of their number
-    if certain[k, i] ** 2 < criteria.log_certain**2 + 2 * np.log(len(alone)):
+    if certain[k, i] ** 2 < CRITERIA.log_certain**2 + 2 * np.log(len(alone)):
         return ""
     return (
         f"{names[i]} is {own[k, i]:.4g} in {alone[k].log}, {others[k, i]:.4g} in the other logs: "

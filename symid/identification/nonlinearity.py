@@ -19,7 +19,7 @@ from symid.codegen import GeneratedModel
 from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.added_column import AddedColumn
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
@@ -50,21 +50,19 @@ class ColumnTests:
     fit: LeastSquares
     rows: Sequence[WhitenedRows]  # all rows of the estimate, with white residuals
     inflation: float  # rows for each one that is independent of the others
-    criteria: Criteria = CRITERIA
 
     def force_nonlinearity(self) -> str:
         """Statement on a force that is compressed where it is large; empty for a linear one."""
-        noisy = replace(self.criteria, noise_explains=_NOISE_EXPLAINS)
-        beyond_noise = unexplained(self.model, self.parts, self.fit, noisy)
+        beyond_noise = unexplained(self.model, self.parts, self.fit, _NOISE_EXPLAINS)
         for j, force in enumerate(self.model.output_names):
             if force not in self.model.forces or all(is_switched(part.log[force]) for part in self.parts):
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
             cubic = AddedColumn.of(Z, rest, (y / scale) ** 3, y)
-            certain = self._certain(rest, self.criteria.gain_certain)
-            is_curved = cubic.share > min(self.criteria.nonlinear, certain)
-            if is_curved and abs(cubic.size) > self.criteria.nonlinear_output:
+            certain = self._certain(rest, CRITERIA.gain_certain)
+            is_curved = cubic.share > min(CRITERIA.nonlinear, certain)
+            if is_curved and abs(cubic.size) > CRITERIA.nonlinear_output:
                 less = "less" if cubic.factor < 0 else "more"
                 lacking = "" if any(self.model.sliding) else "the model lacks Coulomb friction, or "
                 return (
@@ -78,7 +76,7 @@ class ColumnTests:
                 continue  # noise in W does too
             curvature = np.concatenate([self._second_difference(r.part, j) for r in rows])
             missing = AddedColumn.of(Z, rest, curvature, y)
-            if missing.share > self.criteria.nonlinear and missing.size > self.criteria.smoothed_output:
+            if missing.share > CRITERIA.nonlinear and missing.size > CRITERIA.smoothed_output:
                 return (
                     f"{force} does not contain the fast part of the motion (its second derivative explains "
                     f"{100 * missing.share:.2g} % of the residual's power): it was smoothed; record it raw, or lower "
@@ -98,7 +96,7 @@ class ColumnTests:
             [Z, np.concatenate([np.tile(ones[r.equation], (r.residual.size, 1)) for r in self.rows])], axis=1
         )
         rest = rest - Z @ np.linalg.lstsq(Z, rest, rcond=None)[0]
-        least = max(self.criteria.nonlinear, self._certain(rest, self.criteria.gain_beyond_noise))
+        least = max(CRITERIA.nonlinear, self._certain(rest, CRITERIA.gain_beyond_noise))
         for force in self.model.forces:
             courses = [[np.sign(part.log[force]) for part in self.parts]]
             courses += [[_direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
@@ -109,7 +107,7 @@ class ColumnTests:
                     part.log[force] * (sign - mean) for part, sign in zip(self.parts, signs, strict=True)
                 ]
                 column = AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
-                if column.share > least and self.criteria.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
+                if column.share > least and CRITERIA.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
                     return (
                         f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
                         "same in both; correct the gain, or declare AsymmetricFriction"
@@ -129,11 +127,11 @@ class ColumnTests:
             cube = [x * x * x for x in relative]  # a power takes thirty times as long
             limit = [np.sign(x) * (np.abs(x) > _AT_LIMIT) for x in relative]
             for words, shapes, share, size in (
-                ("its cube explains", cube, self.criteria.nonlinear, 0.0),
-                ("its largest values explain", limit, self.criteria.cut, self.criteria.nonlinear_output),
+                ("its cube explains", cube, CRITERIA.nonlinear, 0.0),
+                ("its largest values explain", limit, CRITERIA.cut, CRITERIA.nonlinear_output),
             ):
                 column = AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
-                is_short = column.factor < -self.criteria.bent_force * largest
+                is_short = column.factor < -CRITERIA.bent_force * largest
                 if is_short and column.share > share and -column.size > size:
                     return (
                         f"where {force} is large it is less than in proportion to the motion ({words} "
@@ -158,11 +156,9 @@ class ColumnTests:
             shapes = [np.sign(v) * np.exp(-np.abs(v) / (width * highest)) for v in speeds]
             made = self._made_by(self.model.force, shapes)
             column = AddedColumn.of(Z, rest, made, y)
-            certain = self._certain(rest, self.criteria.gain_certain)
+            certain = self._certain(rest, CRITERIA.gain_certain)
             without = self.fit.solution - self.fit.rank.inverse_root @ (Z.T @ made) * column.factor
-            if column.share > max(self.criteria.friction_shape, certain) and is_beyond_intervals(
-                found, without
-            ):
+            if column.share > max(CRITERIA.friction_shape, certain) and is_beyond_intervals(found, without):
                 more = "more" if column.factor > 0 else "less"
                 return (
                     f"friction is not constant beside its viscous part ({more} of it at low speed explains "
@@ -187,8 +183,8 @@ class ColumnTests:
             rows, Z, rest, y = _of_equation(self.rows, j)
             grown = [self._growing(r, self.parts[r.part].moved(force).rows) for r in rows]
             drift = AddedColumn.of(Z, rest, np.concatenate(grown), y)
-            certain = self._certain(rest, self.criteria.gain_certain)
-            if drift.share > certain and self.criteria.gain_drift < abs(drift.factor) < _OTHER_CAUSE:
+            certain = self._certain(rest, CRITERIA.gain_certain)
+            if drift.share > certain and CRITERIA.gain_drift < abs(drift.factor) < _OTHER_CAUSE:
                 return (
                     f"{force} changes by {100 * drift.factor:+.2g} % from the start to the end of the log against "
                     "the demand of the same motion: its gain drifts, or the machine changes; identify the parts "
@@ -207,10 +203,10 @@ class ColumnTests:
                 continue
             own = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
             gain = AddedColumn.of(Z, rest, np.concatenate(own), y)
-            certain = self._certain(rest, self.criteria.gain_certain)
+            certain = self._certain(rest, CRITERIA.gain_certain)
             if abs(gain.factor - 1.0) < _FREE:
                 continue  # free parameters multiply all of its terms, and absorb its gain
-            is_wrong = gain.share > certain and abs(gain.factor) > self.criteria.sensor_gain
+            is_wrong = gain.share > certain and abs(gain.factor) > CRITERIA.sensor_gain
             if is_wrong and not self._is_noise(name, np.concatenate(own), Z, rest):
                 return (
                     f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
@@ -239,8 +235,8 @@ class ColumnTests:
                 in_column += float(np.einsum("j,a,jab,b->", rows, kept, noise, kept))
                 in_both += float(np.einsum("j,a,jab,b->", rows, kept, noise, error))
         power, taken = float(own @ own), float(own @ residual) - in_both
-        certain = self._certain(residual, self.criteria.gain_beyond_noise)
-        is_small = abs(taken) <= self.criteria.sensor_gain * (power - in_column)
+        certain = self._certain(residual, CRITERIA.gain_beyond_noise)
+        is_small = abs(taken) <= CRITERIA.sensor_gain * (power - in_column)
         return is_small or taken**2 <= certain * power * float(residual @ residual)
 
     def _certain(self, residual: FloatArray, deviations: float) -> float:

@@ -15,7 +15,7 @@ from symid.codegen import GeneratedModel
 from symid.data import cut_in_motion
 from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares, estimate, triangular_factors
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 
 _CLIPPED_SAMPLES = 5
@@ -47,15 +47,13 @@ def contradicting_part(model: GeneratedModel, parts: Sequence[Excerpt], fit: Lea
     )
 
 
-def unexplained_outputs(
-    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
-) -> str:
+def unexplained_outputs(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on outputs with a large residual that the noise of the signals does not explain."""
-    shares = unexplained(model, parts, fit, criteria)
+    shares = unexplained(model, parts, fit)
     named = [
         f"{100 * share:.3g} % of {name}"
         for name, share in zip(model.output_names, shares, strict=True)
-        if share > criteria.worst_fit
+        if share > CRITERIA.worst_fit
     ]
     return unexplained_statement(named)
 
@@ -67,9 +65,12 @@ def unexplained_statement(parts: Sequence[str]) -> str:
 
 
 def unexplained(
-    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    multiple: float = CRITERIA.noise_explains,
 ) -> FloatArray:
-    """Residual of each equation as part of its output; 0 where the noise of the signals explains it."""
+    """Residual of each equation as part of its output; 0 where it is at most a multiple of the noise of the signals."""
     equations, error = len(model.output_names), np.append(fit.solution, -1.0)
     residual, y = np.sqrt(
         np.sum(np.reshape((fit.residual_norm, fit.y_norm), (2, -1, equations)) ** 2, axis=1)
@@ -78,7 +79,7 @@ def unexplained(
     noise = np.zeros(equations)
     for part in parts:
         noise += np.einsum("a,jab,b->j", error, part.noise, error) / len(parts)
-    expected = criteria.noise_explains * np.sqrt(np.maximum(noise, 0.0) * rows)
+    expected = multiple * np.sqrt(np.maximum(noise, 0.0) * rows)
     share = np.divide(residual, y, out=np.zeros_like(y), where=y > 0)
     return np.asarray(np.where(residual > expected, share, 0.0))
 

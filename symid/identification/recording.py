@@ -19,7 +19,7 @@ from symid.data.checks import jumps_of
 from symid.data.lost_samples import FEWEST, dropped, repeated, step_of
 from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.smoothing import slow_update
 from symid.text import counted
@@ -44,9 +44,7 @@ _LIMITED_SHARE = 0.01
 """Share of steps of the largest size in a slew-limited channel; with noise no two steps are equal."""
 
 
-def fault_of(
-    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
-) -> str:
+def fault_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on the fault of a channel; empty without one. Friction in the fit decides which steps are coarse."""
     for part in parts:
         mover = part.log[model.most_differentiated]
@@ -61,14 +59,16 @@ def fault_of(
                     f"as no machine moves ({counted(len(spikes), 'time')}): cut that out, or repair the channel"
                 )
             slow = slow_update(x, name)
-            if (fault := channel_fault(x, name, criteria, is_force=is_force)) or (slow and not is_force):
+            if (fault := channel_fault(x, name, is_force=is_force)) or (slow and not is_force):
                 return slow or fault
             if held := held_fault(x, name, mover if is_force else None):
                 return held
-    return _coarse_force(model, [part.log for part in parts], fit, criteria)
+    return _coarse_force(model, [part.log for part in parts], fit)
 
 
-def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is_force: bool = True) -> str:
+def channel_fault(
+    x: FloatArray, name: str, dead_share: float = CRITERIA.dead_share, *, is_force: bool = True
+) -> str:
     """Statement on a fault of the samples of a channel; empty without one.
 
     >>> x = np.sin(np.arange(4000) / 50) + 1e-6 * np.random.default_rng(0).standard_normal(4000)
@@ -79,7 +79,7 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
     """
     if is_force and is_switched(x):
         return ""
-    most = max(FEWEST, criteria.dead_share * x.size)
+    most = max(FEWEST, dead_share * x.size)
     if (lost := int(np.count_nonzero(dropped(x)))) >= most:
         return f"{name} is exactly 0 in {lost} single samples between others: samples were lost and filled with 0"
     if (again := int(np.count_nonzero(repeated(x)))) >= most:
@@ -172,7 +172,7 @@ def _slew_limited(x: FloatArray) -> float:
     return 0.0 if largest == 0.0 or share <= _LIMITED_SHARE or step_of(x) > 0.0 else share
 
 
-def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares, criteria: Criteria) -> str:
+def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares) -> str:
     """Whether the force is recorded in steps that friction is not much larger than, nor the error of the fit."""
     steps = (
         (step_of(log[force]), force) for log in logs for force in model.forces if not is_switched(log[force])
@@ -186,7 +186,7 @@ def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares,
     for j in sorted(laws):
         name, unit = units[j]
         level = abs(float(fit.solution[j]))
-        if unit == own and step / 2 > criteria.step_share * level:
+        if unit == own and step / 2 > CRITERIA.step_share * level:
             return (
                 f"{force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the "
                 f"friction {name}: record it with more digits"

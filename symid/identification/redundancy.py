@@ -15,7 +15,7 @@ from symid.estimation import (
     estimate,
     triangular_factors,
 )
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt, running_integral
 from symid.identification.sampling import filtered
 
@@ -27,7 +27,7 @@ _LEFT = 0.5
 """Largest share of a difference's power that remains after a delay which is its cause."""
 
 
-def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Criteria = CRITERIA) -> str:
+def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Statement on redundant sensors whose gain or course differs; empty without such sensors.
 
     The gain of one signal against another lies between its two regressions, whatever noise each has (R. Frisch,
@@ -43,7 +43,7 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
         crossed, power = float(own @ other), max(float(own @ own), 1e-300)
         low, high = sorted((crossed / max(float(other @ other), 1e-300), power / (crossed or 1e-300)))
         what = " + ".join(f"derivative {order} of {signal}" for signal, order, _ in terms)
-        if low > 1.0 + criteria.gain or high < 1.0 - criteria.gain or crossed <= 0.0:
+        if low > 1.0 + CRITERIA.gain or high < 1.0 - CRITERIA.gain or crossed <= 0.0:
             return (
                 f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
                 f"({what}): correct its unit, sign or gain (`units`, `gains`)"
@@ -56,7 +56,7 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
             )
         differs = float(np.sqrt(np.sum((own - other) ** 2) / power))
         noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * own.size / power)
-        if differs > max(criteria.worst_fit, criteria.noise_explains * float(noise)):
+        if differs > max(CRITERIA.worst_fit, CRITERIA.noise_explains * float(noise)):
             return (
                 f"{name} differs from what other sensors say ({what}) by {100 * differs:.3g} %, more than noise does: "
                 "one of them is late or damaged; correct its time (`late`), or leave it out of `measured`"

@@ -8,7 +8,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data import central_difference_gain
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.identification_result import Identification
 from symid.identification.physical import open_by_structure
 from symid.identification.timing import Timing
@@ -42,7 +42,7 @@ class Faults:
     hint: str = ""
 
 
-def with_faults(found: Identification, faults: Faults, criteria: Criteria = CRITERIA) -> Identification:
+def with_faults(found: Identification, faults: Faults) -> Identification:
     """The identification with status, message and notes about all that was examined.
 
     A status that it has already stays, and learns of a fault or the timing as a possible cause. Otherwise the first of
@@ -63,7 +63,7 @@ def with_faults(found: Identification, faults: Faults, criteria: Criteria = CRIT
         ("biased", large_bias if _NOISE_IN_W in large_bias else ""),
         ("poor_fit", faults.poor_fit),
         ("biased", large_bias),
-        ("undetermined", _undetermined(found, criteria)),
+        ("undetermined", _undetermined(found)),
     ]
     stated = [cause for cause in causes if cause[1]]
     if status == "ok" and stated:
@@ -78,7 +78,7 @@ def with_faults(found: Identification, faults: Faults, criteria: Criteria = CRIT
     return replace(found, status=status, message=message, notes=tuple(notes))
 
 
-def _undetermined(found: Identification, criteria: Criteria) -> str:
+def _undetermined(found: Identification) -> str:
     """Statement on physical parameters whose deviation exceeds their value, except those that may be 0."""
     if not found.physical:
         return ""
@@ -93,7 +93,7 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
         )
         if name not in found.model.signed
         and i not in held
-        and not deviation < criteria.undetermined * value
+        and not deviation < CRITERIA.undetermined * value
         and np.isfinite(value)
     ]
     if vague and (lost := [name for name in open_by_structure(found.model) if np.isfinite(given[name])]):

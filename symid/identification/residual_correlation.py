@@ -10,7 +10,6 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, FloatArray
-from symid.identification.identification_result import Identification
 from symid.text import visible
 
 MOST_LAGS = 40
@@ -99,15 +98,6 @@ class PredictedOutput:
     def residual(self) -> FloatArray:
         """Measured less predicted output."""
         return self.measured - self.predicted
-
-
-def predicted_outputs(found: Identification) -> list[PredictedOutput]:
-    """Output of each equation of each log that an axis was identified from."""
-    return [
-        PredictedOutput(output, source, unit, run.y[j], run.W[j] @ found.fit.solution, run.valid[j])
-        for source, run in zip(found.logs, found.observations, strict=True)
-        for j, (output, unit) in enumerate(found.output_units.items())
-    ]
 
 
 class OutputCorrelations(NamedTuple):

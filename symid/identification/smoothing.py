@@ -13,7 +13,7 @@ import numpy as np
 
 from symid.arrays import FloatArray, fast_length
 from symid.codegen import GeneratedModel
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 
 SPACINGS = range(2, 17)
@@ -44,7 +44,7 @@ _ALONE = 0.25
 """Correlation at any other lag, over that of the echo, that is allowed: a periodic disturbance has many echoes."""
 
 
-def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Criteria = CRITERIA) -> str:
+def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Statement on a channel that was interpolated, or averaged unlike the others; empty without one."""
     for part in parts:
         averaged = {}
@@ -60,7 +60,7 @@ def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Crit
         assert cutoff is not None
         lost = {n: 1.0 - float(np.sinc(k * cutoff * part.log.sampling_period)) for n, k in averaged.items()}
         name = max(lost, key=lost.__getitem__)
-        if lost[name] - min(lost.values()) > criteria.averaged:
+        if lost[name] - min(lost.values()) > CRITERIA.averaged:
             return (
                 f"{name} is a mean over {averaged[name]} samples, which takes {100 * lost[name]:.2g} % at the cutoff, "
                 "and not of all signals: record it raw, or average all alike"

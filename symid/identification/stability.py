@@ -15,7 +15,7 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.whitened import Segment
 
 _SEEN = 0.03
@@ -46,7 +46,6 @@ class Change:
         self,
         model: GeneratedModel,
         signed: BoolArray,
-        criteria: Criteria = CRITERIA,
         *,
         distorts: bool = False,
     ) -> str:
@@ -60,9 +59,9 @@ class Change:
         size = np.maximum(np.abs(self.inside), np.abs(self.outside))
         units = np.array(list(model.minimal_units.values()))
         size = np.where(signed, [np.max(size[units == unit]) for unit in units], size)
-        least_change = np.where(np.isin(units, _INERTIAS), criteria.inertia_change, criteria.change)
-        certain = (moved > criteria.change_certain * self.deviations) & (moved > least_change * size)
-        least = criteria.change_distorts if distorts else criteria.change_explains
+        least_change = np.where(np.isin(units, _INERTIAS), CRITERIA.inertia_change, CRITERIA.change)
+        certain = (moved > CRITERIA.change_certain * self.deviations) & (moved > least_change * size)
+        least = CRITERIA.change_distorts if distorts else CRITERIA.change_explains
         if self.explained < least or not certain.any():
             return ""
         i = self.most_certain(certain)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from symid.identification import Identification
-from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.criteria import CRITERIA
 from symid.identification.log_agreement import LogEstimate, disagreement_between
 from symid.identification.noise import noise_deviations
 from symid.identification.physical import negative_parameters, open_by_structure
@@ -39,7 +39,6 @@ def verdict_of(
     found: OutputErrorIdentification,
     regression: Identification | None = None,
     alone: Sequence[OutputErrorIdentification] = (),
-    criteria: Criteria = CRITERIA,
 ) -> tuple[Status, str]:
     """Status of an estimate, and a sentence on its meaning and cure; empty for "ok".
 
@@ -67,7 +66,7 @@ def verdict_of(
             "not_physical",
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
         )
-    if vague := _uncertain_parameters(found, criteria.undetermined):
+    if vague := _uncertain_parameters(found, CRITERIA.undetermined):
         if lost := open_by_structure(found.model):
             return "undetermined", not_by_structure(lost)
         return (
@@ -77,8 +76,8 @@ def verdict_of(
     if regression is not None and (fault := _fault_of(found, regression)):
         return fault, regression.message
     if doubt := (
-        _noise_remark(found, criteria)
-        or _change_remark(found, criteria)
+        _noise_remark(found)
+        or _change_remark(found)
         or _log_remark(alone)
         or _regression_remark(found, regression)
         or _hidden_friction_remark(found)
@@ -148,7 +147,7 @@ def _absent_friction(found: OutputErrorIdentification) -> frozenset[str]:
     )
 
 
-def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
+def _noise_remark(found: OutputErrorIdentification) -> str:
     """Remark on forces and accelerations that are mostly noise, beyond the noise that their spectra show."""
     log, parts = found.logs[0], []
     levels = noise_deviations(found.model, log)
@@ -157,19 +156,19 @@ def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
         size = float(np.sqrt(np.mean(log[signal] ** 2)))
         seen = levels.get(signal, 0.0)
         is_position = orders.get(signal) in (0, 1)
-        if not is_position and noise > max(criteria.worst_fit * size, criteria.noise_explains * seen):
+        if not is_position and noise > max(CRITERIA.worst_fit * size, CRITERIA.noise_explains * seen):
             parts.append(f"{100 * noise / size:.3g} % of {signal}")
     return unexplained_statement(parts)
 
 
-def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
+def _change_remark(found: OutputErrorIdentification) -> str:
     fit = found.fit
     if fit is None or fit.change is None:
         return ""
     inside, outside, names = fit.change.inside, fit.change.outside, fit.search.seen
     moved = np.abs(inside - outside)
-    certain = (moved > criteria.change_certain * fit.change.deviations) & (
-        moved > criteria.change * np.maximum(np.abs(inside), np.abs(outside))
+    certain = (moved > CRITERIA.change_certain * fit.change.deviations) & (
+        moved > CRITERIA.change * np.maximum(np.abs(inside), np.abs(outside))
     )
     certain[len(names) :] = False  # noise ratios
     if not certain.any():

@@ -17,7 +17,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
 from symid.diagnosis.fitting.start import fitted_axis
-from symid.diagnosis.fitting.state import can_integrate, first_state, with_effects
+from symid.diagnosis.fitting.state import first_state, law_to_integrate, with_effects
 from symid.diagnosis.prediction.hidden_motion import (
     Pointwise,
     _discretised,
@@ -209,9 +209,9 @@ def test_motion_that_a_sensor_reads_is_integrated_on_demand_only() -> None:
     values = {"Mm": 80.0, "Fvm": 80.0, "Fsm": 40.0, "Kt": 8e6, "Ft": 900.0, "Ml": 160.0, "Fvl": 100.0}
     prediction = prediction_of(record_of(dynamics, log, 40.0), values)
     friction = Placed(effects_of(CoulombFriction)[0], "load", (), (10.0,))
-    assert not can_integrate(prediction, friction)
-    assert can_integrate(prediction, friction, read=True)
-    assert not can_integrate(prediction, replace(friction, at="motor"), read=True)
+    assert not law_to_integrate(prediction, friction)
+    assert law_to_integrate(prediction, friction, read=True)
+    assert not law_to_integrate(prediction, replace(friction, at="motor"), read=True)
 
 
 def test_a_play_within_which_a_spring_is_hardly_softer_is_none() -> None:

@@ -12,7 +12,7 @@ from command_line import run
 
 import symid
 from symid.estimation.residual_measures import fit_percent
-from symid.identification.residual_correlation import correlation, predicted_outputs, residual_correlations
+from symid.identification.residual_correlation import PredictedOutput, correlation, residual_correlations
 from symid.report.pages.identification_page import write_identification_html
 
 
@@ -107,7 +107,9 @@ def test_friction_that_the_model_lacks_is_remembered(tmp_path: Path) -> None:
     recording(tmp_path / "a.csv", 4.0 * np.sin(40 * t) + 0.1 * np.random.default_rng(0).standard_normal(6000))
     settings = symid.Preparation(cutoff_hz=60.0)
     found = symid.identify("rigid_1m", tmp_path / "a.csv", preparation=settings)
-    ((_, own, _),) = residual_correlations(predicted_outputs(found))
+    (run,) = found.observations
+    output = PredictedOutput("F", "a.csv", "N", run.y[0], run.W[0] @ found.fit.solution, run.valid[0])
+    ((_, own, _),) = residual_correlations([output])
     assert own.outside > 0.5
 
 

@@ -14,11 +14,10 @@ from symid.diagnosis.effects import Placed, force_at
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state
-from symid.identification.criteria import CRITERIA
 from symid.identification.recording import channel_fault, held_fault
 
-_LOST = replace(CRITERIA, dead_share=0.05)
-_REPEATED = replace(CRITERIA, dead_share=0.4)
+_LOST = 0.05
+_REPEATED = 0.4
 """Share of lost and of repeated samples above which a log shows its recorder rather than its machine. Coarse encoders
 and slow controllers repeat values by nature; a channel that is updated at every second sample repeats half of them."""
 _WHOLE_SAMPLE = 0.15

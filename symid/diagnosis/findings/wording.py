@@ -141,7 +141,7 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
     if found.effects:
         parts.append("lacks " + listed([spoken(e.effect, e.at) for e in found.effects]))
     if surplus:
-        parts.append(f"has {' and '.join(surplus)}, which the machine does not have")
+        parts.append(f"has {listed(surplus)}, which the machine does not have")
     if apart and found.verdict != "no_gap":
         parts.append(f"has other values of {', '.join(apart)}")
     if found.verdict == "unexplained":

@@ -17,7 +17,7 @@ import numpy as np
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.state import State, can_integrate, first_state, with_effects
+from symid.diagnosis.fitting.state import State, first_state, law_to_integrate, with_effects
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
@@ -78,7 +78,7 @@ def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
             continue
         for place in item.effect.places(prediction):
             moved = replace(item, at=place, integrated=True)
-            if moved != item and can_integrate(prediction, moved):
+            if moved != item and law_to_integrate(prediction, moved):
                 state = with_effects(other.state, fit.weighting, fit.state.placed)
                 yield Start(state, fit.weighting, moved)
 
@@ -94,7 +94,7 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
             kept = near.released(nominal.weighting)  # a start holds no arrays that follow from it
             for effect, place in product(library, places):
                 for placed in _placed(effect, place, near.prediction, spring):
-                    if can_integrate(near.prediction, placed):
+                    if law_to_integrate(near.prediction, placed):
                         left = _sum_of_squares(Start(near, nominal.weighting, placed))
                         own = left, Start(kept, nominal.weighting, placed)
                         found.setdefault(placed.key, []).append(own)

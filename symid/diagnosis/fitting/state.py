@@ -111,7 +111,8 @@ def first_state(
         )
     first = State(prediction, (), weighting)
     declared = tuple(
-        replace(item, integrated=can_integrate(prediction, item)) for item in declared_effects(prediction)
+        replace(item, integrated=law_to_integrate(prediction, item) is not None)
+        for item in declared_effects(prediction)
     )
     return with_effects(first, weighting, declared) if declared or record.hidden_terms else first, weighting
 
@@ -253,22 +254,15 @@ def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
     return np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
 
 
-def can_integrate(prediction: Prediction, item: Placed, *, read: bool = False) -> bool:
-    """Whether an effect acts on hidden motion, or on any that is `read` too, and its force is a law point by point."""
+def law_to_integrate(prediction: Prediction, item: Placed, *, read: bool = False) -> Pointwise | None:
+    """Law of an effect on hidden motion, or on any that is `read` too; None if it is none point by point."""
     effect, record = item.effect, prediction.record
     if not isinstance(effect, JointEffect):
-        return False
+        return None
     direction = effect.joint(prediction, item.at).direction
     if not (record.is_predicted(direction) if read else record.is_hidden(direction)):
-        return False
-    return effect.pointwise(prediction, item.shape, item.amplitudes) is not None
-
-
-def is_dry(prediction: Prediction, item: Placed) -> bool:
-    """Whether an effect in a joint is dry friction."""
-    assert isinstance(item.effect, JointEffect)
-    law = item.effect.pointwise(prediction, item.shape, item.amplitudes)
-    return law is not None and law.dry
+        return None
+    return effect.pointwise(prediction, item.shape, item.amplitudes)
 
 
 def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:

@@ -10,7 +10,7 @@ from itertools import islice
 from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
-from symid.diagnosis.fitting.state import can_integrate, is_dry
+from symid.diagnosis.fitting.state import law_to_integrate
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed
@@ -114,16 +114,16 @@ def has_hidden_joint(fit: Fit) -> bool:
 def integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> list[Start]:
     """The starts with joints that are integrated with their motion, where that is possible."""
     hidden = (replace(s, placed=replace(s.placed, integrated=True)) for s in starts)
-    return [s for s in hidden if can_integrate(model.state.prediction, s.placed, read=read)]
+    return [s for s in hidden if law_to_integrate(model.state.prediction, s.placed, read=read)]
 
 
 def _following(found: Sequence[Candidate], fit: Fit, confirmed: Mapping[Key, Confirmed]) -> list[Start]:
     """Starts of dry friction whose motion follows the measured force; the law of the best candidate comes first."""
     best = next(iter(best_first(confirmed)), None)
     likely = sorted(found, key=lambda c: best is None or c.placed.effect.name != best.effect.name)
-    starts = integrated([Start.of(fit, c.placed) for c in likely], fit, read=True)
-    dry = (s for s in starts if is_dry(fit.state.prediction, s.placed))
-    return [replace(s, placed=replace(s.placed, follows=True)) for s in islice(dry, _FOLLOWING)]
+    laws = ((c.placed, law_to_integrate(fit.state.prediction, c.placed, read=True)) for c in likely)
+    dry = (replace(placed, integrated=True, follows=True) for placed, law in laws if law and law.dry)
+    return [Start.of(fit, placed) for placed in islice(dry, _FOLLOWING)]
 
 
 def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:

@@ -50,10 +50,9 @@ def derivation_record(model: DerivedModel) -> dict[str, Any]:
     }
 
 
-def print_derivation(model: DerivedModel, console: Console | None = None) -> None:
-    """Print a derived model."""
+def print_derivation(record: dict[str, Any], console: Console | None = None) -> None:
+    """Print the record of a derived model."""
     console = console or report_console()
-    record = derivation_record(model)
     console.print(f"[bold]{record['axis']}[/bold] measured by {', '.join(record['measured'])}\n")
     motion = "Equations of motion (coordinates relative to the body that carries)"
     _section(console, motion, record["equations_of_motion"])
