@@ -1,6 +1,6 @@
 """Thousands of damaged logs: `symid identify` must refuse them in one line, give them a status, or be right.
 
-Hypothesis draws the kind of damage (benchmarks/damage/kinds.py), the kind of file, the extent of the damage, and
+Hypothesis draws the kind of damage (benchmarks/damage), the kind of file, the extent of the damage, and
 whether the log is read in blocks. Every log is identified in this process by the function of the command. A failure is
 a traceback, a warning, a message of several lines, a hang of 120 s, or a status "ok" with a parameter that is off by
 more than 5 % and by more than 6 corrected standard deviations. It prints the counts by kind and verdict, and every

@@ -18,7 +18,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from benchmarks.paper_tables import CUTOFF, METHODS, NOMINAL, PHYSICAL, TABLE_5, TABLE_6, error, model
+from benchmarks.paper_tables import error, model
+from benchmarks.paper_values import CUTOFF, METHODS, NOMINAL, PHYSICAL, TABLE_5, TABLE_6
 from symid import Log, Preparation, identify
 from symid.tuning.bound import lowest_within
 

@@ -1,7 +1,6 @@
-"""Kinds of damage: of the values of a log, of its columns, and of the bytes of its file.
+"""Kinds of damage of the values of a log, and of its columns.
 
-Each takes the good columns, or the bytes of their file, a generator of random numbers, and the extent of the damage
-between 0 and 1.
+Each takes the good columns, a generator of random numbers, and the extent of the damage between 0 and 1.
 """
 
 from __future__ import annotations
@@ -9,13 +8,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import polars as pl
 
-from benchmarks.damage.log import Columns, as_bytes
+from benchmarks.damage.log import Columns
+from benchmarks.damage.of_files import Generator
 
-Generator = np.random.Generator
 OfColumns = Callable[[Columns, Generator, float], Columns]
-OfBytes = Callable[[bytes, Generator, float], bytes]
+
+
+OF_COLUMNS: dict[str, OfColumns] = {}
+
+
+def _kind(damage: OfColumns) -> OfColumns:
+    OF_COLUMNS[damage.__name__] = damage
+    return damage
 
 
 def _span(columns: Columns, rng: Generator, extent: float) -> slice:
@@ -35,23 +40,27 @@ def _changed(columns: Columns, name: str, part: slice, value: object) -> Columns
     return {**columns, name: values}
 
 
+@_kind
 def nan_run(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Values that are missing."""
     return _changed(columns, str(rng.choice(["t", "q", "F"])), _span(columns, rng, extent), np.nan)
 
 
+@_kind
 def infinite(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A span of one channel is infinite."""
     value = rng.choice([np.inf, -np.inf])
     return _changed(columns, str(rng.choice(["t", "q", "F"])), _span(columns, rng, extent * 0.1), value)
 
 
+@_kind
 def swapped(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Two columns under each other's names."""
     one, other = rng.permutation(["t", "q", "F"])[:2]
     return {**columns, one: columns[other], other: columns[one]}
 
 
+@_kind
 def swapped_midway(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Position and force that change places in a part of the log."""
     part = _span(columns, rng, extent)
@@ -59,12 +68,14 @@ def swapped_midway(columns: Columns, rng: Generator, extent: float) -> Columns:
     return _changed(q, "F", part, columns["q"][part])
 
 
+@_kind
 def repeated_time(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A time that stands still."""
     part = _span(columns, rng, max(extent, 0.001))
     return _changed(columns, "t", part, columns["t"][part.start])
 
 
+@_kind
 def backward_time(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A time that jumps back, as where a recorder was restarted."""
     start = _span(columns, rng, 0.0).start
@@ -73,6 +84,7 @@ def backward_time(columns: Columns, rng: Generator, extent: float) -> Columns:
     return {**columns, "t": t}
 
 
+@_kind
 def reversed_rows(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Part of the rows in backward order."""
     part = _span(columns, rng, max(extent, 0.01))
@@ -81,6 +93,7 @@ def reversed_rows(columns: Columns, rng: Generator, extent: float) -> Columns:
     }
 
 
+@_kind
 def time_jump(columns: Columns, rng: Generator, extent: float) -> Columns:
     """The time jumps once by more than a sampling period."""
     t = columns["t"].copy()
@@ -88,12 +101,14 @@ def time_jump(columns: Columns, rng: Generator, extent: float) -> Columns:
     return {**columns, "t": t}
 
 
+@_kind
 def lost_rows(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Missing rows, visible in the time."""
     part = _span(columns, rng, extent)
     return {name: np.delete(x, part) for name, x in columns.items()}
 
 
+@_kind
 def lost_rows_untold(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Missing rows with a renumbered time: the position jumps."""
     part = _span(columns, rng, 0.02 + 0.5 * extent)
@@ -101,12 +116,14 @@ def lost_rows_untold(columns: Columns, rng: Generator, extent: float) -> Columns
     return {**fewer, "t": np.arange(fewer["q"].size) / 1000.0}
 
 
+@_kind
 def jittering_time(columns: Columns, rng: Generator, extent: float) -> Columns:
     """White noise is added to the times."""
     t = columns["t"] + 2e-3 * extent**2 * rng.standard_normal(columns["t"].size)
     return {**columns, "t": t}
 
 
+@_kind
 def slower_midway(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A sampling period that changes."""
     at, factor = int(rng.integers(100, 2900)), 1.0 + 0.01 + 3 * extent
@@ -114,17 +131,20 @@ def slower_midway(columns: Columns, rng: Generator, extent: float) -> Columns:
     return {**columns, "t": np.where(np.arange(t.size) < at, t, t[at] + factor * (t - t[at]))}
 
 
+@_kind
 def constant(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A channel that never changes."""
     return _changed(columns, str(rng.choice(["t", "q", "F"])), slice(None), rng.normal())
 
 
+@_kind
 def stuck(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A channel that keeps a value for a while."""
     name, part = _signal(rng), _span(columns, rng, 0.1 + 0.9 * extent)
     return _changed(columns, name, part, columns[name][part.start])
 
 
+@_kind
 def clipped(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A channel that is limited."""
     name = _signal(rng)
@@ -132,6 +152,7 @@ def clipped(columns: Columns, rng: Generator, extent: float) -> Columns:
     return {**columns, name: np.clip(columns[name], -limit, limit)}
 
 
+@_kind
 def huge(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A few numbers near the end of the range."""
     value = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(20, 308)
@@ -139,12 +160,14 @@ def huge(columns: Columns, rng: Generator, extent: float) -> Columns:
     return _changed(columns, name, _span(columns, rng, 0.05 * extent), value)
 
 
+@_kind
 def denormal(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A channel of numbers so small that digits are lost."""
     name = _signal(rng)
     return {**columns, name: columns[name] * 10.0 ** (-290.0 - 33.0 * extent)}
 
 
+@_kind
 def spikes(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Single values far off."""
     name = _signal(rng)
@@ -154,6 +177,7 @@ def spikes(columns: Columns, rng: Generator, extent: float) -> Columns:
     return {**columns, name: x}
 
 
+@_kind
 def overflow(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Integers that wrap around."""
     name = _signal(rng)
@@ -162,216 +186,75 @@ def overflow(columns: Columns, rng: Generator, extent: float) -> Columns:
     return {**columns, name: wrapped * np.abs(columns[name]).max() / 32768 / (1.1 + 4 * extent)}
 
 
+@_kind
 def other_unit_midway(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A channel scaled by 1000 in 5 to 75 % of the log: were it nearly all, only the trimmed ends would tell."""
     name, part = _signal(rng), _span(columns, rng, 0.05 + 0.7 * extent)
     return _changed(columns, name, part, 1000.0 * columns[name][part])
 
 
+@_kind
 def foreign_unit(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A header with a unit that the signal cannot have, or that there is not."""
     name, unit = _signal(rng), rng.choice(["degC", "V", "bananas", "m/s", "", "µ?", "rad", "N*m"])
     return {(f"{key} [{unit}]" if key == name else key): x for key, x in columns.items()}
 
 
+@_kind
 def wrong_unit(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A whole channel in another unit than its header says."""
     name = str(rng.choice(["t", "q", "F"]))
     return {**columns, name: columns[name] * rng.choice([1e-3, 57.3, 1e3, 0.0254])}
 
 
+@_kind
 def opposite_sign(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A channel that counts the other way."""
     name = _signal(rng)
     return {**columns, name: -columns[name]}
 
 
+@_kind
 def white_noise(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A channel that holds nothing but noise."""
     name = _signal(rng)
     return {**columns, name: columns[name].std() * rng.standard_normal(columns[name].size)}
 
 
+@_kind
 def moved(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A channel that is late."""
     return {**columns, "F": np.roll(columns["F"], int(rng.choice([-1, 1])) * (1 + int(300 * extent)))}
 
 
+@_kind
 def few_rows(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Only the first few rows, 60 at most, are left."""
     rows = int(rng.integers(0, 60))
     return {name: x[:rows] for name, x in columns.items()}
 
 
+@_kind
 def booleans(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A column of truth values."""
     name = str(rng.choice(["t", "q", "F"]))
     return {**columns, name: columns[name] > 0}
 
 
+@_kind
 def missing_column(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A column that is not there."""
     missing = rng.choice(["t", "q", "F"])
     return {name: x for name, x in columns.items() if name != missing}
 
 
+@_kind
 def single_precision(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Signals are rounded to 32 bit numbers."""
     return {name: x if name == "t" else x.astype(np.float32) for name, x in columns.items()}
 
 
+@_kind
 def more_columns(columns: Columns, rng: Generator, extent: float) -> Columns:
     """Columns that nobody asked for, of any content."""
     return {"température [µ°]": columns["q"] * np.nan, **columns, "b": np.arange(columns["q"].size)}
-
-
-OF_COLUMNS: dict[str, OfColumns] = {
-    f.__name__: f
-    for f in (
-        nan_run,
-        infinite,
-        swapped,
-        swapped_midway,
-        repeated_time,
-        backward_time,
-        reversed_rows,
-        time_jump,
-        lost_rows,
-        lost_rows_untold,
-        jittering_time,
-        slower_midway,
-        constant,
-        stuck,
-        clipped,
-        huge,
-        denormal,
-        spikes,
-        overflow,
-        other_unit_midway,
-        foreign_unit,
-        wrong_unit,
-        opposite_sign,
-        white_noise,
-        moved,
-        few_rows,
-        booleans,
-        missing_column,
-        single_precision,
-        more_columns,
-    )
-}
-
-
-def truncated(content: bytes, rng: Generator, extent: float) -> bytes:
-    """A file that ends early."""
-    return content[: int(extent * len(content))]
-
-
-def flipped(content: bytes, rng: Generator, extent: float) -> bytes:
-    """Single bytes that are others."""
-    out = bytearray(content)
-    for place in rng.integers(0, len(out), 1 + int(20 * extent)):
-        out[place] = int(rng.integers(0, 256))
-    return bytes(out)
-
-
-def garbage(content: bytes, rng: Generator, extent: float) -> bytes:
-    """Random bytes replace the file."""
-    return rng.integers(0, 256, 1 + int(extent * 20_000), dtype=np.uint8).tobytes()
-
-
-def empty(content: bytes, rng: Generator, extent: float) -> bytes:
-    """The file has no content."""
-    return b""
-
-
-def hole(content: bytes, rng: Generator, extent: float) -> bytes:
-    """Zeros in the middle, as a disk leaves that lost a block."""
-    start = int(rng.integers(0, len(content)))
-    length = 1 + int(extent * 4096)
-    return content[:start] + bytes(min(length, len(content) - start)) + content[start + length :]
-
-
-def twice(content: bytes, rng: Generator, extent: float) -> bytes:
-    """One file behind the other."""
-    return content + content
-
-
-OF_BYTES: dict[str, OfBytes] = {f.__name__: f for f in (truncated, flipped, garbage, empty, hole, twice)}
-
-
-def _lines(columns: Columns) -> list[str]:
-    return as_bytes(columns, "csv").decode().splitlines()
-
-
-def text_cells(columns: Columns, rng: Generator, extent: float) -> bytes:
-    """Words among the numbers of a CSV file."""
-    lines = _lines(columns)
-    for row in rng.integers(1, len(lines), 1 + int(5 * extent)):
-        fields = lines[row].split(",")
-        fields[rng.integers(0, 3)] = str(
-            rng.choice(["hello", "#N/A", "1.2.3", "0x1F", "1e", "—", "1,5", '"'])
-        )
-        lines[row] = ",".join(fields)
-    return "\n".join(lines).encode()
-
-
-def ragged_lines(columns: Columns, rng: Generator, extent: float) -> bytes:
-    """Lines with too few or too many fields."""
-    lines = _lines(columns)
-    for row in rng.integers(1, len(lines), 1 + int(5 * extent)):
-        fields = lines[row].split(",")
-        lines[row] = ",".join(fields[: rng.integers(0, 3)] if rng.random() < 0.5 else [*fields, "1.0"])
-    return "\n".join(lines).encode()
-
-
-def odd_header(columns: Columns, rng: Generator, extent: float) -> bytes:
-    """A header with marks, blanks, another encoding, quotes, duplicates, or none."""
-    head, *rest = _lines(columns)
-    heads = [
-        "\ufefft,q,F",
-        " t , q , F ",
-        '"t","q","F"',
-        "t,q,q",
-        "q,q,F",
-        "",
-        "t;q;F",
-        "т,q,F",
-        "T,Q,f",
-        "t,q,F,,",
-    ]
-    head = str(rng.choice(heads))
-    encoding = str(rng.choice(["utf-8", "utf-16", "utf-8-sig"]))
-    return "\n".join([head, *rest]).encode(encoding)
-
-
-def decimal_commas(columns: Columns, rng: Generator, extent: float) -> bytes:
-    """Numbers and separators as in Germany."""
-    return "\r\n".join(line.replace(",", ";").replace(".", ",") for line in _lines(columns)).encode()
-
-
-OF_TEXT: dict[str, Callable[[Columns, Generator, float], bytes]] = {
-    f.__name__: f for f in (text_cells, ragged_lines, odd_header, decimal_commas)
-}
-
-
-def nested(columns: Columns, rng: Generator, extent: float) -> pl.DataFrame:
-    """A column of lists, structures, dates, categories, decimals or nothing."""
-    frame, name = pl.DataFrame(columns), str(rng.choice(["t", "q", "F"]))
-    column = pl.col(name)
-    others = [
-        pl.concat_list(column),
-        pl.struct(column),
-        (1e6 * column).cast(pl.Int64).cast(pl.Datetime("us")),
-        column.cast(pl.String),
-        column.cast(pl.String).cast(pl.Categorical),
-        column.cast(pl.Decimal(30, 12)),
-        pl.lit(None),
-        pl.lit(None).cast(pl.Float64),
-        (1e6 * column).cast(pl.Int64).cast(pl.Duration("us")),
-        column.cast(pl.String).cast(pl.Binary),
-    ]
-    return frame.with_columns(others[rng.integers(0, len(others))].alias(name))
-
-
-OF_FRAME: dict[str, Callable[[Columns, Generator, float], pl.DataFrame]] = {"nested": nested}

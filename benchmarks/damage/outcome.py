@@ -12,8 +12,9 @@ import numpy as np
 from hypothesis import strategies as st
 
 from benchmarks.commands import Outcome, run_command
-from benchmarks.damage.kinds import OF_BYTES, OF_COLUMNS, OF_FRAME, OF_TEXT
+from benchmarks.damage.kinds import OF_COLUMNS
 from benchmarks.damage.log import AXIS, FORMS, TRUTH, as_bytes, good_log, write
+from benchmarks.damage.of_files import OF_BYTES, OF_FRAME, OF_TEXT
 
 KINDS = ("none", *OF_COLUMNS, *OF_BYTES, *OF_TEXT, *OF_FRAME, "wrong_suffix")
 

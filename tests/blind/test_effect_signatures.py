@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
-from benchmarks import effect_signatures
+from benchmarks import effect_residuals
 from benchmarks.blind import draw
-from benchmarks.effect_signatures import LATE, SIGNATURES, picture, residual_of
+from benchmarks.effect_residuals import LATE, SIGNATURES, residual_of
+from benchmarks.effect_signatures import picture
 from symid.diagnosis import LIBRARY
 
 
 @pytest.fixture(autouse=True)
 def _short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Four seconds of moves; the motions of the blind cases, which they replace, are shorter still."""
-    monkeypatch.setattr(effect_signatures, "MOVES", ((0.4, 0.2), (0.2, 0.2), (0.1, 0.1)))
+    monkeypatch.setattr(effect_residuals, "MOVES", ((0.4, 0.2), (0.2, 0.2), (0.1, 0.1)))
     monkeypatch.setattr(draw, "SECONDS", {"identification": 1.0, "validation": 1.0})
 
 

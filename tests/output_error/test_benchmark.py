@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks import cramer_rao
 from benchmarks import output_error as benchmark
+from benchmarks import output_error_bench as bench
 
 
 def test_at_250_hz_mass_and_spring_of_the_structure_are_within_5_percent() -> None:
@@ -19,33 +21,33 @@ def test_the_bound_of_a_short_log_is_that_of_its_likelihood() -> None:
     truth, period, n = benchmark.SMOOTH, 1 / 250.0, 120
     random = np.random.default_rng(0)
     force, levels = 4000.0 * np.sign(random.standard_normal(n)), np.array([5.0, 1e-7])
-    _, S, free = benchmark.moments(truth, force, levels, period)
+    _, S, free = cramer_rao.moments(truth, force, levels, period)
     vague = free[:, np.abs(free).max(axis=0) > 1e-12]  # a motor's place leaves no differences
     vague = vague / np.linalg.norm(vague, axis=0)
     factor = np.linalg.cholesky(S + 1e6 * np.trace(S) * vague @ vague.T)
     slopes = []
     for name in [key for key, value in truth.items() if value]:
         ahead, behind = (
-            benchmark.moments({**truth, name: truth[name] * (1 + step)}, force, levels, period)[0]
+            cramer_rao.moments({**truth, name: truth[name] * (1 + step)}, force, levels, period)[0]
             for step in (1e-5, -1e-5)
         )
         slopes.append(np.linalg.solve(factor, (ahead - behind) / 2e-5))
     of_means = np.stack(slopes, axis=1)
     least = 100 * np.sqrt(np.diag(np.linalg.inv(of_means.T @ of_means)))
-    bound = np.array(list(benchmark.cramer_rao(truth, force, tuple(levels), period).values()))
+    bound = np.array(list(cramer_rao.cramer_rao(truth, force, tuple(levels), period).values()))
     np.testing.assert_allclose(bound, least, rtol=0.02)  # the covariance tells hardly anything more
 
 
 @pytest.mark.parametrize("mean", [False, True])
 def test_a_decimated_bench_keeps_its_frequencies(mean: bool) -> None:
     """250 Hz instead of 2500: the authors name about 53 and 77 Hz."""
-    log = benchmark.kept(benchmark.read("A"), 10, mean=mean)
-    found = benchmark.identify_output_error(
-        benchmark.symid.load_axis("motor_bench"),
-        benchmark.symid.load_generated("motor_bench", ("qm", "ql")),
+    log = bench.kept(bench.read("A"), 10, mean=mean)
+    found = bench.identify_output_error(
+        bench.symid.load_axis("motor_bench"),
+        bench.symid.load_generated("motor_bench", ("qm", "ql")),
         log,
         held=True if mean else None,
     )
-    antiresonance, resonance = benchmark.bench_frequencies(found.physical_parameters)
+    antiresonance, resonance = bench.bench_frequencies(found.physical_parameters)
     assert antiresonance == pytest.approx(53.7, abs=1.5)
     assert resonance == pytest.approx(76.5, abs=2.5)
