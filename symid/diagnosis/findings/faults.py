@@ -11,6 +11,7 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.data.stuck import inspect_spans
 from symid.diagnosis.effects import Placed, force_at
+from symid.diagnosis.findings.cut_force import cut_force
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state
@@ -68,7 +69,8 @@ def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
     ]
     notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
     signs = [_wrong_sign(begun, found, drive) for drive in range(record.n_drives)]
-    fatal = tuple(dict.fromkeys(text for text in (*signs, *faults, *held) if text))
+    cut = [cut_force(found, drive) for drive in range(record.n_drives)]
+    fatal = tuple(dict.fromkeys(text for text in (*signs, *faults, *held, *cut) if text))
     return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
 
 

@@ -1,0 +1,49 @@
+"""A force whose record ends before the force does is a damaged recording; one that a drive limits is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symid
+from symid import OffsetForce, load_axis
+from symid.simulation import Cascade, simulate, trapezoids
+
+RIGID = load_axis("rigid_1m")
+
+
+def moved() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time, position and force of 100 kg with friction, by hand."""
+    t = np.arange(6000) * 1e-3
+    q = v = a = np.zeros(t.size)
+    for amplitude, rate in ((0.2, 3.0), (0.05, 8.1), (0.01, 21.0)):
+        q = q + amplitude * np.sin(rate * t)
+        v = v + amplitude * rate * np.cos(rate * t)
+        a = a - amplitude * rate**2 * np.sin(rate * t)
+    noise = np.random.default_rng(0).standard_normal((2, t.size))
+    return t, q + 1e-7 * noise[0], 100 * a + 80 * v + 40 * np.sign(v) + noise[1]
+
+
+@pytest.mark.parametrize(("low", "high", "noise"), [(-0.4, 0.4, 0.0), (-0.7, 0.7, 2.0), (-1.0, 0.6, 0.0)])
+def test_a_clipped_record_is_no_physics(low: float, high: float, noise: float) -> None:
+    t, q, force = moved()
+    top = float(np.abs(force).max())
+    clipped = np.clip(force, low * top, high * top)
+    clipped += noise * np.random.default_rng(1).standard_normal(t.size)
+    found = symid.diagnose(RIGID, {"t": t, "q": q, "F": clipped})
+    assert found.verdict == "recording"
+    assert "its record is clipped" in found.sentence
+    asked = float(found.faults[0].split("up to ")[1].split()[0])
+    assert asked == pytest.approx(float(force.max()), rel=0.02)
+
+
+def test_a_drive_at_its_limit_is_none() -> None:
+    axis = RIGID.with_signal("F", noise=1.0).with_signal("q", noise=1e-7)
+    loop = Cascade("q", 40.0, 8000.0, 40.0, force_limit=450.0)
+    path = trapezoids([0.2, 0.1] * 2, 0.9, acceleration=5.0, jerk=300.0, dwell=0.1, sampling_period=1e-3)
+    values = {"M": 100.0, "Fv": 80.0, "Fs": 40.0, "F0": 60.0}
+    log = simulate(axis.with_effect(OffsetForce(axis.bodies[0], "F0")), values, path, loop).log
+    assert np.mean(np.abs(log["F"]) > 440.0) > 0.05
+    found = symid.diagnose(axis, log)
+    assert found.verdict == "effect"
+    assert found.effects[0].effect == "offset_force"
