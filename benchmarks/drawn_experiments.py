@@ -89,10 +89,7 @@ def outcome(label: dict[str, Any], folder: Path, runs: int) -> Outcome:
     within = {
         "travel": (np.ptp(motion), limits.travel[1] - limits.travel[0]),
         "speed": (np.abs(speed).max(), limits.speed),
-        "acceleration": (
-            np.quantile(np.abs(np.gradient(speed) * gap.RATE), 0.995),
-            limits.acceleration,
-        ),
+        "acceleration": (np.quantile(np.abs(np.gradient(speed) * gap.RATE), 0.995), limits.acceleration),
         "force": (np.abs(force).max(), most),
     }
     exceeded = ", ".join(

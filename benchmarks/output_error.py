@@ -43,13 +43,7 @@ from symid.axis import Axis
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.rough_starts import rigid_start, spread, with_heavy_bodies
-from symid.simulation import (
-    Simulation,
-    forward_dynamics,
-    plant_of,
-    simulate,
-    tuned_cascade,
-)
+from symid.simulation import Simulation, forward_dynamics, plant_of, simulate, tuned_cascade
 
 DRAWS, UNKNOWN_START = 200, 5
 

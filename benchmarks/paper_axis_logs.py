@@ -11,15 +11,7 @@ from scipy import signal
 import symid
 from benchmarks.cramer_rao import FloatArray, responses
 from symid.axis import Axis
-from symid.simulation import (
-    Cascade,
-    Command,
-    Trajectory,
-    plant_of,
-    simulate,
-    trapezoids,
-    tuned_cascade,
-)
+from symid.simulation import Cascade, Command, Trajectory, plant_of, simulate, trapezoids, tuned_cascade
 
 PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
 SMOOTH = PAPER | {"Fsm": 0.0}

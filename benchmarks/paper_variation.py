@@ -19,15 +19,7 @@ from benchmarks.paper_tables import (
     tuned_rate,
     worst,
 )
-from benchmarks.paper_values import (
-    CUTOFF,
-    METHODS,
-    NOMINAL,
-    PHYSICAL,
-    TABLE_7,
-    TABLE_9,
-    TABLE_11,
-)
+from benchmarks.paper_values import CUTOFF, METHODS, NOMINAL, PHYSICAL, TABLE_7, TABLE_9, TABLE_11
 from symid.simulation import simulate
 from symid.tuning.bound import lowest_within
 

@@ -135,16 +135,7 @@ def drawn(seed: int, *, short: bool = False) -> Case:
         EFFECTS[name] for name in (*added, *constant, lacks, *(["delay"] if delay else [])) if name != "none"
     }
     value = {"late": late, "delay": delay, "none": 0.0}.get(lacks, values.get(lacks, 0.0))
-    return Case(
-        kind,
-        lacks,
-        tuple(there),
-        value,
-        tuple(logs),
-        complete,
-        _without(complete, lacks),
-        nominal,
-    )
+    return Case(kind, lacks, tuple(there), value, tuple(logs), complete, _without(complete, lacks), nominal)
 
 
 def _machine(kind: str, rng: np.random.Generator) -> tuple[dict[str, float], _Size]:

@@ -15,16 +15,7 @@ from itertools import count, islice
 import numpy as np
 import scipy.signal
 
-from benchmarks.diagnosis.machines import (
-    Case,
-    drawn,
-    false_effects,
-    names,
-    names_of,
-    options,
-    sizes,
-    sought,
-)
+from benchmarks.diagnosis.machines import Case, drawn, false_effects, names, names_of, options, sizes, sought
 from symid import Log
 from symid.arrays import FloatArray
 from symid.diagnosis import diagnose

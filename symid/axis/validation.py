@@ -19,9 +19,7 @@ from symid.axis.elements import (
     Spring,
     Weight,
 )
-from symid.axis.imperfections import (
-    Imperfection,
-)
+from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
 from symid.axis.laws.law import is_finite
 from symid.axis.sensors import Sensor

@@ -50,11 +50,7 @@ def _kind_of_file(options: Mapping[str, Any]) -> str:
 @option("--fmi", type=Choice(["2", "3"]), default="2", help="With --to fmu: FMI 2.0 or 3.0.")
 @measured_option
 @option(
-    "-o",
-    "--output",
-    metavar="FILE",
-    type=Output(_kind_of_file),
-    help="Where to write [standard output].",
+    "-o", "--output", metavar="FILE", type=Output(_kind_of_file), help="Where to write [standard output]."
 )
 @json_option
 def command(axis: str, **options: Any) -> None:

@@ -8,17 +8,7 @@ from typing import NamedTuple, TypeAlias
 
 import sympy as sp
 
-from symid.axis import (
-    AsymmetricFriction,
-    Axis,
-    Backlash,
-    Body,
-    Damper,
-    Law,
-    PendulumWeight,
-    Spring,
-    Weight,
-)
+from symid.axis import AsymmetricFriction, Axis, Backlash, Body, Damper, Law, PendulumWeight, Spring, Weight
 from symid.errors import SettingError
 from symid.export.exported import require_physical
 from symid.symbolic.lagrange import Kinematics

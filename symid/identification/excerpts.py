@@ -159,11 +159,7 @@ def blocks_of(
 
 
 def block_of(
-    seen: Observation,
-    number: int,
-    *,
-    continues: bool = False,
-    instruments: FloatArray | None = None,
+    seen: Observation, number: int, *, continues: bool = False, instruments: FloatArray | None = None
 ) -> ObservationBlock:
     """Rows of log `number`, which has separate equations, as a block that starts the log or continues it."""
     return ObservationBlock(seen.W, seen.y, seen.valid, continues, instruments, number * seen.W.shape[0])

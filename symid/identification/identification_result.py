@@ -54,9 +54,7 @@ class EstimatedParameters:
         return frame_of(every)
 
 
-def frame_of(
-    every: Iterable[tuple[str, Mapping[str, float], FloatArray, Mapping[str, str]]],
-) -> pl.DataFrame:
+def frame_of(every: Iterable[tuple[str, Mapping[str, float], FloatArray, Mapping[str, str]]]) -> pl.DataFrame:
     """Rows of a kind, name, value, deviation and unit, by the values, deviations and units of each kind."""
     rows = [
         (kind, name, value, float(std), str(units[name]))

@@ -14,12 +14,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.identification.constraints import Constraints
-from symid.identification.physical import (
-    PhysicalEstimate,
-    Restricted,
-    open_by_structure,
-    physical_estimates,
-)
+from symid.identification.physical import PhysicalEstimate, Restricted, open_by_structure, physical_estimates
 
 
 def estimates_by_priors(

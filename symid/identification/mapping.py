@@ -50,10 +50,7 @@ class LogMapping:
 
 
 def read_mapping(
-    file: str | Path,
-    columns: Collection[str] = (),
-    gains: Collection[str] = (),
-    units: Collection[str] = (),
+    file: str | Path, columns: Collection[str] = (), gains: Collection[str] = (), units: Collection[str] = ()
 ) -> LogMapping:
     """A mapping from its JSON file.
 

@@ -9,11 +9,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import (
-    Log,
-    QuinticSpline,
-    kept_indices,
-)
+from symid.data import Log, QuinticSpline, kept_indices
 from symid.errors import SettingError
 from symid.identification.bands import completed
 from symid.identification.coulomb import more_columns, sample_friction, take_off

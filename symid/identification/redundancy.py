@@ -9,12 +9,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import derivatives
-from symid.estimation import (
-    ObservationBlock,
-    corrected_covariance_of_blocks,
-    estimate,
-    triangular_factors,
-)
+from symid.estimation import ObservationBlock, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt, running_integral
 from symid.identification.sampling import filtered

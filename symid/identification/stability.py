@@ -42,13 +42,7 @@ class Change:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return int(np.argmax(np.where(among, moved / self.deviations, -1.0)))
 
-    def statement(
-        self,
-        model: GeneratedModel,
-        signed: BoolArray,
-        *,
-        distorts: bool = False,
-    ) -> str:
+    def statement(self, model: GeneratedModel, signed: BoolArray, *, distorts: bool = False) -> str:
         """Statement on changes within the logs; empty without one.
 
         A change counts that explains much of the residual, or that distorts the parameters of all rows beyond their

@@ -10,19 +10,8 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import (
-    LowPass,
-    Piece,
-    QuinticSpline,
-    in_pieces,
-    kept_indices,
-    kept_of,
-)
-from symid.identification.sampling import (
-    STANDSTILL_SHARE,
-    WORKERS,
-    Sampling,
-)
+from symid.data import LowPass, Piece, QuinticSpline, in_pieces, kept_indices, kept_of
+from symid.identification.sampling import STANDSTILL_SHARE, WORKERS, Sampling
 from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation
 

@@ -4,8 +4,4 @@ from symid.output_error.likelihood_result import OutputErrorIdentification
 from symid.output_error.maximum_likelihood import identify_output_error
 from symid.output_error.predicted_log import OutputErrorPrediction
 
-__all__ = [
-    "OutputErrorIdentification",
-    "OutputErrorPrediction",
-    "identify_output_error",
-]
+__all__ = ["OutputErrorIdentification", "OutputErrorPrediction", "identify_output_error"]

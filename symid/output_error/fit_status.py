@@ -52,10 +52,7 @@ def verdict_of(
         )
     minimum = found.fit.search.minimum
     if minimum is None or not minimum.converged:
-        return (
-            "not_converged",
-            "the iterations did not converge: give `nominal`, values to start from",
-        )
+        return ("not_converged", "the iterations did not converge: give `nominal`, values to start from")
     mismatch = controller_mismatch(found.fit)
     if mismatch and (contradiction := mismatch.statement(found.fit.search.seen)):
         return "poor_fit", contradiction

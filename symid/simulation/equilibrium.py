@@ -42,10 +42,7 @@ def equilibrium(plant: Plant, readings: Mapping[str, float]) -> tuple[FloatArray
     for _ in range(_ROUNDS):
         force, slope = _of_laws(plant.laws, x)
         matrix = np.block(
-            [
-                [(plant.stiffness + slope) / scale, -plant.drives],
-                [rows, np.zeros((len(rows), n_drives))],
-            ]
+            [[(plant.stiffness + slope) / scale, -plant.drives], [rows, np.zeros((len(rows), n_drives))]]
         )
         balance = np.concatenate([(plant.constant - force + slope @ x) / scale, wanted])
         found = np.linalg.lstsq(matrix, balance, rcond=1e-13)[0]

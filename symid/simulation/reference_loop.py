@@ -85,8 +85,7 @@ class ClosedLoop:
     def tuned(self, parameters: Mapping[str, float]) -> ClosedLoop:
         """The loop with cascades tuned to parameter values."""
         return replace(
-            self,
-            controller=tuned_cascades(plant_of(self.axis, parameters), self.axis.controlled_signals),
+            self, controller=tuned_cascades(plant_of(self.axis, parameters), self.axis.controlled_signals)
         )
 
     def run(self, parameters: Mapping[str, float], log: Log) -> Log:

@@ -13,19 +13,7 @@ from typing import Literal
 
 import sympy as sp
 
-from symid.axis import (
-    GROUND,
-    Axis,
-    Between,
-    Body,
-    Damper,
-    Ground,
-    Joint,
-    Law,
-    PendulumWeight,
-    Spring,
-    Weight,
-)
+from symid.axis import GROUND, Axis, Between, Body, Damper, Ground, Joint, Law, PendulumWeight, Spring, Weight
 from symid.signal_names import derivative_name
 from symid.symbolic.expressions import law_expression, parameter_symbol
 

@@ -213,10 +213,7 @@ def _names_in(coefficient: Any) -> set[str]:
 
 
 def _exponents(
-    terms: list[_Term],
-    names: list[str],
-    unknowns: Mapping[tuple[str, str], int],
-    ratio: int,
+    terms: list[_Term], names: list[str], unknowns: Mapping[tuple[str, str], int], ratio: int
 ) -> list[int] | None:
     """Exponents that remove one ratio from every term; None if no integers do."""
     # One equation per term: the exponents of its balance, its column and its parameters cancel that of the ratio.

@@ -67,10 +67,7 @@ def largest(errors: Errors) -> float:
 
 
 def lowest_within(
-    errors_at: Callable[[float], Errors],
-    frequencies: Sequence[float],
-    bound: float,
-    track: Track = iter,
+    errors_at: Callable[[float], Errors], frequencies: Sequence[float], bound: float, track: Track = iter
 ) -> BoundSearch:
     """The lowest frequency that meets a bound on the largest error, percent, as [35] and [37] by Nelder-Mead.
 

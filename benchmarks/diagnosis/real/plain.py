@@ -266,11 +266,7 @@ def plain(script: Script, training: Sequence[Recording], held_out: Recording, ba
     base = fitted(motions, script.base)
     best = fitted(motions, (*script.base, *script.added)) if script.added else base
     return Plain(
-        before=_measured(base, other),
-        after=_measured(best, other),
-        base=base,
-        best=best,
-        motion=other,
+        before=_measured(base, other), after=_measured(best, other), base=base, best=best, motion=other
     )
 
 

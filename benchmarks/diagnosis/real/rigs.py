@@ -6,16 +6,7 @@ from collections.abc import Iterator
 
 import symid
 from benchmarks.emps import SYMMETRIC
-from symid import (
-    Axis,
-    Body,
-    CoulombFriction,
-    Drive,
-    PendulumWeight,
-    Position,
-    UnknownZero,
-    ViscousFriction,
-)
+from symid import Axis, Body, CoulombFriction, Drive, PendulumWeight, Position, UnknownZero, ViscousFriction
 
 from . import recordings
 from .case import Case, identified
@@ -131,14 +122,7 @@ def pendulum() -> Iterator[Case]:
     friction = (("coulomb_friction", "pendulum"), ("viscous_friction", "pendulum"))
     for name, model, lacking, right, base, added in (
         ("frictionless", "inertia and weight", (viscous, coulomb), friction, (), "coulomb"),
-        (
-            "full",
-            "inertia, weight, viscous and Coulomb friction",
-            (),
-            (),
-            ("viscous", "coulomb"),
-            "offset",
-        ),
+        ("full", "inertia, weight, viscous and Coulomb friction", (), (), ("viscous", "coulomb"), "offset"),
     ):
         part = axis.without(*lacking)
         yield Case(

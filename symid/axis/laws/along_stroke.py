@@ -70,10 +70,7 @@ class Unbalance(Law):
 
     sine: Parameter
     cosine: Parameter
-    formula: ClassVar = (
-        Term("cosine", "cos(q)", signed=True),
-        Term("sine", "sin(q)", signed=True),
-    )
+    formula: ClassVar = (Term("cosine", "cos(q)", signed=True), Term("sine", "sin(q)", signed=True))
     # beside a weight that is declared, the zero of its angle may be wrong: m l g sin(q + phase) less what is declared
     hypotheses: ClassVar = (
         Hypothesis("weight", ("Gc", "Gs"), without=(PendulumWeight,)),

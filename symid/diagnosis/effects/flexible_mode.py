@@ -8,14 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, norms_or_one
-from symid.diagnosis.effects.effect import (
-    LinearEffect,
-    MatchedFilter,
-    Placed,
-    Shape,
-    best_peaks,
-    joint_units,
-)
+from symid.diagnosis.effects.effect import LinearEffect, MatchedFilter, Placed, Shape, best_peaks, joint_units
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record

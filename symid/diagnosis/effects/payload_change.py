@@ -7,14 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, least_squares
-from symid.diagnosis.effects.effect import (
-    Effect,
-    MatchedFilter,
-    Placed,
-    Shape,
-    best_peaks,
-    joint_units,
-)
+from symid.diagnosis.effects.effect import Effect, MatchedFilter, Placed, Shape, best_peaks, joint_units
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import response_of

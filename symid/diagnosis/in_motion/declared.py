@@ -6,23 +6,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from symid.axis import (
-    Axis,
-    Between,
-    Body,
-    CoulombFriction,
-    EncoderRipple,
-    PreslidingFriction,
-    Sensor,
-    Spring,
-)
-from symid.diagnosis.effects import (
-    LawEffect,
-    Placed,
-    force_at,
-    imperfection_of,
-    with_parts,
-)
+from symid.axis import Axis, Between, Body, CoulombFriction, EncoderRipple, PreslidingFriction, Sensor, Spring
+from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of, with_parts
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
@@ -200,11 +185,7 @@ def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
     own = 2 * math.pi * frequency
     names = [f"{item.at}_mode_{letter}" for letter in ("m", "k", "c")]
     slides = body.mass is not None
-    added = Body(
-        f"{item.at}_mode",
-        mass=names[0] if slides else None,
-        inertia=None if slides else names[0],
-    )
+    added = Body(f"{item.at}_mode", mass=names[0] if slides else None, inertia=None if slides else names[0])
     spring = Spring(
         f"{added.name}_spring", Between(first=body, second=added), stiffness=names[1], damping=names[2]
     )

@@ -215,11 +215,7 @@ def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, Floa
 
 
 def _periodic(
-    equation: _Equation,
-    driven: _Driven,
-    joints: FloatArray,
-    laws: Sequence[Pointwise],
-    n_log: int,
+    equation: _Equation, driven: _Driven, joints: FloatArray, laws: Sequence[Pointwise], n_log: int
 ) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
     """Hidden coordinate as predicted and as observed, and forces at the points, as periodic courses."""
     # A log begins at rest or in an unknown state, for which the rows allow: the deflection begins at 0. On the way back
@@ -235,10 +231,7 @@ def _periodic(
 
 
 def _stepped(
-    equation: _Equation,
-    driven: _Driven,
-    joints: FloatArray,
-    laws: Sequence[Pointwise],
+    equation: _Equation, driven: _Driven, joints: FloatArray, laws: Sequence[Pointwise]
 ) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
     """The same on the fine grid, from rest on."""
     from symid.diagnosis.prediction.hidden_steps import (

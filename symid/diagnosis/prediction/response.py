@@ -137,9 +137,7 @@ class Response:
 
 
 def response_of(
-    record: Record,
-    parameters: Mapping[str, float],
-    impedances: Sequence[Impedance] = (),
+    record: Record, parameters: Mapping[str, float], impedances: Sequence[Impedance] = ()
 ) -> Response:
     """Frequency responses at parameter values, with further impedances on the axis."""
     plant = record.dynamics.with_nodes(parameters)

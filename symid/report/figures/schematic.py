@@ -15,16 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Patch
 
-from symid.axis import (
-    GROUND,
-    Axis,
-    Body,
-    EncoderRipple,
-    PayloadChange,
-    PendulumWeight,
-    Sensor,
-    Weight,
-)
+from symid.axis import GROUND, Axis, Body, EncoderRipple, PayloadChange, PendulumWeight, Sensor, Weight
 from symid.report.figures import symbols
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn, svg_of
