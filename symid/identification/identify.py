@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -110,39 +110,18 @@ def identify(
     """
     model = as_generated(model)
     every = (logs,) if isinstance(logs, Log | LongLog) else tuple(logs)
-    if not every:
-        raise SettingError("there is no log: give at least one")
-    short = next((log for log in every if log.n_samples < 3), None)
-    if short is not None:
-        raise SettingError(
-            f"{short.source} has {short.n_samples} samples, an acceleration needs 3: record longer"
-        )
-    if len(every) > 1 and model.per_log:
-        raise SettingError(
-            f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
-        )
+    _require_usable(model, every)
     estimation = Estimation(model, every, preparation or Preparation(), method, ddof)
-
-    def found_of(
-        some: tuple[AnyLog, ...],
-        trial: CutoffTrial,
-        nominal: Mapping[str, float] | None,
-        parts_of: Callable[[tuple[Observation, ...]], tuple[Excerpt, ...]],
-    ) -> Identification:
-        return found_from(
-            model,
-            some,
-            tuple(run.observation for run in trial.runs),
-            trial.fit,
-            blocks=lambda: blocks_of_runs(trial.runs),
-            nominal=nominal,
-            constraints=constraints,
-            parts_of=parts_of if examine else None,
-        )
-
-    # The first cutoff comes from spectra; another replaces it where the estimate is less uncertain with that.
     parts_of = lru_cache(maxsize=1)(partial(excerpts, model, every))
-    found_at = partial(found_of, every, nominal=nominal, parts_of=parts_of)
+    found_at = partial(
+        _found_at,
+        model,
+        every,
+        nominal=nominal,
+        constraints=constraints,
+        parts_of=parts_of if examine else None,
+    )
+    # The first cutoff comes from spectra; another replaces it where the estimate is less uncertain with that.
     trial = estimation.trial()
     if trial.fit.status == "too_few_rows":
         trial = estimation.widest(trial)
@@ -154,23 +133,52 @@ def identify(
     checked = with_checks(found, parts_of(found.observations), every, tried=tried)
     if len(every) == 1 or checked.status != "ok":
         return checked
-
-    def alone(log: AnyLog, seen: Observation) -> Identification:
-        run = Run.again(model, log, seen)
-        trial = CutoffTrial((run,), estimate(run.factors(), method, ddof))
-        return found_of((log,), trial, checked.physical_parameters, partial(excerpts, model, (log,)))
-
-    # The rows of the joint estimate hold what each log says alone.
-    each = map(alone, every, checked.observations)
-    apart = disagreement_between(
-        list(model.physical_units),
-        [
-            LogEstimate(", ".join(one.logs), one.physical[0].parameters, one.physical_deviations)
-            for one in each
-            if one.physical
-        ],
-    )
+    apart = _disagreement_of_logs(estimation, checked, constraints)
     return replace(checked, status="poor_fit", message=apart) if apart else checked
+
+
+def _require_usable(model: GeneratedModel, logs: Sequence[AnyLog]) -> None:
+    """SettingError if there is no log, one is too short, or several have parameters of their own."""
+    if not logs:
+        raise SettingError("there is no log: give at least one")
+    short = next((log for log in logs if log.n_samples < 3), None)
+    if short is not None:
+        raise SettingError(
+            f"{short.source} has {short.n_samples} samples, an acceleration needs 3: record longer"
+        )
+    if len(logs) > 1 and model.per_log:
+        raise SettingError(
+            f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
+        )
+
+
+def _found_at(
+    model: GeneratedModel, logs: Sequence[AnyLog], trial: CutoffTrial, **settings: Any
+) -> Identification:
+    """Identification of the rows and the estimate at a cutoff; settings as in `found_from`."""
+    seen = tuple(run.observation for run in trial.runs)
+    return found_from(model, logs, seen, trial.fit, blocks=lambda: blocks_of_runs(trial.runs), **settings)
+
+
+def _disagreement_of_logs(
+    estimation: Estimation, joint: Identification, constraints: Constraints | None
+) -> str:
+    """Statement on a parameter of one log that differs from that of the others; empty without one."""
+    model, alone = estimation.model, list[LogEstimate]()
+    for log, seen in zip(estimation.logs, joint.observations, strict=True):
+        run = Run.again(model, log, seen)  # the rows of the joint estimate hold what each log says alone
+        trial = CutoffTrial((run,), estimate(run.factors(), estimation.method, estimation.ddof))
+        one = _found_at(
+            model,
+            (log,),
+            trial,
+            nominal=joint.physical_parameters,
+            constraints=constraints,
+            parts_of=partial(excerpts, model, (log,)),
+        )
+        if one.physical:
+            alone.append(LogEstimate(log.source, one.physical[0].parameters, one.physical_deviations))
+    return disagreement_between(list(model.physical_units), alone)
 
 
 def found_from(
