@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import math
 import os
 import signal
 import threading
 import time
 from collections.abc import Iterator
 from typing import Final
+
+from symid.data.table import whole_memory
 
 LONGEST: Final = 3600.0
 """Default time limit of a log, s."""
@@ -31,11 +32,7 @@ class TooLongError(Exception):
 
 def share_of_memory(jobs: int) -> float:
     """Memory limit of each of several workers in bytes."""
-    try:
-        whole = float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, OSError, ValueError):
-        return math.inf
-    return max(_LEAST_MEMORY, _SHARES * whole / jobs)
+    return max(_LEAST_MEMORY, _SHARES * whole_memory() / jobs)
 
 
 def limit_memory(n_bytes: float) -> None:

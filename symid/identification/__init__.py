@@ -1,7 +1,7 @@
 """Identification: observation of logs, estimation, physical parameters."""
 
 from symid.identification.axis_logs import measured_signals, open_axis_log, read_axis_log
-from symid.identification.bias import Bias, bias_of
+from symid.identification.bias import Bias
 from symid.identification.constraints import Constraints
 from symid.identification.contradiction import with_constraint_check, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
@@ -31,7 +31,6 @@ __all__ = [
     "Preparation",
     "SharedIdentification",
     "Timing",
-    "bias_of",
     "delays_of",
     "excerpts",
     "found_from",

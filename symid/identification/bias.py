@@ -80,21 +80,6 @@ class Bias:
         return tuple(int(i) for i in np.flatnonzero(np.abs(self.total) > _COUNTS * deviations))
 
 
-def bias_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Bias:
-    """Estimate the bias of parameters from the logs that they were identified from.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        The model identified.
-    parts : sequence of Excerpt
-        Logs, or parts of them, on which the estimate is examined.
-    fit : LeastSquares
-        The parameters, all determined.
-    """
-    return Bias(NoiseBias.of(model, parts, fit).whole, _bias_of_preparation(model, parts, fit))
-
-
 @dataclass(frozen=True, eq=False)
 class NoiseBias:
     """Bias by sensor noise in W, the part that can be removed, and the matrix by which that amplifies errors."""
@@ -105,7 +90,7 @@ class NoiseBias:
 
     @classmethod
     def of(cls, model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> NoiseBias:
-        """From the logs that were identified; parameters as in `bias_of`."""
+        """Bias of an estimate by noise, examined on logs or parts of them; all its parameters are determined."""
         p, root = fit.solution.size, fit.rank.inverse_root
         noise = np.zeros((p, p + 1))
         for part, weights in _weighted(model, parts, fit):
@@ -161,7 +146,7 @@ class Correction:
 
     @classmethod
     def of(cls, model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Correction:
-        """From the logs that were identified; parameters as in `bias_of`."""
+        """Correction of an estimate, examined on logs or parts of them; all its parameters are determined."""
         noise = NoiseBias.of(model, parts, fit)
         left = noise.whole - (1.0 - _LEFT) * noise.removed
         return cls(Bias(left, _bias_of_preparation(model, parts, fit), noise.removed), noise.growth)

@@ -4,7 +4,7 @@ Each log is prepared and sampled (`observe`), all of them together are solved by
 equation of every log has its own weight (`estimate`), the deviations are corrected for the correlation of the
 residual (`corrected_covariance`), and the minimal parameters are mapped to physical ones (`physical_estimates`).
 Errors that no deviation shows are examined last: a force recorded at another time than it acts (`delays_of`),
-noise in W and differences that only approximate derivatives (`bias_of`).
+noise in W and differences that only approximate derivatives (`Correction`).
 """
 
 from __future__ import annotations
