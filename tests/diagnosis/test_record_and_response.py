@@ -25,7 +25,7 @@ from symid.diagnosis.effects.presliding_friction import dahl_state
 from symid.diagnosis.fitting.sensitivity import parameter_columns, prediction_jacobian
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.autoregression import autoregression
-from symid.diagnosis.prediction.held_out import training_and_held_out
+from symid.diagnosis.prediction.data import training_and_held_out
 from symid.diagnosis.prediction.prediction import prediction_of
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.response import response_of

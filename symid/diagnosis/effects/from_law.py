@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -17,6 +20,7 @@ from symid.axis import (
     ShapeParameter,
     Spring,
     SpringDamping,
+    Term,
     ViscousFriction,
     laws,
 )
@@ -30,11 +34,11 @@ from symid.diagnosis.effects.effect import (
     joint_units,
     sampled,
 )
-from symid.diagnosis.effects.formula_functions import LawFunctions, functions_of
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_named, place_of
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.simulation.law_code import array_function, has_jumps, law_code, level_code
 from symid.units import Unit
 
 _STRONG = (0.3, 1.0, 2.5, 5.0)
@@ -43,6 +47,35 @@ HOLDING = (0.03, 0.1, 0.3, 1.0)
 """Levels of dry friction, relative to the same."""
 _HIDDEN_SHAPES = (0.2, 1.0)
 """Shapes of dry friction that holds a hidden joint, relative to what they are compared with."""
+
+
+@dataclass(frozen=True, eq=False)
+class LawFunctions:
+    """A formula as functions of q, v, its shape parameters and, but for `arrays`, its amplitudes."""
+
+    arrays: tuple[Callable[..., FloatArray], ...]  # each term for arrays and a unit amplitude
+    force: str  # the whole force as NumPy code, in q, v and `names`
+    names: tuple[str, ...]  # of shape parameters and amplitudes
+    level: str | None  # factor of sign(v) in dry friction; it does not fall below 0 along the stroke
+    jumps: tuple[bool, ...]  # whether each term jumps where the velocity changes its sign
+
+
+@cache
+def functions_of(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFunctions:
+    """Functions of the terms of a formula, with some of its numbers as arguments."""
+    terms = [law_code(term.expression) for term in formula]
+    levels = [level_code(term.expression) for term in formula]
+    amplitudes = tuple(f"amplitude_{i}" for i in range(len(terms)))
+
+    def whole(parts: Sequence[str | None]) -> str:
+        return " + ".join(f"{a} * ({part})" for a, part in zip(amplitudes, parts, strict=True))
+
+    level = None if None in levels else whole(levels)
+    if level is not None and re.search(r"\bq\b", level):
+        level = f"np.maximum({level}, 0.0)"
+    arrays = tuple(array_function(term, numbers) for term in terms)
+    jumps = tuple(has_jumps(term.expression) for term in formula)
+    return LawFunctions(arrays, whole(terms), (*numbers, *amplitudes), level, jumps)
 
 
 class LawEffect(JointEffect):

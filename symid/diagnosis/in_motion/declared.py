@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+import numpy as np
+
+from symid.arrays import ComplexArray
 from symid.axis import Axis, Between, Body, CoulombFriction, EncoderRipple, PreslidingFriction, Sensor, Spring
 from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of, with_parts
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
@@ -14,6 +17,7 @@ from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.errors import SettingError
+from symid.simulation.frequency_response import FrequencyResponse, has_response, identified_response
 
 Values: TypeAlias = dict[str, float]
 """Value of each new parameter, SI."""
@@ -63,6 +67,26 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
         raise SettingError("; ".join(explained.left_out))
     impossible = impossible_values(explained.axis, explained.values)
     return replace(explained, left_out=(*explained.left_out, *impossible))
+
+
+def explained_response(found: Diagnosis, of: FrequencyResponse) -> ComplexArray | None:
+    """Response with the linear effects among those found; None if it cannot be computed."""
+    try:
+        with_effects = explained_axis(found)
+        axis, values = with_effects.axis, with_effects.values
+    except SettingError:  # no effect is an element of the axis
+        axis, values = found.axis, {change.name: change.explained for change in found.parameters}
+    if not has_response(axis, values):
+        return None
+    drive = np.ones(of.frequency.size, dtype=complex)
+    for effect in found.effects:
+        if effect.effect in ("delay", "actuator_lag"):
+            turned = 2j * np.pi * of.frequency * effect.parameters["T"].value
+            if effect.effect == "delay":
+                drive *= np.exp(-turned)
+            else:  # a negative time means that the record lags, not the force
+                drive *= 1 / (1 + turned) if effect.parameters["T"].value > 0 else 1 - turned
+    return np.asarray(drive * identified_response(axis, values, of.signal, of.frequency, of.order))
 
 
 def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:

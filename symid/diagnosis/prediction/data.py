@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from symid.arrays import BoolArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.prediction.driven_positions import signals_of
-from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.joined_logs import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.simulation import Cascade
@@ -19,6 +19,13 @@ from symid.simulation.forward_dynamics import forward_dynamics
 
 Runs = tuple[Joined, Joined | None]
 """Logs for identification, and for validation if there are any."""
+_PARTS: Final = 12
+_FEWER_PARTS: Final = 6
+"""Parts of a motion of few rows; the window removes some rows of each part."""
+_EVERY: Final = 3
+_FEW_ROWS: Final = 100
+_MOSTLY_MOVES: Final = 0.5
+"""Share of moving time above which the parts divide the time of the log, not the time of motion."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +91,21 @@ def data_of(axis: Axis, runs: Runs, recorded: Recorded) -> Data:
         return Data(record, record, training & inside, held_out & inside)
     other = recorded_as(validation.log, record.motion_hz)
     return Data(record, other, inside, _within(other, validation))
+
+
+def training_and_held_out(record: Record) -> tuple[BoolArray, BoolArray]:
+    """Points of the fine grid for identification and for validation: every third of twelve parts is held out.
+
+    The parts divide the time of motion if the axis mostly rests or moves only briefly.
+    """
+    moving = np.any([record.moves(speed) for speed in record.speeds], axis=0)
+    seconds = float(np.sum(moving) * record.fine_time[1])
+    few = 2 * record.band_hz * seconds < _FEW_ROWS
+    rests = few or seconds < _MOSTLY_MOVES * record.duration
+    gone = np.cumsum(moving) / np.sum(moving) if rests else record.fine_time / record.duration
+    part = np.floor(gone * (_FEWER_PARTS if few else _PARTS))
+    held_out = np.asarray(part % _EVERY == 1)
+    return ~held_out, held_out
 
 
 def _within(record: Record, run: Joined) -> BoolArray:
