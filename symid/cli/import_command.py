@@ -73,6 +73,10 @@ def command(log: str, **options: Any) -> None:
         if options[name] and not options["axis"]:
             option = "-o" if name == "output" else f"--{name}"
             raise SettingError(f"{option} needs --axis: a mapping names the signals of an axis")
+    if options["output"] == options["json_file"] == "-":
+        raise SettingError(
+            "-o - and --json - would both be written to the standard output: give one of them a file"
+        )
     declared = load_axis(options["axis"]) if options["axis"] else None
     options["gain"] = _factor(options["gain"], declared)
     look = _read_foreign(Path(log))
@@ -81,7 +85,7 @@ def command(log: str, **options: Any) -> None:
         _show_columns(log, look, numbered=True)
         known = asked(declared, look.columns, lambda known: _mapping(look, declared, known), known)
         options["output"] = options["output"] or asked_file(Path(log))
-    elif options["json_file"] != "-":
+    elif "-" not in (options["output"], options["json_file"]):
         _show_columns(log, look)
     look = replace(look, period=1 / known.rate) if known.rate else look
     mapping = _mapping(look, declared, known) if declared else None
@@ -99,7 +103,10 @@ def command(log: str, **options: Any) -> None:
         "columns": [asdict(column) for column in look.columns],
         "mapping": mapping.as_record if mapping else None,
     }
-    give_result(record, options["json_file"], lambda _: _show_mapping(log, mapping, options))
+    if options["output"] != "-":
+        give_result(record, options["json_file"], lambda _: _show_mapping(log, mapping, options))
+    elif options["json_file"]:
+        write_json(with_options(record), options["json_file"])
 
 
 def _factor(text: str | None, axis: Axis | None) -> float | None:
@@ -119,7 +126,9 @@ def _may_ask(options: dict[str, Any]) -> bool:
     """Whether a person can answer, or questions were requested."""
     if options["ask"] is None:
         streams = (sys.stdin, sys.stdout)
-        return options["json_file"] != "-" and all(one is not None and one.isatty() for one in streams)
+        return "-" not in (options["output"], options["json_file"]) and all(
+            one is not None and one.isatty() for one in streams
+        )
     return bool(options["ask"])
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
+from symid.data.grouped_numbers import without_groups
 from symid.data.layout import (
     Layout,
     fields,
@@ -101,7 +102,8 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
         values = text.encode("utf-8", errors="replace")
         with parsing(path, "CSV", *POLARS_FAILURES):
             frame = file.scan(values, positions, pl.String(), header_rows=0)
-        return [_values_of_text(series, layout.separator) for series in _without_blank_end(frame)]
+        columns = _without_blank_end(frame)
+        return [_values_of_text(series, layout.separator, decimal=layout.decimal) for series in columns]
 
     return Table(headers, read, stamps=stamps)
 
@@ -233,9 +235,17 @@ def _without_blank_end(frame: pl.DataFrame) -> pl.DataFrame:
     return frame.head(int(filled[-1]) + 1 if filled.size else 0)
 
 
-def _values_of_text(texts: pl.Series, separator: str, before: int = 0) -> FloatArray | str:
+def _values_of_text(
+    texts: pl.Series, separator: str, before: int | None = None, decimal: str = ""
+) -> FloatArray | str:
+    """Values of a column of texts, the whole of it, or the rows after some `before`, or what is wrong with them."""
     cleaned = texts.str.strip_chars(" \t\"'")
-    if separator != ",":
+    whole = before is None  # only a whole column tells marks of thousands from decimal ones
+    points, commas = (bool(cleaned.str.contains(mark, literal=True).any()) for mark in ".,")
+    marked = points and (commas or decimal == ",")
+    if whole and marked and (plain := without_groups(cleaned.fill_null("").to_list(), decimal)):
+        cleaned = pl.Series(plain)
+    elif separator != ",":
         cleaned = cleaned.str.replace(",", ".", literal=True)
     numbers = cleaned.cast(pl.Float64, strict=False)
     wrong = np.flatnonzero((numbers.is_null() & cleaned.is_not_null() & (cleaned != "")).to_numpy())
@@ -243,8 +253,10 @@ def _values_of_text(texts: pl.Series, separator: str, before: int = 0) -> FloatA
         return values_of(numbers)
     if not before and (seconds := seconds_of_stamps(cleaned)) is not None:
         return seconds
+    plain = without_groups(texts.str.strip_chars(" \t\"'").fill_null("").to_list()) if whole else None
+    if plain is not None:
+        return values_of(pl.Series(plain).cast(pl.Float64, strict=False))
     first = int(wrong[0])
     more = f" and in {wrong.size - 1} more" if wrong.size > 1 else ""
-    return (
-        f"has {texts[first]!r} in row {before + first + 1}{more} where a number is required: correct the file"
-    )
+    row = (before or 0) + first + 1
+    return f"has {texts[first]!r} in row {row}{more} where a number is required: correct the file"

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from symid.data.grouped_numbers import is_grouped
 from symid.data.time_stamps import is_stamp
 from symid.errors import LogError
 
@@ -226,11 +227,11 @@ def without_footer(text: str, separator: str) -> str:
 
 
 def is_number_text(text: str, *, comma: bool) -> bool:
-    """Whether a field holds a number or a moment, or nothing."""
+    """Whether a field holds a number, with marks of thousands or without, or a moment, or nothing."""
     try:
         float(text.replace(",", ".") if comma else text)
     except ValueError:
-        return text == "" or is_stamp(text)
+        return text == "" or is_stamp(text) or is_grouped(text)
     return True
 
 

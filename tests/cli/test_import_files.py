@@ -60,8 +60,8 @@ def test_an_archive_is_to_be_unpacked(folder: Path, capsys: pytest.CaptureFixtur
 @pytest.mark.usefixtures("folder")
 def test_a_column_that_is_left_out_is_named_with_its_reason(capsys: pytest.CaptureFixture[str]) -> None:
     lines = ["Zeit [ms];Weg [mm];Kraft [N]", *(f"{i}9{i},5;0,{i};{i}" for i in range(1, 9))]
-    lines.append("1.000,5;0,9;9")
+    lines.append("1.00,5;0,9;9")
     Path("a.csv").write_text("\n".join(lines) + "\n")
     assert run("import", "a.csv") == 0
     printed = capsys.readouterr().out
-    assert "left out: 'Zeit [ms]' has '1.000,5' in row 9 where a number is required" in printed
+    assert "left out: 'Zeit [ms]' has '1.00,5' in row 9 where a number is required" in printed
