@@ -80,6 +80,7 @@ def inspect_spans(
             stuck = _left_behind(x, long, [y for other, y in moving.items() if other != name])
         else:
             clipped = clipped.only(x[clipped.start] != 0.0)  # 0 is the value of a drive at rest and no limit
+            clipped = clipped.only(~_between_steps(x, clipped))
             if places := [y for other, y in signals.items() if other in positions]:
                 # the output of a controller between two counts is not a limit either
                 clipped = clipped.only(_travels(clipped, places, 0.0))
@@ -138,7 +139,7 @@ def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:
     moved = np.abs(x[span:] - x[:-span])
     if not moved.size:
         return runs.none
-    fast = 0.3 * float(np.quantile(moved, 0.95))
+    fast = max(0.3 * float(np.quantile(moved, 0.95)), 1.5 * step_of(x))
     stop = runs.start + runs.length
     entered = (runs.start > span) & (moved[np.clip(runs.start - 1 - span, 0, moved.size - 1)] > fast)
     left = np.where(stop + span < x.size, moved[np.minimum(stop, moved.size - 1)] > fast, True)
@@ -173,7 +174,7 @@ def _correlation(x: FloatArray, y: FloatArray) -> float:
 
 
 def _between_steps(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:
-    """Runs of a coarse force that it enters and leaves by a single step, as at constant speed."""
+    """Runs that a coarse signal enters and leaves by a single step, as at constant speed."""
     step = step_of(x) if runs.start.size else 0.0
     change = np.abs(np.diff(x, prepend=x[0], append=x[-1]))
     return np.asarray(np.maximum(change[runs.start], change[runs.start + runs.length]) < 1.5 * step)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
@@ -31,6 +32,12 @@ _DRIFTED_ROWS = 2
 """Rows by which the delays of two thirds must differ: noise moves them by one."""
 _UNEVEN = 0.2
 """Part of their difference by which the delay of the middle third may differ from the mean of the others."""
+_SEVERAL = 2.0
+"""Blocks in which a delay must show, by their power: an error at one event of a log is no drift of a clock."""
+_CHANGED = 1e-3
+"""Share of a force's changes that each third of the logs must hold, to show a delay."""
+_FASTER = 1.5
+"""Ratio of the frequencies of two thirds of a log from which on other effects delay them differently."""
 _INDEPENDENT = 1e-8
 """Least share of the growth column's power that is linearly independent of the other columns."""
 
@@ -47,6 +54,9 @@ def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[
     """Statement on a force whose delay grows by whole rows over the thirds of the logs; empty without one."""
     row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
     for force in forces:
+        frequencies, shares = _changes(parts, force)
+        if min(shares) < _CHANGED:
+            continue
         thirds = [scan(parts, fit, (force,), (k,)).best for k in range(3)]
         first, middle, last = (lag.late for lag in thirds)
         grows = abs(first - last) >= _DRIFTED_ROWS * row
@@ -54,11 +64,23 @@ def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[
         lags, lefts = np.abs([first, middle, last]), np.array([lag.left for lag in thirds])
         better = np.all((lags <= row) | (lefts < WORTH_MOVING)) and lefts[np.argmax(lags)] < WORTH_MOVING
         if grows and is_even and better:
-            return (
-                f"{force} is {1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last: its "
-                "clock runs at another rate; resample it by its own time stamps"
-            )
+            cause = "its clock runs at another rate; resample it by its own time stamps"
+            if max(frequencies) > _FASTER * min(frequencies):
+                cause = (
+                    f"the model lacks an effect of the frequency, such as a flexibility or a lag, or {cause}"
+                )
+            late = f"{1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last"
+            return f"{force} is {late}: {cause}"
     return ""
+
+
+def _changes(parts: Sequence[Excerpt], force: str) -> tuple[FloatArray, FloatArray]:
+    """Rms of the changes of a force relative to its own in each third of the logs, and their share of all."""
+    thirds = [np.array_split(part.log[force], 3) for part in parts]
+    changes = np.array([np.sum([np.sum(np.diff(own[k]) ** 2) for own in thirds]) for k in range(3)])
+    power = np.array([np.sum([own[k].size * np.var(own[k]) for own in thirds]) for k in range(3)])
+    tiny = np.finfo(float).tiny
+    return np.sqrt(changes / np.maximum(power, tiny)), changes / max(float(changes.sum()), tiny)
 
 
 def drift_within_a_row(parts: Sequence[Excerpt], fit: LeastSquares, delays: Sequence[Timing]) -> str:
@@ -102,6 +124,9 @@ def _growth(parts: Sequence[Excerpt], fit: LeastSquares, delay: Timing) -> _Grow
     own, left = (both - columns @ np.linalg.lstsq(columns, both, rcond=None)[0]).T
     power = float(own @ own)
     if power <= _INDEPENDENT * float(column @ column):
+        return _Growth()
+    shown = np.bincount(block, own**2)
+    if power**2 < _SEVERAL * float(shown @ shown):
         return _Growth()
     growth = float(own @ left) / power
     sums = np.bincount(block, own * (left - growth * own))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from symid.estimation import LeastSquares
+from symid.identification.constant_force import constant_force
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.folding import folding_of
@@ -50,6 +51,7 @@ def faults_of(
         or _mode_beyond_band(found, parts, fit)
         or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
         drift=drift,
+        constant_force=constant_force(model, parts),
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
     )
 

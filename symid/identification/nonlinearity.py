@@ -19,6 +19,7 @@ from symid.codegen import GeneratedModel
 from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.added_column import AddedColumn
+from symid.identification.constant_force import at_samples, direction
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.identification_result import Identification
@@ -33,6 +34,8 @@ _NOISE_EXPLAINS = 1.5
 """Ratio of the residual to the noise of columns and output below which smoothing of the force is not tested."""
 _OTHER_CAUSE = 1.0
 """Relative change of a gain along a log, or by direction, above which it has another cause."""
+_ONE_WAY = 0.01
+"""Share of a force's power in one direction below which the log says nothing about that direction."""
 _WIDTHS = (0.05, 0.2)
 """Speeds, over the highest one, within which friction decays."""
 _AT_LIMIT = 0.95
@@ -99,8 +102,10 @@ class ColumnTests:
         least = max(CRITERIA.nonlinear, self._certain(rest, CRITERIA.gain_beyond_noise))
         for force in self.model.forces:
             courses = [[np.sign(part.log[force]) for part in self.parts]]
-            courses += [[_direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
+            courses += [[direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
             for signs in courses:
+                if self._acts_one_way(force, signs):
+                    continue
                 # without their mean: the force itself holds the residual
                 mean = float(np.mean(np.concatenate(signs)))
                 shapes = [
@@ -113,6 +118,17 @@ class ColumnTests:
                         "same in both; correct the gain, or declare AsymmetricFriction"
                     )
         return ""
+
+    def _acts_one_way(self, force: str, signs: Sequence[FloatArray]) -> bool:
+        """Whether a force hardly acts where one of the signs holds, in the rows that are used."""
+        used = [
+            at_samples(part, np.any(part.observation.valid, axis=0, keepdims=True)[0]) > 0.5
+            for part in self.parts
+        ]
+        squares = [np.square(part.log[force]) * one for part, one in zip(self.parts, used, strict=True)]
+        power = np.concatenate(squares) * np.concatenate(signs)
+        ways = np.array([power.clip(min=0.0).sum(), -power.clip(max=0.0).sum()])
+        return bool(ways.min() < _ONE_WAY * ways.sum())
 
     def force_limit(self) -> str:
         """Statement on a force with a limit, mostly faster than the cutoff; empty for a linear one.
@@ -264,13 +280,6 @@ class ColumnTests:
         part, j, (W, y) = self.parts[rows.part], rows.equation, made
         weight = self.fit.weights[part.of * len(part.observation.valid) + j]
         return np.asarray(weight * (y[j] - W[j] @ self.fit.solution)[part.observation.valid[j]])
-
-
-def _direction(part: Excerpt, equation: int, column: int) -> FloatArray:
-    """Sign of a friction law at every sample."""
-    seen, log = part.observation, part.log
-    times = log.start + log.sampling_period * np.arange(log.n_samples)
-    return np.asarray(np.sign(np.interp(times, seen.time, np.sign(seen.W[equation, :, column]))))
 
 
 def _of_all(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -31,7 +31,7 @@ _GAIN_OF_DIFFERENCES = 0.997
 
 @dataclass(frozen=True)
 class Faults:
-    """Statements that contradict an estimate, empty without a fault: on samples, the residual, the clock.
+    """Statements that contradict an estimate, empty without a fault: on samples, the residual, the clock, the force.
 
     `hint` is what may be a cause of another status and is none by itself.
     """
@@ -39,6 +39,7 @@ class Faults:
     recording: str = ""
     poor_fit: str = ""
     drift: str = ""
+    constant_force: str = ""
     hint: str = ""
 
 
@@ -46,8 +47,8 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
     """The identification with status, message and notes about all that was examined.
 
     A status that it has already stays, and learns of a fault or the timing as a possible cause. Otherwise the first of
-    these is the status: a fault of a channel, the timing, a bias by noise, a poor fit, another bias, a parameter that
-    is not determined.
+    these is the status: a constant force, a fault of a channel, the timing, a bias by noise, a poor fit, another bias,
+    a parameter that is not determined.
     """
     timing = found.timing if found.timing is not None and _matters(found, found.timing) else None
     status, message, notes = found.status, found.message, list(found.notes)
@@ -57,6 +58,7 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
         large_bias = f"bias dominates; {statement}" if is_large else ""
         notes += [] if is_large else [statement]
     causes: list[tuple[Status, str]] = [
+        ("undetermined", faults.constant_force),  # then all else that is tested means nothing
         ("recording", faults.recording),
         ("timing", faults.drift),
         ("timing", timing.statement if timing is not None and _is_fault(found, timing) else ""),
@@ -69,7 +71,12 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
     if status == "ok" and stated:
         status, message = stated[0]
     elif status != "ok":
-        hints = [faults.recording, faults.drift, timing.statement if timing is not None else ""]
+        hints = [
+            faults.constant_force,
+            faults.recording,
+            faults.drift,
+            timing.statement if timing is not None else "",
+        ]
         message = "; ".join([message, *[hint for hint in hints if hint][:1]])
     if status != "ok" and faults.hint not in message:
         message = f"{message}; {faults.hint}"

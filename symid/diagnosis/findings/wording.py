@@ -99,8 +99,10 @@ def _values(parameters: Sequence[ParameterChange]) -> str:
 def _lacking(effects: Sequence[FoundEffect]) -> str:
     """Words for the missing effects, and for those indistinguishable from the first."""
     first, *further = (spoken(effect.effect, effect.at) for effect in effects)
+    likely = [effect.probability_with_ties > _LIKELY for effect in effects]
+    further = [name if sure else f"perhaps {name}" for name, sure in zip(further, likely[1:], strict=True)]
     doubt = effects[0].indistinguishable_from
-    lacks = "lacks" if effects[0].probability_with_ties > _LIKELY else "may lack"
+    lacks = "lacks" if likely[0] else "may lack"
     if doubt:
         either = listed([spoken(*key) for key in doubt], "or")
         first += f" (or {either}: this log does not distinguish them)"

@@ -49,6 +49,16 @@ def continued(fit: Fit, iterations: int, free: BoolArray | None = None) -> Fit:
     return fit
 
 
+def with_shapes_held(fit: Fit) -> Fit:
+    """A fit after a step of all values but the shapes of effects; the error is mostly linear in these."""
+    moves = np.ones(len(fit.columns), dtype=bool)
+    at = len(fit.state.prediction.record.dynamics.parameters)
+    for item in fit.state.placed:
+        moves[at + item.n_free - len(item.shape) : at + item.n_free] = False
+        at += item.n_free
+    return continued(fit, 1, moves)
+
+
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
     """Fit again with an unknown state of the hidden motion after each standstill."""
     weighting = with_restarts(fit.weighting, fit.state.prediction.hidden)

@@ -17,6 +17,7 @@ import numpy as np
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import with_shapes_held
 from symid.diagnosis.fitting.state import State, first_state, law_to_integrate, with_effects
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
@@ -52,7 +53,8 @@ class Start:
         """The model with the largest share of the effect that lowers the error; None if no share gives finite errors.
 
         The initial amplitudes come from a projection. They may be many times too large where the effect changes the
-        motion, or where the parameters are far off without it; a fit does not recover from there.
+        motion, or where the parameters are far off without it; a fit does not recover from there. A weak effect has a
+        shape that the first steps take anywhere, so amplitudes and parameters are fitted to the initial one.
         """
         plain, state = Fit(self.state, self.weighting).cost, None
         for share in (1.0,) if self.placed.effect.fixed else _SHARES:
@@ -61,8 +63,9 @@ class Start:
             if not np.isfinite(tried.rows).all():
                 continue
             state = tried if state is None else state
-            if Fit(tried, self.weighting).cost < plain:
-                return tried
+            begun = Fit(tried, self.weighting)
+            if begun.cost < plain:
+                return with_shapes_held(begun).state if share < 1.0 and self.placed.shape else tried
         return state
 
     def _with(self, placed: Placed) -> State:

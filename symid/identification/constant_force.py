@@ -1,0 +1,48 @@
+"""A force that hardly changes while the axis moves: friction alone can make up for all of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.identification.excerpts import Excerpt
+
+_CHANGES = 0.01
+"""Rms of a force beside a part with the sign of the motion, relative to the whole, below which it is constant."""
+
+
+def constant_force(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+    """Statement on a force that is constant in each direction of the motion; empty without one.
+
+    Friction of that size, without any inertia, then fits exactly, and so does every mixture of it with the true values:
+    a step response shows a time constant and a gain, and no third value.
+    """
+    for equation, force in enumerate(model.output_names):
+        laws = [column for j, column in model.law_columns if j == equation]
+        if force not in model.forces or not laws:
+            continue
+        used = np.concatenate([at_samples(p, p.observation.valid[equation]) > 0.5 for p in parts])
+        acting = np.concatenate([p.log[force] for p in parts])[used]
+        signs = np.stack([np.concatenate([direction(p, equation, law) for p in parts])[used] for law in laws])
+        whole = float(acting @ acting)
+        rest = acting - np.linalg.lstsq(signs.T, acting, rcond=None)[0] @ signs
+        if whole > 0 and rest @ rest < _CHANGES**2 * whole:
+            return (
+                f"{force} hardly changes while the axis moves, so that the log does not tell friction from inertia and "
+                "damping: move with several forces and in both directions, or leave the friction out"
+            )
+    return ""
+
+
+def direction(part: Excerpt, equation: int, column: int) -> FloatArray:
+    """Sign of a friction law at every sample."""
+    return np.asarray(np.sign(at_samples(part, np.sign(part.observation.W[equation, :, column]))))
+
+
+def at_samples(part: Excerpt, rows: FloatArray | BoolArray) -> FloatArray:
+    """Values of the rows at every sample of the log."""
+    times = part.log.start + part.log.sampling_period * np.arange(part.log.n_samples)
+    return np.asarray(np.interp(times, part.observation.time, rows))

@@ -1,0 +1,34 @@
+"""A load on a soft spring that holds most of the inertia, swept through its mode, by a model without it."""
+
+import numpy as np
+import pytest
+from scipy.signal import chirp, lsim
+
+from symid import Axis, Body, Drive, Log, Position, ViscousFriction, diagnose
+
+PERIOD, HUB, TIP, STIFFNESS, DAMPING, VISCOUS, GAIN = 2e-3, 2.1e-3, 4.2e-3, 1.05, 1.5e-3, 0.07, 3.0
+TIME = np.arange(0, 2.8, PERIOD)
+
+
+def swept_arm() -> Log:
+    """A hub under position feedback, in counts, that follows a sweep to 12 Hz; the mode of its load is at 2.5 Hz."""
+    balance = [[0.0, 1.0, 0.0, 0.0], [-STIFFNESS - GAIN, -VISCOUS - DAMPING, STIFFNESS, DAMPING]]
+    matrix = np.array([*balance, [0.0, 0.0, 0.0, 1.0], [STIFFNESS, DAMPING, -STIFFNESS, -DAMPING]])
+    matrix[1] /= HUB
+    matrix[3] /= TIP
+    reference = 50.0 * chirp(TIME, 0.0, TIME[-1], 12.0, phi=-90)
+    system = matrix, np.array([[0.0], [GAIN / HUB], [0.0], [0.0]]), np.array([[1.0, 0.0, 0.0, 0.0]]), [[0.0]]
+    angle = lsim(system, reference, TIME)[1]
+    return Log("by hand", 0.0, PERIOD, {"theta": np.round(angle), "v": GAIN * (reference - angle)})
+
+
+def test_a_load_that_holds_most_of_the_inertia_is_found() -> None:
+    hub = Body("hub", inertia="J")
+    axis = Axis(
+        "arm", (hub, ViscousFriction(hub, "Fv")), Drive("v", hub, unit="V"), (Position("theta", hub),)
+    )
+    found = diagnose(axis, swept_arm())
+    assert (found.verdict, found.effects[0].effect) == ("effect", "flexible_mode")
+    values = found.effects[0].parameters
+    assert values["f"].value == pytest.approx(np.sqrt(STIFFNESS / TIP) / (2 * np.pi), rel=0.01)
+    assert values["m"].value == pytest.approx(TIP, rel=0.1)
