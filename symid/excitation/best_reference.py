@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import chain
 from typing import Literal, TypeAlias
 
@@ -18,10 +17,9 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
-from symid.data import Log
 from symid.errors import LogError, SettingError
 from symid.excitation.references import DEFAULTS, references, references_apart, scaled
-from symid.identification import Identification, Preparation, identify, misses_steps, with_force_steps
+from symid.identification import Preparation, identify_with_steps
 from symid.identification.physical import open_by_structure
 from symid.instrumental import identify_by_instruments
 from symid.simulation import ClosedLoop, Controller, Limits, Simulation, Trajectory, plant_of, simulate
@@ -150,7 +148,15 @@ class IdentificationTrial:
         settings, nominal, log = Preparation(held=True), self.parameters, run.log
         try:
             if self.method == "wls":
-                found = self._by_rows(log, settings)
+                found = identify_with_steps(
+                    self.axis,
+                    self.model,
+                    [log],
+                    lambda axis, values: plant_of(axis, values).feedthrough,
+                    preparation=settings,
+                    examine="bias",
+                    nominal=nominal,
+                )
             else:
                 loop = ClosedLoop(self.axis, self.controller, log.sampling_frequency)
                 found = identify_by_instruments(self.model, log, loop, preparation=settings, nominal=nominal)
@@ -160,19 +166,6 @@ class IdentificationTrial:
             return None
         values = found.physical_parameters
         return values, dict(zip(values, map(float, found.physical_deviations), strict=True))
-
-    def _by_rows(self, log: Log, settings: Preparation) -> Identification:
-        """Least squares as `symid.identify` does them, without the checks that do not change the estimate."""
-        again = partial(identify, self.model, nominal=self.parameters)
-        if not misses_steps(self.axis, self.model, settings):
-            return again(log, preparation=settings, examine="bias")
-        return with_force_steps(
-            [log],
-            again,
-            lambda values: plant_of(self.axis, values).feedthrough,
-            preparation=settings,
-            examine="bias",
-        )
 
     def expectation(self, paths: Sequence[Trajectory], runs: int = 1) -> Expectation | None:
         """Expectation for a reference of each drive; None if limits or identification cannot be met.

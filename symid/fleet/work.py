@@ -9,13 +9,15 @@ import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from polars.exceptions import PanicException
 from threadpoolctl import ThreadpoolController
 
+from symid.arrays import FloatArray
+from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, ForeignColumns, Log, columns_in
 from symid.errors import LogError
@@ -29,11 +31,9 @@ from symid.fleet.worker_limits import TooLongError
 from symid.identification import (
     Constraints,
     Identification,
-    identify,
+    identify_with_steps,
     measured_signals,
-    misses_steps,
     open_axis_log,
-    with_force_steps,
 )
 from symid.text import visible
 
@@ -175,26 +175,15 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
 
         loop = ClosedLoop.with_gains(axis.axis, settings.controller, settings.rate_hz)
         return identify_by_instruments(model, _whole(log), loop, **given)
-    method: Any = settings.method
-    if not misses_steps(axis.axis, model, settings.preparation):
-        return identify(model, log, method=method, ddof=settings.ddof, **given)
-    from symid.simulation import plant_of
+    return identify_with_steps(
+        axis.axis, model, [log], _feedthrough, method=settings.method, ddof=settings.ddof, **given
+    )
 
-    again = partial(
-        identify,
-        model,
-        method=method,
-        ddof=settings.ddof,
-        nominal=settings.nominal,
-        constraints=given["constraints"],
-    )
-    return with_force_steps(
-        [log],
-        again,
-        lambda values: plant_of(axis.axis, values).feedthrough,
-        preparation=settings.preparation,
-        examine=settings.examine,
-    )
+
+def _feedthrough(axis: Axis, values: Mapping[str, float]) -> Mapping[str, FloatArray]:
+    from symid.simulation import plant_of  # takes half a second to load
+
+    return plant_of(axis, values).feedthrough
 
 
 def _columns_of(found: Identification) -> dict[str, Value]:

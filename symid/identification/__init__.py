@@ -5,7 +5,7 @@ from symid.identification.bias import Bias
 from symid.identification.constraints import Constraints
 from symid.identification.contradiction import with_constraint_check, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
-from symid.identification.force_steps import misses_steps, with_force_steps
+from symid.identification.force_steps import identify_with_steps
 from symid.identification.guessed_mapping import guessed_mapping, stated_period
 from symid.identification.identification_result import Identification
 from symid.identification.identify import found_from, identify, with_checks
@@ -37,9 +37,9 @@ __all__ = [
     "guessed_mapping",
     "identify",
     "identify_with_known",
+    "identify_with_steps",
     "known_of_logs",
     "measured_signals",
-    "misses_steps",
     "observe",
     "open_axis_log",
     "physical_estimates",
@@ -50,5 +50,4 @@ __all__ = [
     "with_checks",
     "with_constraint_check",
     "with_fixed",
-    "with_force_steps",
 ]

@@ -11,7 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final, Protocol
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 
@@ -22,9 +23,10 @@ from symid.data import AnyLog, Log
 from symid.data.resampling import QuinticSpline
 from symid.errors import SettingError
 from symid.identification.identification_result import Identification
+from symid.identification.identify import identify
 from symid.identification.settings import Preparation
 
-Feedthrough = Callable[[Mapping[str, float]], Mapping[str, FloatArray]]
+Feedthrough = Callable[[Axis, Mapping[str, float]], Mapping[str, FloatArray]]
 """For physical parameters the acceleration that each accelerometer reads at once per unit of each drive's force."""
 
 _MOST_ROUNDS: Final = 8  # of identification and completion
@@ -32,77 +34,59 @@ _SETTLED: Final = 1e-6  # relative change of the accelerations per force at whic
 _WHOLE: Final = 1e-9  # of a sample
 
 
-class Identify(Protocol):
-    """`symid.identification.identify` of one model, with all its settings but these."""
-
-    def __call__(
-        self, logs: Sequence[AnyLog], *, preparation: Preparation | None, examine: Any
-    ) -> Identification:
-        """The identification of some logs."""
-
-
-def misses_steps(axis: Axis, model: GeneratedModel, preparation: Preparation | None) -> bool:
-    """Whether a model uses an accelerometer under a held force.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    model : GeneratedModel
-        Its model, whose sensors count.
-    preparation : Preparation, optional
-        Settings that may state the hold; that of the model by default.
-    """
-    held = (preparation or Preparation()).held
-    is_used = any(sensor.derivative == 2 and sensor.signal in model.measured for sensor in axis.sensors)
-    return is_used and (model.held if held is None else held)
-
-
-def with_force_steps(
+def identify_with_steps(
+    axis: Axis | None,
+    model: GeneratedModel,
     logs: Sequence[AnyLog],
-    identify: Identify,
     feedthrough: Feedthrough,
     *,
     preparation: Preparation | None = None,
     examine: Any = True,
+    **settings: Any,
 ) -> Identification:
-    """Identify logs of accelerometers under a held force; what they miss of its steps is added if that fits better.
+    """Identify logs; what accelerometers miss of the steps of a held force is added to them if that fits better.
 
     Parameters
     ----------
+    axis : Axis, optional
+        The declared axis; without it logs are identified as they are.
+    model : GeneratedModel
+        Its model, whose sensors count.
     logs : sequence of logs
         Runs of the axis; a long log, which is read in blocks, is identified as it is.
-    identify : callable
-        Identifies logs by one model.
     feedthrough : callable
         Acceleration at once per unit force.
-    preparation, examine
-        As in `symid.identify`.
+    preparation, examine, **settings
+        As in `symid.identification.identify`.
 
     Returns
     -------
     Identification
         A note says which sensors were completed.
     """
-    found = identify(logs, preparation=preparation, examine=examine)
+    again: Callable[..., Identification] = partial(identify, model, **settings)
+    found = again(logs, preparation=preparation, examine=examine)
     runs = [log for log in logs if isinstance(log, Log)]
-    if len(runs) < len(logs) or not _known(found, feedthrough):
+    if axis is None or len(runs) < len(logs) or not _misses_steps(axis, model, preparation):
+        return found
+    known = partial(_known, partial(feedthrough, axis))
+    if not known(found):
         return found
     fixed = found.observations[0].preparation  # the same rows for all that is compared
-    plain = trial = identify(runs, preparation=fixed, examine=False)
+    plain = trial = again(runs, preparation=fixed, examine=False)
     completed, last = runs, dict[str, FloatArray]()
     for _ in range(_MOST_ROUNDS):
-        at_once = _known(trial, feedthrough)
+        at_once = known(trial)
         if not at_once:
             return found
         completed = [_completed(log, at_once, found.model.forces, fixed.late) for log in runs]
-        trial = identify(completed, preparation=fixed, examine=False)
+        trial = again(completed, preparation=fixed, examine=False)
         if last and all(np.allclose(d, last[name], rtol=_SETTLED) for name, d in at_once.items()):
             break
         last = dict(at_once)
     if not _negative_log_likelihood(trial) < _negative_log_likelihood(plain):
         return found
-    better = identify(completed, preparation=preparation, examine=examine)
+    better = again(completed, preparation=preparation, examine=examine)
     note = (
         f"{', '.join(last)}: what each step of the held force makes at once was added, as the reading is taken just "
         "before it"
@@ -110,7 +94,15 @@ def with_force_steps(
     return replace(better, notes=(*better.notes, note))
 
 
-def _known(found: Identification, feedthrough: Feedthrough) -> Mapping[str, FloatArray]:
+def _misses_steps(axis: Axis, model: GeneratedModel, preparation: Preparation | None) -> bool:
+    """Whether a model uses an accelerometer under a held force."""
+    is_used = any(sensor.derivative == 2 and sensor.signal in model.measured for sensor in axis.sensors)
+    return is_used and (preparation or Preparation()).is_held(model)
+
+
+def _known(
+    feedthrough: Callable[[Mapping[str, float]], Mapping[str, FloatArray]], found: Identification
+) -> Mapping[str, FloatArray]:
     """Accelerations per force of the measured accelerometers at the parameters found; none where these are open."""
     values = found.physical_parameters
     if not values or not all(map(math.isfinite, values.values())):

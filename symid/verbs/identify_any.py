@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overload
 
+from symid.arrays import FloatArray
 from symid.axis import AnyAxis, Axis, axis_of
 from symid.codegen import GeneratedModel, as_generated, model_of
 from symid.data import AnyLog, Log, first_block
@@ -18,12 +18,10 @@ from symid.identification import (
     Preparation,
     SharedIdentification,
     identify_with_known,
+    identify_with_steps,
     measured_signals,
-    misses_steps,
     with_fixed,
-    with_force_steps,
 )
-from symid.identification import identify as identify_model
 from symid.identification.axis_logs import require_changing
 from symid.verbs.logs import Recorded, each_of, log_of
 
@@ -171,15 +169,9 @@ def identify(
 
         found = identify_by_instruments(model, _whole(runs), loop or ClosedLoop(axis_of(axis)), **settings)
     else:
-        again = partial(
-            identify_model,
-            model,
-            method=method,
-            ddof=ddof,
-            nominal=nominal,
-            constraints=settings["constraints"],
+        found = identify_with_steps(
+            _declaration(axis), model, runs, _feedthrough, method=method, ddof=ddof, **settings
         )
-        found = _by_rows(again, _declaration(axis), model, runs, preparation, examine)
     if isinstance(axis, GeneratedModel):  # its axis is a name, whose declaration may be another one
         return found
     return replace(found, axis=axis_of(axis), runs=tuple(map(first_block, runs)))
@@ -203,26 +195,10 @@ def _opened(
     return runs, model.measured
 
 
-def _by_rows(
-    again: Callable[..., Identification],
-    declaration: Axis | None,
-    model: GeneratedModel,
-    runs: Sequence[AnyLog],
-    preparation: Preparation | None,
-    examine: bool,
-) -> Identification:
-    """Least squares, with the steps of a held force where sensors miss them."""
-    if declaration is None or not misses_steps(declaration, model, preparation):
-        return again(runs, preparation=preparation, examine=examine)
+def _feedthrough(axis: Axis, values: Mapping[str, float]) -> Mapping[str, FloatArray]:
     from symid.simulation import plant_of  # takes half a second to load
 
-    return with_force_steps(
-        runs,
-        again,
-        lambda values: plant_of(declaration, values).feedthrough,
-        preparation=preparation,
-        examine=examine,
-    )
+    return plant_of(axis, values).feedthrough
 
 
 def _declaration(axis: AnyAxis) -> Axis | None:

@@ -90,7 +90,7 @@ def test_a_setting_that_a_log_cannot_meet_and_a_fault_of_ours_are_rows(
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("of all things")
 
-    monkeypatch.setattr("symid.fleet.work.identify", broken)
+    monkeypatch.setattr("symid.fleet.work.identify_with_steps", broken)
     batch = identify_batch("rigid_1m", logs, jobs=1)
     assert batch.statuses == {"failed": 6}
     assert batch.rows[0]["message"] == "ZeroDivisionError: of all things"
@@ -99,7 +99,7 @@ def test_a_setting_that_a_log_cannot_meet_and_a_fault_of_ours_are_rows(
     def greedy(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("symid.fleet.work.identify", greedy)
+    monkeypatch.setattr("symid.fleet.work.identify_with_steps", greedy)
     batch = identify_batch("rigid_1m", logs, jobs=1)
     assert batch.statuses == {"failed": 6}
     assert batch.table["key"].null_count() == 6  # tried again on another night
