@@ -26,8 +26,7 @@ from symid.files import is_finite_number, shortened
 from symid.identification.physical import (
     PhysicalEstimate,
     Restricted,
-    correlation_root,
-    jacobian,
+    WhitenedMap,
     open_directions,
 )
 
@@ -140,9 +139,10 @@ def constrained_estimates(
     constraints: Constraints,
 ) -> tuple[PhysicalEstimate, ...]:
     """Physical parameters under constraints, one for each branch of the unconstrained ones, the likeliest first."""
-    problem = _Problem.of(model, minimal, covariance, constraints)
-    if problem is None:
+    white, names = WhitenedMap.of(model, minimal, covariance), list(model.physical_units)
+    if white is None:
         return ()
+    problem = _Problem(white, *constraints.ranges(names), *constraints.means(names))
     found = [(problem.solved(branch), branch) for branch in free]
     found.sort(key=lambda pair: problem.cost(pair[0][0]))
     return tuple(problem.estimate(branch, *solution) for solution, branch in found)
@@ -152,35 +152,20 @@ def constrained_estimates(
 class _Problem:
     """The weighted least squares problem in the physical parameters."""
 
-    model: GeneratedModel
-    minimal: FloatArray
-    whitening: FloatArray
+    white: WhitenedMap
     low: FloatArray
     high: FloatArray
     mean: FloatArray
     precision: FloatArray
 
-    @classmethod
-    def of(
-        cls, model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, constraints: Constraints
-    ) -> _Problem | None:
-        """Cost of an estimate; None if its covariance cannot be inverted."""
-        spread, root = correlation_root(minimal, covariance)
-        if root is None:
-            return None
-        names = list(model.physical_units)
-        whitening = np.asarray(np.linalg.solve(root, np.diag(1 / spread)))
-        return cls(model, minimal, whitening, *constraints.ranges(names), *constraints.means(names))
-
     def residual(self, theta: FloatArray) -> FloatArray:
         """Residual of the estimate and of the priors, in deviations; not finite where a divisor is at a bound of 0."""
         with np.errstate(all="ignore"):
-            of_data = self.whitening @ (self.model.minimal_parameters(*theta) - self.minimal)
-        return np.concatenate([of_data, self.precision * (theta - self.mean)])
+            return np.concatenate([self.white.residual(theta), self.precision * (theta - self.mean)])
 
     def slope(self, theta: FloatArray) -> FloatArray:
         """Derivatives of the residual."""
-        return np.vstack([self.whitening @ jacobian(self.model, theta), np.diag(self.precision)])
+        return np.vstack([self.white.slope(theta), np.diag(self.precision)])
 
     def cost(self, theta: FloatArray) -> float:
         """Sum of squares of the estimate and the priors."""
@@ -231,10 +216,10 @@ class _Problem:
         )
         loose = np.setdiff1d(np.arange(theta.size), (*held, *still_open))
         theta = self._polished(theta, loose)
-        slope, data = self.slope(theta)[:, loose], self.minimal.size
+        slope, data = self.slope(theta)[:, loose], self.white.minimal.size
         inverse = np.linalg.pinv(slope)
         sensitivity, by_prior = np.zeros((theta.size, data)), np.zeros((theta.size, theta.size))
-        sensitivity[loose] = inverse[:, :data] @ self.whitening
+        sensitivity[loose] = inverse[:, :data] @ self.white.whitening
         by_prior[loose] = inverse[:, data:]
         covariance = np.zeros((theta.size, theta.size))
         covariance[np.ix_(loose, loose)] = inverse @ inverse.T

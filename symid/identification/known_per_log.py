@@ -199,7 +199,10 @@ def _shared(
     if nominal and all(name in nominal for name in units):
         guesses = [np.array([nominal[name] for name in units])]
     else:
-        guesses = list(starts(stacked.forward, stacked.minimal, stacked.spread, signed))
+        white = stacked.white
+        guesses = list(
+            starts(lambda p: white.model.minimal_parameters(*p), white.minimal, white.spread, signed)
+        )
     fits = [stacked.fitted(guess) for guess in guesses]
     parameters, cost = min((f for f in fits if f is not None), key=lambda one: one[1])
     covariance, loose = stacked.covariance(parameters, list(units))
@@ -209,7 +212,7 @@ def _shared(
         if (one := stacked.constrained(alone, covariance, constraints)) is not None:
             parameters, loose = one.parameters, []
             covariance, outside = one.covariance, against(units, one, np.sqrt(np.diag(covariance)))
-    relations = stacked.minimal.size - parameters.size
+    relations = stacked.white.minimal.size - parameters.size
     found = SharedIdentification(
         axis.name, groups, known, units, parameters, covariance, cost, relations, "ok", ""
     )

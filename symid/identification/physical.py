@@ -110,6 +110,38 @@ def jacobian(model: GeneratedModel, physical: FloatArray) -> FloatArray:
     return np.stack(columns, axis=1)
 
 
+@dataclass(frozen=True, eq=False)
+class WhitenedMap:
+    """Minimal parameters of physical ones less those estimated, in deviations and uncorrelated."""
+
+    model: GeneratedModel
+    minimal: FloatArray  # the estimate
+    spread: FloatArray  # its deviations
+    root: FloatArray  # Cholesky factor of its correlation matrix
+
+    @classmethod
+    def of(cls, model: GeneratedModel, minimal: FloatArray, covariance: FloatArray) -> WhitenedMap | None:
+        """The map by the covariance of an estimate; None if that cannot be inverted."""
+        spread = np.sqrt(np.diag(covariance))
+        spread = np.where(spread > 0, spread, np.maximum(np.abs(minimal), 1.0) * np.finfo(float).eps)
+        root = _root(covariance, spread)
+        return None if root is None else cls(model, minimal, spread, root)
+
+    @property
+    def whitening(self) -> FloatArray:
+        """Matrix that whitens differences of minimal parameters."""
+        return np.asarray(np.linalg.solve(self.root, np.diag(1 / self.spread)))
+
+    def residual(self, physical: FloatArray) -> FloatArray:
+        """Differences of the minimal parameters, shape (n_minimal,)."""
+        differences = self.model.minimal_parameters(*physical) - self.minimal
+        return np.asarray(np.linalg.solve(self.root, differences / self.spread))
+
+    def slope(self, physical: FloatArray) -> FloatArray:
+        """Their derivatives by the physical parameters, shape (n_minimal, n_physical)."""
+        return np.asarray(np.linalg.solve(self.root, jacobian(self.model, physical) / self.spread[:, None]))
+
+
 def open_directions(slope: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Determined directions of a sensitivity, scaled by their deviations, and flags of undetermined columns.
 
@@ -187,8 +219,8 @@ def _fitted(
     if guess.size > minimal.size:
         return None  # fewer minimal parameters than physical ones: no start leads to a single solution
     scale = np.where(guess == 0, 1.0, np.abs(guess))
-    spread, root = correlation_root(minimal, covariance)
-    if root is None:
+    white = WhitenedMap.of(model, minimal, covariance)
+    if white is None:
         return None
 
     def whole(relative: FloatArray) -> FloatArray:
@@ -197,13 +229,10 @@ def _fitted(
         return physical
 
     def weighted_residuals(relative: FloatArray) -> FloatArray:
-        return np.asarray(
-            np.linalg.solve(root, (model.minimal_parameters(*whole(relative)) - minimal) / spread)
-        )
+        return white.residual(whole(relative))
 
     def slope(relative: FloatArray) -> FloatArray:
-        columns = jacobian(model, whole(relative))[:, seen] * scale / spread[:, None]
-        return np.asarray(np.linalg.solve(root, columns))
+        return white.slope(whole(relative))[:, seen] * scale
 
     relations = minimal.size - guess.size
     exact = relations == 0 and model.physical_parameters is not None
@@ -221,20 +250,12 @@ def _fitted(
     if not np.all(np.isfinite(triangle)) or np.linalg.cond(triangle) > 1 / np.finfo(float).eps:
         return None
     disagreement = float(np.sum(weighted_residuals(relative) ** 2)) if relations else float("nan")
-    whitening = np.linalg.solve(root, np.diag(1 / spread))
     parameters, sensitivity = np.full(start.size, np.nan), np.full((start.size, minimal.size), np.nan)
     parameters[seen] = relative * scale
-    sensitivity[seen] = scale[:, None] * np.linalg.solve(triangle, orthonormal.T @ whitening)
+    sensitivity[seen] = scale[:, None] * np.linalg.solve(triangle, orthonormal.T @ white.whitening)
     return PhysicalEstimate(
         parameters, sensitivity, sensitivity @ covariance @ sensitivity.T, relations, disagreement
     )
-
-
-def correlation_root(minimal: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray | None]:
-    """Deviations of minimal parameters, and the Cholesky factor of their correlation matrix, None if it has none."""
-    spread = np.sqrt(np.diag(covariance))
-    spread = np.where(spread > 0, spread, np.maximum(np.abs(minimal), 1.0) * np.finfo(float).eps)
-    return spread, _root(covariance, spread)
 
 
 def _root(covariance: FloatArray, spread: FloatArray) -> FloatArray | None:

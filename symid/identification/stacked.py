@@ -15,8 +15,7 @@ from symid.identification.identification_result import Identification
 from symid.identification.inseparable import estimates_by_priors
 from symid.identification.physical import (
     PhysicalEstimate,
-    correlation_root,
-    jacobian,
+    WhitenedMap,
     open_by_structure,
     open_directions,
 )
@@ -27,26 +26,23 @@ class Stacked:
 
     def __init__(self, groups: Sequence[Identification]) -> None:
         self.models: list[GeneratedModel] = [group.model for group in groups]
-        self.minimal = np.concatenate([group.fit.parameters for group in groups])
-        blocks = [group.covariance for group in groups]
-        self.covariance_of_minimal = np.asarray(scipy.linalg.block_diag(*blocks))
-        self.spread, root = correlation_root(self.minimal, self.covariance_of_minimal)
-        assert root is not None  # a ridge is added
-        self.root = root
-
-    def forward(self, physical: FloatArray) -> FloatArray:
-        """Minimal parameters of all groups."""
-        return np.concatenate([model.minimal_parameters(*physical) for model in self.models])
-
-    def whitened(self, rows: FloatArray) -> FloatArray:
-        """Rows in deviations, uncorrelated."""
-        scaled = rows / self.spread.reshape(-1, *[1] * (rows.ndim - 1))
-        return np.asarray(np.linalg.solve(self.root, scaled))
+        names = [f"{n} of group {i}" for i, model in enumerate(self.models) for n in model.minimal_units]
+        model = replace(
+            self.models[0],
+            minimal_units=dict.fromkeys(names, ""),
+            minimal_parameters=lambda *p: np.concatenate([one.minimal_parameters(*p) for one in self.models]),
+            physical_parameters=None,
+            branches=0,
+        )
+        minimal = np.concatenate([group.fit.parameters for group in groups])
+        self.covariance_of_minimal = np.asarray(scipy.linalg.block_diag(*(g.covariance for g in groups)))
+        white = WhitenedMap.of(model, minimal, self.covariance_of_minimal)
+        assert white is not None  # a ridge is added
+        self.white = white
 
     def slope(self, physical: FloatArray) -> FloatArray:
         """Derivatives of the whitened minimal parameters by the physical ones, each relative to its size."""
-        columns = np.vstack([jacobian(model, physical) for model in self.models])
-        return self.whitened(columns * scale_of(physical))
+        return self.white.slope(physical) * scale_of(physical)
 
     def constrained(
         self, parameters: FloatArray, covariance: FloatArray, constraints: Constraints
@@ -55,25 +51,15 @@ class Stacked:
 
         `parameters` and `covariance` are those of the logs alone, nan where they leave them open.
         """
-        names = [
-            f"{name} of group {i}" for i, model in enumerate(self.models) for name in model.minimal_units
-        ]
-        model = replace(
-            self.models[0],
-            minimal_units=dict.fromkeys(names, ""),
-            minimal_parameters=lambda *physical: self.forward(np.array(physical)),
-            physical_parameters=None,
-            branches=0,
-        )
-        data = self.minimal, self.covariance_of_minimal
+        model, minimal, wide = self.white.model, self.white.minimal, self.covariance_of_minimal
         if np.all(np.isfinite(parameters)):
-            nothing = np.zeros((parameters.size, self.minimal.size))
+            nothing = np.zeros((parameters.size, minimal.size))
             free: tuple[PhysicalEstimate, ...] = (
                 PhysicalEstimate(parameters, nothing, covariance, 0, np.nan),
             )
         else:
-            free = estimates_by_priors(model, *data, constraints)
-        found = constrained_estimates(model, *data, free, constraints)
+            free = estimates_by_priors(model, minimal, wide, constraints)
+        found = constrained_estimates(model, minimal, wide, free, constraints)
         return found[0] if found else None
 
     def fitted(self, guess: FloatArray) -> tuple[FloatArray, float] | None:
@@ -81,7 +67,7 @@ class Stacked:
         scale = scale_of(guess)
 
         def weighted_residuals(relative: FloatArray) -> FloatArray:
-            return self.whitened(self.forward(relative * scale) - self.minimal)
+            return self.white.residual(relative * scale)
 
         with np.errstate(all="ignore"):
             if not np.isfinite(self.slope(guess)).all():
