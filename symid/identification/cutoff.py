@@ -231,7 +231,8 @@ def disagreement_of(found: Identification, tried: Sequence[Identification]) -> s
     values, deviations = found.physical[0].parameters, found.physical_deviations
     for other in filter(None, (lower, higher)):
         change = np.abs(other.physical[0].parameters - values)
-        certain = change / np.maximum(deviations, other.physical_deviations)
+        with np.errstate(divide="ignore", invalid="ignore"):  # values held at a bound have no deviation
+            certain = change / np.maximum(deviations, other.physical_deviations)
         beyond = np.where(change > CRITERIA.cutoff_change * np.abs(values), certain, 0.0)
         k = int(np.argmax(np.nan_to_num(beyond)))
         if beyond[k] > CRITERIA.cutoff_certain:
