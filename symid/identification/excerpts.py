@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log
-from symid.estimation import ObservationBlock
+from symid.estimation import LeastSquares, ObservationBlock, estimate, triangular_factors
 from symid.identification.noise import noise_levels, noise_of_rows
 from symid.identification.observation import Observation, SignalRows, observe
 
@@ -156,6 +156,11 @@ def blocks_of(
     return [
         block_of(seen, k, instruments=Z) for k, (seen, Z) in enumerate(zip(observations, every, strict=True))
     ]
+
+
+def estimate_of(observations: Iterable[Observation | ObservationBlock]) -> LeastSquares:
+    """Weighted least squares of the used rows; every equation of every observation has its own weight."""
+    return estimate([factor for o in observations for factor in triangular_factors(o.W, o.y, o.valid)])
 
 
 def block_of(

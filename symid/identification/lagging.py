@@ -15,9 +15,9 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
+from symid.estimation import LeastSquares, corrected_covariance_of_blocks
 from symid.identification.criteria import CRITERIA
-from symid.identification.excerpts import Excerpt, blocks_of, running_integral
+from symid.identification.excerpts import Excerpt, blocks_of, estimate_of, running_integral
 from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
 from symid.identification.noise import noise_deviations
@@ -156,12 +156,9 @@ def _by_other_sensors(
     corner = high_pass_of(model, parts, name)
     if corner is None:
         return None
-    rows = [
-        (part.observation.W + corner[0] * W, part.observation.y + corner[0] * y, part.observation.valid)
-        for part, (W, y) in zip(parts, more, strict=True)
-    ]
-    fit = estimate([f for one in rows for f in triangular_factors(*one)])
     factor, deviation = corner
+    seen = zip((part.observation for part in parts), more, strict=True)
+    fit = estimate_of(replace(o, W=o.W + factor * W, y=o.y + factor * y) for o, (W, y) in seen)
     return _Filter(factor, lambda: deviation, 0.0, fit.solution) if fit.status == "ok" else None
 
 
@@ -183,7 +180,7 @@ def _filtered_before(
     With `constants` each part has its own, from which an integral starts.
     """
     seen = [part.observation for part in parts]
-    before = estimate([f for o in seen for f in triangular_factors(o.W, o.y, o.valid)])
+    before = estimate_of(seen)
     factor, X, p = 0.0, fit.solution, fit.solution.size
     for _ in range(_MOST_ROUNDS):
         rows = []
@@ -192,7 +189,7 @@ def _filtered_before(
             for i, (W1, y1) in enumerate(constants):
                 columns.append((W1 @ X - y1)[..., None] if i == k else np.zeros((*y.shape, 1)))
             rows.append(replace(o, W=np.concatenate(columns, axis=2), y=o.y + factor * y))
-        found = estimate([f for o in rows for f in triangular_factors(o.W, o.y, o.valid)])
+        found = estimate_of(rows)
         if found.status != "ok":
             return None
         X, step = found.solution[:p], float(found.solution[p])

@@ -7,6 +7,7 @@ parameters but hardly raises the mean. Both are visible in the part of the log w
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,9 +15,9 @@ from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import cut_in_motion
 from symid.data.stuck import is_switched
-from symid.estimation import LeastSquares, estimate, triangular_factors
+from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
-from symid.identification.excerpts import Excerpt
+from symid.identification.excerpts import Excerpt, estimate_of
 
 _CLIPPED_SAMPLES = 5
 """Shortest run of an extreme value that counts as a limit, not as a peak."""
@@ -121,8 +122,7 @@ def _clipped(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
 
 def _of_rows(parts: Sequence[Excerpt], valid: Sequence[BoolArray]) -> LeastSquares:
     """Estimate from some rows of the parts, each part with its own weights."""
-    seen = [part.observation for part in parts]
-    return estimate([f for o, v in zip(seen, valid, strict=True) for f in triangular_factors(o.W, o.y, v)])
+    return estimate_of(replace(p.observation, valid=v) for p, v in zip(parts, valid, strict=True))
 
 
 def _at_limit(force: FloatArray) -> BoolArray:

@@ -9,9 +9,9 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import derivatives
-from symid.estimation import ObservationBlock, corrected_covariance_of_blocks, estimate, triangular_factors
+from symid.estimation import ObservationBlock, corrected_covariance_of_blocks
 from symid.identification.criteria import CRITERIA
-from symid.identification.excerpts import Excerpt, running_integral
+from symid.identification.excerpts import Excerpt, estimate_of, running_integral
 from symid.identification.sampling import filtered
 
 _LEAST_LATE = 0.5
@@ -86,7 +86,7 @@ def high_pass_of(model: GeneratedModel, parts: Sequence[Excerpt], name: str) -> 
         sums = running_integral(own, part.log.sampling_period)
         W, y = np.column_stack([sums, np.ones_like(own)])[thin], (other - own)[thin]
         blocks.append(ObservationBlock(W[None], y[None], np.ones((1, y.size), dtype=bool), equation=k))
-    fit = estimate([f for b in blocks for f in triangular_factors(b.W, b.y, b.valid)])
+    fit = estimate_of(blocks)
     if fit.status != "ok":
         return None
     correlated = corrected_covariance_of_blocks(lambda: blocks, fit)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
-from symid.identification.excerpts import Excerpt, blocks_of
+from symid.estimation import LeastSquares, corrected_covariance_of_blocks
+from symid.identification.excerpts import Excerpt, blocks_of, estimate_of
 from symid.identification.observation import Observation, observe
 
 _SETTLED = 0.01
@@ -45,7 +45,7 @@ def refined(
         # The derivative of the residual by the delay is one more column: its parameter is the Gauss-Newton step.
         extended = [shifted.with_tangent(late, X) for shifted in shifting]
         blocks = blocks_of(extended)
-        found = estimate([f for o in extended for f in triangular_factors(o.W, o.y, o.valid)], "wls")
+        found = estimate_of(extended)
         if found.status != "ok":
             return None
         X, step = found.solution[:-1], float(found.solution[-1])
@@ -95,7 +95,7 @@ def beyond_feedback(
     for factor in _LOWER_CUTOFFS:
         lower = [_at_lower_cutoff(part, factor) for part in parts]
         seen = [part.observation for part in lower]
-        without = estimate([f for o in seen for f in triangular_factors(o.W, o.y, o.valid)], "wls")
+        without = estimate_of(seen)
         if without.status != "ok" or min(without.rows) < _ROWS_A_PARAMETER * without.solution.size:
             break
         other = refined(lower, [Shifting(part, names) for part in lower], without, found.late)

@@ -9,6 +9,7 @@ import numpy as np
 
 from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass, derivatives
+from symid.output_error.run import read_orders
 from symid.simulation import ForwardDynamics
 
 _MODES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33, 0.43)
@@ -33,8 +34,7 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     """Start from the rigid motion in the first log: a mass for each body, and friction."""
     log, axis = logs[0], dynamics.axis
     lowpass = LowPass(0.02 * log.sampling_frequency)
-    sensors = {name: sensor for name, sensor in dynamics.sensors.items() if name in log.signals}
-    orders = {name: sensor.order for name, sensor in sensors.items() if sensor.order is not None}
+    orders = read_orders(dynamics, log)
     known = [name for name, order in orders.items() if order == min(orders.values())]
     found = []
     # F = m a + c v + Fc sign(v) + F0 by least squares, with a and v from the signal of the lowest derivative

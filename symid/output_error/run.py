@@ -215,6 +215,12 @@ def _upsampled(values: FloatArray, parts: int) -> FloatArray:
     return np.asarray(whole).reshape(n, fine)[:, 1::2]
 
 
+def read_orders(dynamics: ForwardDynamics, log: Log) -> dict[str, int]:
+    """Order of the derivative that each motion sensor of a log reads, by its signal."""
+    read = ((name, sensor.order) for name, sensor in dynamics.sensors.items() if name in log.signals)
+    return {name: order for name, order in read if order is not None}
+
+
 def _measured_motion(
     dynamics: ForwardDynamics, direction: FloatArray, log: Log, lowpass: LowPass, parts: int
 ) -> JointMotion | None:
@@ -222,8 +228,7 @@ def _measured_motion(
 
     Without a position, of measured speeds: the displacement is the integral, from 0 on.
     """
-    sensors = {name: sensor for name, sensor in dynamics.sensors.items() if name in log.signals}
-    orders = {name: sensor.order for name, sensor in sensors.items() if sensor.order is not None}
+    orders = read_orders(dynamics, log)
     lowest = min(orders.values(), default=0)
     names = [name for name, order in orders.items() if order == lowest < 2]
     if not names:
