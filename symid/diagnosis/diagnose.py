@@ -175,8 +175,10 @@ def _diagnosed(
     else:
         start = starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
-    begun = Fit(state, weighting)
     base = replace(fitted_axis(state, weighting), nominal=dict(nominal or {}))
+    if base.state.prediction.follows:
+        state, weighting = first_state(data.record, start, data.training, follows=True)
+    begun = Fit(state, weighting)
     unknown = recorded.may_be_held(axis)
     if unknown and (shows_hold(base) or (nominal and nominal_shows_hold(begun, base))):
         return _with_hold(axis, runs, nominal, recorded, library)

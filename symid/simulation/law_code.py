@@ -45,11 +45,18 @@ def level_code(formula: str) -> str | None:
     >>> level_code("sign(v)*q**2"), level_code("-sign(v)"), level_code("v*abs(v)")
     ('q ** 2', '-1.0', None)
     """
-    whole = _parsed(formula)
+    return dry_level(law_code(formula))
+
+
+def dry_level(code: str) -> str | None:
+    """The same of a law that is NumPy code already.
+
+    >>> dry_level("np.sign(v) * np.exp(-(v / 0.01) ** 2)"), dry_level("np.sign(v)"), dry_level("v * np.abs(v)")
+    ('np.exp(-(v / 0.01) ** 2)', '1.0', None)
+    """
+    whole = _parsed(code)
     level = _without_sign(whole)
-    if _calls(whole, "sign") != 1 or _calls(level, "sign"):
-        return None
-    return ast.unparse(_InNumPy().visit(level))
+    return None if _signs(whole) != 1 or _signs(level) else ast.unparse(level)
 
 
 def has_jumps(formula: str) -> bool:
@@ -79,6 +86,11 @@ def _parsed(formula: str) -> ast.expr:
         ) from error
 
 
+def _signs(code: ast.AST) -> int:
+    """Number of calls of the sign function in NumPy code."""
+    return sum(isinstance(one, ast.Attribute) and one.attr == "sign" for one in ast.walk(code))
+
+
 def _calls(node: ast.AST, *names: str) -> int:
     """Number of calls of the named functions in an expression."""
     calls = (one.func for one in ast.walk(node) if isinstance(one, ast.Call))
@@ -100,7 +112,7 @@ class _InNumPy(ast.NodeTransformer):
 def _without_sign(node: ast.expr) -> ast.expr:
     """A product without its factors sign(v); sums and arguments of functions are not searched."""
     match node:
-        case ast.Call(func=ast.Name(id="sign"), args=[ast.Name(id="v")]):
+        case ast.Call(func=ast.Attribute(attr="sign"), args=[ast.Name(id="v")]):
             return _ONE
         case ast.BinOp(left=left, op=ast.Mult(), right=right):
             left, right = _without_sign(left), _without_sign(right)

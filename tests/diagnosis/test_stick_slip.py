@@ -7,6 +7,7 @@ from symid.data import Log
 from symid.diagnosis.effects import LIBRARY, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
+from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.record import record_of
 from symid.simulation import forward_dynamics, plant_of, simulate, trapezoids, tuned_cascade
@@ -31,8 +32,8 @@ def log() -> Log:
 def left(log: Log, level: float, velocity: float, *, follows: bool) -> Fit:
     """The true axis with Stribeck friction of the load."""
     record = record_of(forward_dynamics(AXIS), log, holds={"Fm": log.sampling_period})
-    state, weighting = first_state(record, VALUES)
-    placed = Placed(STRIBECK, "load", (velocity,), (level,), integrated=True, follows=follows)
+    state, weighting = first_state(record, VALUES, follows=follows)
+    placed = Placed(STRIBECK, "load", (velocity,), (level,), integrated=True)
     return Fit(with_effects(state, weighting, (placed,)), weighting)
 
 
@@ -47,3 +48,13 @@ def test_values_are_found_from_far_off(log: Log) -> None:
     (friction,) = found.state.placed
     assert friction.amplitudes == pytest.approx([100.0], rel=0.05)
     assert friction.shape == pytest.approx([0.0113], rel=0.05)
+
+
+def test_an_axis_that_declares_the_friction_has_no_gap(log: Log) -> None:
+    """As a diagnosis writes it: the declared friction is observed like that of a candidate."""
+    _, load = AXIS.bodies
+    machine = AXIS.with_effect(StribeckFriction(load, "dF", velocity=0.0113))
+    record = record_of(forward_dynamics(machine), log, holds={"Fm": log.sampling_period})
+    fit = fitted_axis(*first_state(record, VALUES | {"dF": 100.0}))
+    assert fit.mean_square < 1.5
+    assert fit.parameters["dF"] == pytest.approx(100.0, rel=0.05)

@@ -181,8 +181,6 @@ class Placed:
         Values of its shape parameters and amplitudes.
     integrated : bool
         Whether the motion of a hidden joint is integrated with its force.
-    follows : bool
-        Whether that motion follows the measured force, see `prediction.hidden_motion`.
     """
 
     effect: Effect
@@ -190,7 +188,6 @@ class Placed:
     shape: Shape
     amplitudes: tuple[float, ...]
     integrated: bool = False
-    follows: bool = False
 
     @property
     def key(self) -> Key:

@@ -23,7 +23,9 @@ def applied(
 ) -> tuple[State, Weighting]:
     """A model with its values, and its effects or others, under another record; and the weighting there."""
     effects = model.placed if placed is None else tuple(placed)
-    state, weighting = first_state(record, model.prediction.parameters, allowed, held_out=True)
+    state, weighting = first_state(
+        record, model.prediction.parameters, allowed, held_out=True, follows=model.prediction.follows
+    )
     if model.prediction.levels:
         state, weighting = leveled(state, allowed, _levels_on(record, model))
     with np.errstate(over="ignore", invalid="ignore"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -145,11 +146,12 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
     Damping restrains only directions to which the rows are hardly sensitive, such as a stiffness and the mass on it in
     a fixed ratio; a shorter step would restrain all directions.
     """
-    state, weighting, error = fit.state, fit.weighting, fit.error
-    moves = np.ones(len(fit.columns), dtype=bool) if free is None else free
-    flat = fit.known_columns if free is None else fit.known_columns[free]
+    state, weighting, error, flat = fit.state, fit.weighting, fit.error, fit.known_columns
     if not (np.isfinite(flat).all() and np.isfinite(error).all()):
         return None
+    moves = ~_damping_held_at_zero(state, flat @ error)
+    moves = moves if free is None else moves & free
+    flat = flat[moves]
     scale = norms_or_one(flat, axis=1)
     flat = flat / scale[:, None]
     normal, gradient = flat @ flat.T, flat @ error
@@ -173,6 +175,18 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
         except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
             continue
     return None
+
+
+def _damping_held_at_zero(state: State, downhill: FloatArray) -> BoolArray:
+    """Dampings at zero that the steepest descent would lower; the others step without them (active set).
+
+    A mass at its bound marks a model that has lost its inertia, which no step needs to improve.
+    """
+    held = np.zeros(downhill.size, dtype=bool)
+    for i, name in enumerate(state.prediction.record.dynamics.parameters):
+        at_zero = state.prediction.parameters[name] == state.bounds.get(name, (-math.inf, 0.0))[0] == 0.0
+        held[i] = at_zero and downhill[i] < 0
+    return held
 
 
 def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Placed, ...]]:

@@ -140,7 +140,7 @@ def _near_nominal(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterato
     for stiffer, heavier in product(_STIFFNESSES, _MASSES):
         factors = {stiffness: stiffer, mass: heavier}
         near = values | {name: values[name] * factor for name, factor in factors.items() if name in values}
-        state, _ = first_state(prediction.record, near, weighting.allowed)
+        state, _ = first_state(prediction.record, near, weighting.allowed, follows=prediction.follows)
         yield state.weighted(weighting)
 
 

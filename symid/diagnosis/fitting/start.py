@@ -12,12 +12,13 @@ from symid.axis import Axis
 from symid.codegen import model_of
 from symid.diagnosis.fitting.fit import Fit, masses_and_stiffnesses, stiffnesses
 from symid.diagnosis.fitting.gauss_newton import converged, fitted
-from symid.diagnosis.fitting.state import State, first_state, with_effects
+from symid.diagnosis.fitting.state import State, first_state, law_to_integrate, with_effects
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError, SymidError
 from symid.identification import identify
+from symid.simulation.law_code import dry_level
 
 
 def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
@@ -47,7 +48,31 @@ _FEW = 3
 
 
 def fitted_axis(state: State, weighting: Weighting) -> Fit:
-    """The axis without effects, fitted from given values and, if that fails, from other stiffnesses.
+    """The axis without effects, fitted from given values.
+
+    If dry friction is declared at hidden motion and the fit leaves a clear gap, this motion is observed instead of
+    predicted where far less is left then, see `hidden_motion`.
+    """
+    predicted = _with_restarts(state, weighting)
+    if predicted.mean_square < THRESHOLDS.clear_gap or not _has_dry_hidden_motion(state):
+        return predicted
+    record, parameters = state.prediction.record, state.prediction.parameters
+    observed = _with_restarts(*first_state(record, parameters, weighting.allowed, follows=True))
+    return observed if observed.mean_square < THRESHOLDS.follows * predicted.mean_square else predicted
+
+
+def _has_dry_hidden_motion(state: State) -> bool:
+    """Whether dry friction that the axis declares is integrated with hidden motion."""
+    prediction = state.prediction
+    joints = prediction.record.dynamics.laws
+    if any(dry_level(joints[i].terms[k].code) for i, k in prediction.integrated_terms):
+        return True
+    laws = (law_to_integrate(prediction, item) for item in state.placed if item.integrated)
+    return any(law is not None and law.dry for law in laws)
+
+
+def _with_restarts(state: State, weighting: Weighting) -> Fit:
+    """The axis fitted from given values and, if that fails, from other stiffnesses.
 
     Small steps do not find a resonance that is several bandwidths away from the initial one: the fit then increases the
     masses on the spring without bound. A restart from another stiffness is taken if it leaves only noise or a small
@@ -60,7 +85,9 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
         return first
     astray, others = _ran_away(first, values), []
     for moved in _other_values(state):
-        begun = first_state(state.prediction.record, moved, weighting.allowed)
+        begun = first_state(
+            state.prediction.record, moved, weighting.allowed, follows=state.prediction.follows
+        )
         if astray or fitted(*begun, _FEW).mean_square < first.mean_square:
             others.append(converged(*begun))
     tame = [fit for fit in others if not _ran_away(fit, values)]

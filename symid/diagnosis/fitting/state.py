@@ -7,6 +7,7 @@ sensor is evaluated at the motion that the model itself implies.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -19,9 +20,10 @@ from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferE
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
-from symid.diagnosis.prediction.record import COULOMB, Record
+from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, weighting_of
 from symid.errors import LogError
+from symid.simulation.law_code import dry_level
 from symid.simulation.plant import ScaledLaw
 
 _TAKES_PART = 0.2
@@ -38,7 +40,7 @@ class State:
     prediction: Prediction  # motion and prediction
     placed: tuple[Placed, ...]  # effects with values
     weighting: Weighting  # of the errors
-    # least and largest values of masses and stiffnesses that a fit may take, SI
+    # least and largest values of parameters that a fit may take, SI
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def with_least(self, share: float, nominal: Mapping[str, float]) -> State:
@@ -59,6 +61,15 @@ class State:
     def inertia(self) -> float:
         """Inertia that the drive moves, see `Response.inertia`."""
         return self.prediction.response.inertia
+
+    def following(self) -> State:
+        """The state whose hidden motion is drawn to the measured force from the next evaluation on.
+
+        No damping may then be negative: with it, much weaker friction oscillates as much, and fits end there.
+        """
+        names = self.prediction.record.dynamics.parameters_of("damping")
+        bounds = dict(self.bounds) | dict.fromkeys(names, (0.0, math.inf))
+        return replace(self, prediction=replace(self.prediction, follows=True), bounds=bounds)
 
     def weighted(self, weighting: Weighting) -> State:
         """The state with other weights."""
@@ -93,10 +104,12 @@ def first_state(
     allowed: BoolArray | None = None,
     *,
     held_out: bool = False,
+    follows: bool = False,
 ) -> tuple[State, Weighting]:
     """The axis at given parameters with its declared imperfections, and its weighting on allowed parts of the log.
 
-    A `held_out` record needs fewer rows: a gap is measured on it, and nothing is fitted.
+    A `held_out` record needs fewer rows: a gap is measured on it, and nothing is fitted. Hidden motion `follows` the
+    measured force, or not.
     """
     prediction = prediction_of(record, parameters)
     prediction = prediction_of(record, parameters, before=prediction)
@@ -110,6 +123,7 @@ def first_state(
             "validation"
         )
     first = State(prediction, (), weighting)
+    first = first.following() if follows else first
     declared = tuple(
         replace(item, integrated=law_to_integrate(prediction, item) is not None)
         for item in declared_effects(prediction)
@@ -201,9 +215,10 @@ def _acted_on(
 ) -> Prediction:
     """The next prediction, with the forces that effects have at the motion of the prediction before."""
     # Hidden motion: a force of moderate strength is taken from the motion before (fixed-point iteration). A strong one
-    # is integrated in time, and the frequency response has an equivalent impedance in its place.
+    # is integrated in time, and the frequency response has an equivalent impedance in its place, unless the motion is
+    # observed: the outputs are then the linear response.
     record, forces, hidden = before.record, np.zeros_like(before.forces), before.record.hidden_terms
-    impedances, integrated = [], []
+    impedances, integrated, linear = [], [], nearby or before.follows
     for item in placed:
         if not isinstance(item.effect, JointEffect):
             continue
@@ -211,7 +226,7 @@ def _acted_on(
         law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.integrated else None
         if law is not None:
             integrated.append((joint.direction, law))
-            if not nearby:
+            if not linear:
                 impedances.append((joint.direction, _equivalent(_force(before, item, joint), joint)))
         elif isinstance(item.effect, LinearEffect):
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
@@ -224,7 +239,7 @@ def _acted_on(
     for i, k in hidden:
         direction, term = plant.laws[i].direction, plant.laws[i].terms[k]
         integrated.append((direction, _integrand(term)))
-        if not nearby:
+        if not linear:
             joint = before.along(direction)
             impedances.append((direction, _equivalent(term.parameter * before.laws[i][1][k], joint)))
     like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
@@ -237,15 +252,17 @@ def _acted_on(
         impedances=impedances,
         integrated=integrated,
         integrated_terms=hidden,
-        follows=any(item.follows for item in placed),
+        follows=before.follows,
     )
 
 
 def _integrand(term: ScaledLaw) -> Pointwise:
     """A declared law as it is integrated."""
-    if term.code == COULOMB:
-        return Pointwise("parameter", {"parameter": term.parameter}, dry=True)
-    return Pointwise(f"parameter * ({term.code})", {"parameter": term.parameter})
+    level = dry_level(term.code)
+    force = f"parameter * ({level or term.code})"
+    if level and re.search(r"\bq\b", level):
+        force = f"np.maximum({force}, 0.0)"
+    return Pointwise(force, {"parameter": term.parameter}, dry=level is not None)
 
 
 def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:

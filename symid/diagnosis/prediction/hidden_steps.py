@@ -5,6 +5,9 @@ import numpy as np
 from symid.jit import compiled
 from symid.simulation.evaluation import built_up, evaluate
 
+_MOST_ROUNDS, _SETTLED = 8, 1e-6
+"""Most rounds in which the level of dry friction and the speed in a step settle, and the relative change at the end."""
+
 
 @compiled
 def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # compiled for records
@@ -12,7 +15,7 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
 
     Laws act at the observed motion, which `gain` draws to the measured force; the predicted one is the response to
     their forces alone. Both are the same without gain. Smooth forces follow Heun's rule; dry friction is constant over
-    each step.
+    each step, with its level at the mean speed of the step.
     """
     # Numba counts references at each access to a field: the fields are read once, here.
     (transition, falling, rising, held), (pushed, load, by_state, q, v, rest, gain) = equation, driven
@@ -21,6 +24,7 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
     n_laws = dry.size
     n = pushed.size
     predicted, observed, forces, before = np.zeros(n), np.zeros(n), np.zeros((n_laws, n)), np.zeros(n_laws)
+    speed_before = np.zeros(n_laws)
     x, rate, total, before_drive = 0.0, 0.0, 0.0, 0.0
     off, off_rate, last_elastic = 0.0, 0.0, 0.0  # observed less predicted motion, which no force changes
     for i in range(n):
@@ -64,13 +68,20 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
                     by_driven[j] * q[i] + by_hidden[j] * x,
                     by_driven[j] * v[i] + by_hidden[j] * rate,
                 )
-                arguments[j, 0], arguments[j, 1], arguments[j, 2] = place, speed, courses[j, i]
-                level = _value(j, operations, operands, ends, arguments, stack)
                 # the force that would stop the joint within the step, or the level of the law if that is smaller
-                own = speed / (by_hidden[j] * held[1] * on_hidden[j])
-                forces[j, i] = own = level if own > level else -level if own < -level else own
+                own = stop = speed / (by_hidden[j] * held[1] * on_hidden[j])
+                arguments[j, 0], arguments[j, 2] = 0.5 * (before[j] + place), courses[j, i]
+                for _ in range(_MOST_ROUNDS):  # the level in the middle of the step depends on the force
+                    after = speed - by_hidden[j] * held[1] * on_hidden[j] * own
+                    arguments[j, 1] = 0.5 * (speed_before[j] + after)
+                    level = _value(j, operations, operands, ends, arguments, stack)
+                    last, own = own, level if stop > level else -level if stop < -level else stop
+                    if abs(own - last) <= _SETTLED * abs(own):
+                        break
+                forces[j, i] = own
                 x -= held[0] * on_hidden[j] * own
                 rate -= held[1] * on_hidden[j] * own
+                before[j], speed_before[j] = place, speed - by_hidden[j] * held[1] * on_hidden[j] * own
         if i:  # at the point before, where the dry friction is known by now
             unexplained = rest[i - 1] - last_elastic
             for j in range(n_laws):

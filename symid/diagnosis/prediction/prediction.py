@@ -18,7 +18,7 @@ from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import Impedance, Response, noise_weights, response_of
-from symid.simulation.plant import direction_of
+from symid.simulation.plant import Plant, direction_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +41,8 @@ class Prediction:
     levels: tuple[float, ...] = ()
     # entries of `Record.hidden_terms` that are integrated with the hidden motion
     integrated_terms: tuple[tuple[int, int], ...] = ()
+    # whether the motion at which integrated laws act is drawn to the measured force, see `hidden_motion`
+    follows: bool = False
 
     def leveled(self, levels: Sequence[float]) -> Prediction:
         """The prediction with weights that allow for other errors of the model."""
@@ -77,20 +79,17 @@ class Prediction:
     @cached_property
     def law_forces(self) -> ComplexArray:
         """Forces of the laws and of constants on the bodies, of shape (n_bins, n_bodies)."""
-        total = np.zeros((self.record.n_bins, len(self.response.plant.bodies)), dtype=complex)
-        for i, ((direction, spectra), law) in enumerate(
-            zip(self.laws, self.response.plant.laws, strict=True)
-        ):
+        return self.law_forces_of(self.response.plant)
+
+    def law_forces_of(self, plant: Plant) -> ComplexArray:
+        """The same with the values of another plant, at this motion."""
+        total = np.zeros((self.record.n_bins, len(plant.bodies)), dtype=complex)
+        for i, ((direction, spectra), law) in enumerate(zip(self.laws, plant.laws, strict=True)):
             terms = enumerate(zip(law.terms, spectra, strict=True))
             force = sum(term.parameter * x for k, (term, x) in terms if (i, k) not in self.integrated_terms)
             total -= np.multiply.outer(force, direction)
-        total[0] += self.response.plant.constant * self.record.n_extended
+        total[0] += plant.constant * self.record.n_extended
         return total
-
-    @cached_property
-    def law_courses(self) -> FloatArray:
-        """`law_forces` on the fine grid, of shape (n_bodies, n_fine)."""
-        return self.record.fine(self.law_forces.T)
 
     def along(self, direction: FloatArray) -> Joint:
         """The motion along a direction over the bodies."""
@@ -259,10 +258,9 @@ def prediction_of(
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
     of_integrated = None
     if integrated:
-        known = np.zeros((n, 1)) if before is None else before.law_courses
-        if of_effects.any():
-            known = known + record.fine(of_effects.T)
         plant = response.plant
+        acting = of_effects if before is None else of_effects + before.law_forces_of(plant)
+        known = record.fine(acting.T) if acting.any() else np.zeros((n, 1))
         moved, observed, pushes = integrated_motion(record, plant, known, integrated, follows=follows)
         of_integrated = np.asarray(
             -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
@@ -282,6 +280,7 @@ def prediction_of(
         impedances=tuple(impedances),
         levels=levels,
         integrated_terms=integrated_terms if integrated else (),
+        follows=follows,
     )
 
 

@@ -26,9 +26,8 @@ from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
+from symid.simulation.law_code import dry_level
 
-COULOMB = "np.sign(v)"
-"""Code of Coulomb friction."""
 _JUMPS = re.compile(r"np\.(sign|heaviside)\(-?v\b")
 """Code of a law that jumps where the velocity changes its sign."""
 _LEAST_SAMPLES = 100
@@ -113,14 +112,14 @@ class Record(PeriodicLog):
     def hidden_terms(self) -> tuple[tuple[int, int], ...]:
         """Indices of law and term of declared nonlinear laws in hidden joints whose motion is integrated.
 
-        These are Coulomb friction, because a body that sticks at times has no frequency response, and laws without a
-        jump at reversals, such as play in a spring. Other laws of friction are taken from the motion before.
+        These are dry friction, because a body that sticks at times has no frequency response, and laws without a jump
+        at reversals, such as play in a spring. Other laws of friction are taken from the motion before.
         """
         return tuple(
             (i, k)
             for i, law in enumerate(self.dynamics.laws)
             for k, term in enumerate(law.terms)
-            if (term.code == COULOMB or not _JUMPS.search(term.code)) and self.is_hidden(law.direction)
+            if (dry_level(term.code) or not _JUMPS.search(term.code)) and self.is_hidden(law.direction)
         )
 
     @cached_property

@@ -181,7 +181,8 @@ def _confirm(
         most = math.inf if refined or start.to_the_end else hopeless * least_left(confirmed)
         own = confirmed_from(fit, start, most)
         # Motion that follows the force is freer than one that is predicted: it must explain far more.
-        least = THRESHOLDS.follows * least_left(confirmed) if start.placed.follows else math.inf
+        freed = start.state.prediction.follows and not fit.state.prediction.follows
+        least = THRESHOLDS.follows * least_left(confirmed) if freed else math.inf
         if own is None or own.fit.mean_square > least:
             continue
         if own.key not in confirmed or _is_better(own, confirmed[own.key]):

@@ -122,8 +122,9 @@ def _following(found: Sequence[Candidate], fit: Fit, confirmed: Mapping[Key, Con
     best = next(iter(best_first(confirmed)), None)
     likely = sorted(found, key=lambda c: best is None or c.placed.effect.name != best.effect.name)
     laws = ((c.placed, law_to_integrate(fit.state.prediction, c.placed, read=True)) for c in likely)
-    dry = (replace(placed, integrated=True, follows=True) for placed, law in laws if law and law.dry)
-    return [Start.of(fit, placed) for placed in islice(dry, _FOLLOWING)]
+    dry = (replace(placed, integrated=True) for placed, law in laws if law and law.dry)
+    state = fit.state.following()
+    return [Start(state, fit.weighting, placed) for placed in islice(dry, _FOLLOWING)]
 
 
 def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
