@@ -27,12 +27,7 @@ from symid.diagnosis.prediction.data import Data, Recorded, Runs, data_of, one_r
 from symid.diagnosis.prediction.integrated_speed import with_positions
 from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.prediction.scaled_sensors import with_quantities
-from symid.diagnosis.selection.backward import (
-    backward_elimination,
-    brought_first,
-    most_probable,
-    without,
-)
+from symid.diagnosis.selection.backward import backward_elimination, brought_first, most_probable, without
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, shows_hold
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep
@@ -227,11 +222,7 @@ def _on_held_out(
 
 
 def _strongest_first(
-    base: Fit,
-    steps: Sequence[SelectionStep],
-    nominal: State | None,
-    data: Data,
-    comparison: Comparison,
+    base: Fit, steps: Sequence[SelectionStep], nominal: State | None, data: Data, comparison: Comparison
 ) -> tuple[Sequence[SelectionStep], Comparison]:
     """The effect that alone would leave the largest error of the force as the first, see `strengths`.
 

@@ -23,12 +23,7 @@ from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
-from symid.identification.physical import (
-    PhysicalEstimate,
-    Restricted,
-    WhitenedMap,
-    open_directions,
-)
+from symid.identification.physical import PhysicalEstimate, Restricted, WhitenedMap, open_directions
 
 Bounds = Mapping[str, tuple[float | None, float | None]]
 Priors = Mapping[str, tuple[float, float]]

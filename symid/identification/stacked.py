@@ -13,12 +13,7 @@ from symid.codegen import GeneratedModel
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.identification_result import Identification
 from symid.identification.inseparable import estimates_by_priors
-from symid.identification.physical import (
-    PhysicalEstimate,
-    WhitenedMap,
-    open_by_structure,
-    open_directions,
-)
+from symid.identification.physical import PhysicalEstimate, WhitenedMap, open_by_structure, open_directions
 
 
 class Stacked:

@@ -23,12 +23,7 @@ from symid.diagnosis.selection.stages import (
     least_left,
     stages,
 )
-from symid.diagnosis.selection.step import (
-    Confirmed,
-    SelectionStep,
-    is_clear,
-    is_more_than_noise,
-)
+from symid.diagnosis.selection.step import Confirmed, SelectionStep, is_clear, is_more_than_noise
 from symid.diagnosis.thresholds import THRESHOLDS
 
 
