@@ -171,15 +171,8 @@ RIGID = (
     "viscous_friction", "weight", "flexible_mode",
 )  # fmt: skip
 ELASTIC = (
-    "none",
-    "cogging",
-    "load_drag",
-    "load_friction",
-    "backlash",
-    "offset_force",
-    "spring_damping",
-    "delay",
-)
+    "none", "cogging", "load_drag", "load_friction", "backlash", "offset_force", "spring_damping", "delay",
+)  # fmt: skip
 
 
 def drawn(rng: np.random.Generator, kind: str, *, elastic: bool) -> Case:
