@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
@@ -221,7 +221,7 @@ class Axis(Shown):
         subsets = (subset for size in sizes for subset in combinations(others, size))
         return tuple(tuple(sorted((*required, *subset), key=places.index)) for subset in subsets)
 
-    def measured(self, signals: tuple[str, ...] | None = None) -> tuple[Sensor, ...]:
+    def measured(self, signals: Sequence[str] | None = None) -> tuple[Sensor, ...]:
         """Sensors of the given signals in the order of the declaration; those required if None.
 
         SettingError if a signal is not that of a sensor of this axis.

@@ -103,7 +103,7 @@ def _plan_axis(
     axis, folder = load_axis(name), generated_folder(axis_file(name))
     files = []
     for signals in (measured,) if measured else (*axis.sensor_sets, *sensor_sets_in(folder, axis)):
-        ordered = tuple(sensor.signal for sensor in axis.measured(tuple(signals)))
+        ordered = tuple(sensor.signal for sensor in axis.measured(signals))
         path = folder / f"{module_name(axis.name, ordered)}.py"
         try:
             files.append(planned_file(path, module_text(derive(axis, ordered))))

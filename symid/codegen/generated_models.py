@@ -71,9 +71,7 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
     ('F', 'q_d2')
     """
     declared = axis if isinstance(axis, Axis) else load_axis(axis)
-    signals = tuple(
-        sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured))
-    )
+    signals = tuple(sensor.signal for sensor in declared.measured(measured))
     try:
         return load_generated(axis, signals)
     except SymidError:
@@ -129,8 +127,7 @@ def stored_module(
     """
     name_or_path = axis.name if isinstance(axis, Axis) else axis
     declared = axis if isinstance(axis, Axis) else load_axis(axis)
-    sensors = declared.measured(None if measured is None else tuple(measured))
-    signals = tuple(sensor.signal for sensor in sensors)
+    signals = tuple(sensor.signal for sensor in declared.measured(measured))
     late, missed = tuple(declared_delays(declared, signals).items()), passed_over(declared)
     module = f"{module_name(declared.name, signals)}.py"
     if folder is None and (text := DERIVED.get((declared.signature, declared.name, signals))):

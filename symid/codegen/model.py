@@ -183,7 +183,7 @@ def declared_delays(axis: Axis, measured: Sequence[str] | None = None) -> dict[s
     >>> declared_delays(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3)))
     {'F': -0.003}
     """
-    sensors = axis.sensors if measured is None else axis.measured(tuple(measured))
+    sensors = axis.sensors if measured is None else axis.measured(measured)
     late = {sensor.signal: sensor.delay for sensor in sensors if sensor.delay}
     acting = {
         drive.signal: sum(e.seconds for e in axis.imperfections_of(drive) if isinstance(e, ActuatorDelay))

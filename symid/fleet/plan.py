@@ -43,7 +43,7 @@ class FleetAxis:
 
     def model(self, measured: Sequence[str]) -> GeneratedModel:
         """Generated model of a set of sensors; GeneratedModuleError if it does not exist or is outdated."""
-        wanted = tuple(sensor.signal for sensor in self.axis.measured(tuple(measured)))
+        wanted = tuple(sensor.signal for sensor in self.axis.measured(measured))
         if not self.modules:
             return model_of(self.axis, wanted)
         for signals, module in self.modules:

@@ -23,7 +23,7 @@ def axis_columns(
     {'F': ('vir', 35.15065188248547)}
     """
     used = (
-        {sensor.signal for sensor in axis.measured(tuple(measured))}
+        {sensor.signal for sensor in axis.measured(measured)}
         if measured
         else {s.signal for s in axis.sensors}
     )

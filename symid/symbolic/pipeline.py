@@ -75,7 +75,7 @@ def derive(axis: Axis, measured: Sequence[str] | None = None) -> DerivedModel:
     rigid_1m from q
         F = X1*(q_d2) + X2*(q_d1) + X3*(sign(q_d1))
     """
-    sensors = axis.measured(None if measured is None else tuple(measured))
+    sensors = axis.measured(measured)
     dynamics = inverse_dynamics(axis)
     eliminated = eliminate(dynamics, sensors)
     minimal = minimise(eliminated)
