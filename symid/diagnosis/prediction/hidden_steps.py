@@ -21,8 +21,7 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
     (transition, falling, rising, held), (pushed, load, by_state, q, v, rest, gain) = equation, driven
     by_driven, by_hidden, on_hidden, on_drive, reach, dry, courses = laws[:7]
     operations, operands, ends, arguments, stack = laws[7:]
-    n_laws = dry.size
-    n = pushed.size
+    n_laws, n = dry.size, pushed.size
     predicted, observed, forces, before = np.zeros(n), np.zeros(n), np.zeros((n_laws, n)), np.zeros(n_laws)
     speed_before = np.zeros(n_laws)
     x, rate, total, before_drive = 0.0, 0.0, 0.0, 0.0
@@ -47,41 +46,35 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
         midway = 0.5 * (drive + before_drive) if i else drive
         before_drive, total = drive, 0.0
         for j in range(n_laws):
-            arguments[j, 4] = midway if dry[j] else drive
-            if not dry[j]:
-                place, speed = (
-                    by_driven[j] * q[i] + by_hidden[j] * x,
-                    by_driven[j] * v[i] + by_hidden[j] * rate,
-                )
-                if np.isfinite(reach[j]):
-                    arguments[j, 3] = built_up(arguments[j, 3], place - before[j], reach[j])
-                    before[j] = place
-                arguments[j, 0], arguments[j, 1], arguments[j, 2] = place, speed, courses[j, i]
-                forces[j, i] = _value(j, operations, operands, ends, arguments, stack)
-                total += on_hidden[j] * forces[j, i]
+            arguments[j, 2], arguments[j, 4] = courses[j, i], midway if dry[j] else drive
+            if dry[j]:
+                continue
+            place, speed = by_driven[j] * q[i] + by_hidden[j] * x, by_driven[j] * v[i] + by_hidden[j] * rate
+            if np.isfinite(reach[j]):
+                arguments[j, 3] = built_up(arguments[j, 3], place - before[j], reach[j])
+                before[j] = place
+            arguments[j, 0], arguments[j, 1] = place, speed
+            forces[j, i] = _value(j, operations, operands, ends, arguments, stack)
+            total += on_hidden[j] * forces[j, i]
         # Corrector: the change of the smooth forces rises linearly over the step.
         x -= rising[0] * (total - last_total)
         rate -= rising[1] * (total - last_total)
         for j in range(n_laws):
-            if dry[j]:
-                place, speed = (
-                    by_driven[j] * q[i] + by_hidden[j] * x,
-                    by_driven[j] * v[i] + by_hidden[j] * rate,
-                )
-                # the force that would stop the joint within the step, or the level of the law if that is smaller
-                own = stop = speed / (by_hidden[j] * held[1] * on_hidden[j])
-                arguments[j, 0], arguments[j, 2] = 0.5 * (before[j] + place), courses[j, i]
-                for _ in range(_MOST_ROUNDS):  # the level in the middle of the step depends on the force
-                    after = speed - by_hidden[j] * held[1] * on_hidden[j] * own
-                    arguments[j, 1] = 0.5 * (speed_before[j] + after)
-                    level = _value(j, operations, operands, ends, arguments, stack)
-                    last, own = own, level if stop > level else -level if stop < -level else stop
-                    if abs(own - last) <= _SETTLED * abs(own):
-                        break
-                forces[j, i] = own
-                x -= held[0] * on_hidden[j] * own
-                rate -= held[1] * on_hidden[j] * own
-                before[j], speed_before[j] = place, speed - by_hidden[j] * held[1] * on_hidden[j] * own
+            if not dry[j]:
+                continue
+            place, speed = by_driven[j] * q[i] + by_hidden[j] * x, by_driven[j] * v[i] + by_hidden[j] * rate
+            slowing = by_hidden[j] * held[1] * on_hidden[j]  # of the joint in a step, for a unit of force
+            arguments[j, 0] = 0.5 * (before[j] + place)
+            own = stop = speed / slowing  # stops the joint in the step; it is at most the level of the law
+            for _ in range(_MOST_ROUNDS):  # the level in the middle of the step depends on the force
+                arguments[j, 1] = 0.5 * (speed_before[j] + (speed - slowing * own))
+                level = _value(j, operations, operands, ends, arguments, stack)
+                last, own = own, level if stop > level else -level if stop < -level else stop
+                if abs(own - last) <= _SETTLED * abs(own):
+                    break
+            forces[j, i], before[j], speed_before[j] = own, place, speed - slowing * own
+            x -= held[0] * on_hidden[j] * own
+            rate -= held[1] * on_hidden[j] * own
         if i:  # at the point before, where the dry friction is known by now
             unexplained = rest[i - 1] - last_elastic
             for j in range(n_laws):
