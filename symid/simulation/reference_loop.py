@@ -24,6 +24,15 @@ _SLOWEST_HZ = 1000.0
 """Least rate of a controller whose rate is not given; it runs at a multiple of the rate of the log."""
 
 
+def without_noise(axis: Axis) -> Axis:
+    """The axis without noise and resolution of its signals; delays stay."""
+    return replace(
+        axis,
+        drive=tuple(replace(drive, noise=0.0, resolution=0.0) for drive in axis.drives),
+        sensors=tuple(replace(sensor, noise=0.0, resolution=0.0) for sensor in axis.sensors),
+    )
+
+
 @dataclass(frozen=True)
 class ClosedLoop:
     """Closed loop in which the axis follows a reference.
@@ -60,12 +69,7 @@ class ClosedLoop:
             )
         if self.rate_hz is not None and not (math.isfinite(self.rate_hz) and self.rate_hz > 0):
             raise SettingError(f"the controller's rate is {self.rate_hz:g} Hz: give a positive number")
-        perfect = replace(
-            self.axis,
-            drive=tuple(replace(drive, noise=0.0, resolution=0.0) for drive in self.axis.drives),
-            sensors=tuple(replace(s, noise=0.0, resolution=0.0) for s in self.axis.sensors),
-        )
-        object.__setattr__(self, "axis", perfect)
+        object.__setattr__(self, "axis", without_noise(self.axis))
 
     @classmethod
     def with_gains(cls, axis: Axis, gains: Mapping[str, float], rate_hz: float | None = None) -> ClosedLoop:

@@ -39,10 +39,10 @@ from symid import (
 )
 from symid.diagnosis import LIBRARY, diagnose, explained_axis
 from symid.diagnosis.in_motion.declared import impossible_values
-from symid.diagnosis.in_motion.replayed import without_noise
 from symid.export import c_source, mjcf
 from symid.report.tables.derivation import derivation_record
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+from symid.simulation.reference_loop import without_noise
 
 CLOSELY = Kind(
     "position_dependent_friction", PeriodicFriction(MOTOR, "dS", "dC", pitch=0.0173), {"dS": 5.0, "dC": 3.0}

@@ -19,7 +19,7 @@ from symid.axis import Axis
 from symid.diagnosis.experiment.discrimination import Rivals, Separation, separation, shares_of
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.in_motion.declared import axis_with_effects
-from symid.diagnosis.in_motion.replayed import Part, driver_of, without_noise
+from symid.diagnosis.in_motion.replayed import Part, driver_of
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.errors import SettingError
 from symid.simulation import (
@@ -32,6 +32,7 @@ from symid.simulation import (
     simulate,
     tuned_cascades,
 )
+from symid.simulation.reference_loop import without_noise
 
 _LEAST_RATE = 1000.0  # lowest rate of the simulated controller, Hz
 _MARGIN = 0.02  # relative excess over a limit that controller and noise may cause

@@ -12,12 +12,13 @@ from symid.data import Log
 from symid.diagnosis.findings.gap import SimulatedMotion
 from symid.diagnosis.in_motion.declared import ExplainedAxis, impossible_values
 from symid.diagnosis.in_motion.motion import errors_of_axis, motion_next_to
-from symid.diagnosis.in_motion.replayed import Part, driver_of, without_noise
+from symid.diagnosis.in_motion.replayed import Part, driver_of
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.record import record_of
 from symid.diagnosis.prediction.response import response_of
 from symid.errors import SymidError
 from symid.simulation import forward_dynamics
+from symid.simulation.reference_loop import without_noise
 
 _MOST_SAMPLES = 200_000  # that are simulated
 

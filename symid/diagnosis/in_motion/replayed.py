@@ -22,7 +22,6 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, FloatArray
-from symid.axis import Axis
 from symid.data import REFERENCE, Log, LowPass, derivatives
 from symid.diagnosis.in_motion.declared import ExplainedAxis
 from symid.diagnosis.prediction.joined_logs import Joined
@@ -33,6 +32,7 @@ from symid.instrumental.recorded_gains import cascade_of_log
 from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
 from symid.simulation.imperfect_plant import misreading
 from symid.simulation.plant import JUST_MOVING
+from symid.simulation.reference_loop import without_noise
 
 _LEAST_RATE = 1000.0
 """Least rate of the simulated controller, Hz."""
@@ -262,12 +262,3 @@ def simulated_positions(
 def since_begin(log: Log) -> FloatArray:
     """Time since the beginning of a log, s."""
     return np.asarray(log.sampling_period * np.arange(log.n_samples), dtype=np.float64)
-
-
-def without_noise(axis: Axis) -> Axis:
-    """The axis without noise and resolution of its signals; delays stay."""
-    for signal, delay in ((s.signal, s.delay) for s in axis.sensors):
-        axis = axis.with_signal(signal, noise=0.0, delay=delay)
-    for drive in axis.drives:
-        axis = axis.with_signal(drive.signal, noise=0.0)
-    return axis
