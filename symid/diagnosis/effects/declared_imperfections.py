@@ -36,6 +36,7 @@ from symid.diagnosis.effects.signals import (
     GainAsymmetryEffect,
     GainNonlinearityEffect,
     SaturationEffect,
+    drive_at,
 )
 from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
@@ -97,6 +98,9 @@ def effects_of_element(prediction: Prediction, element: Imperfection) -> tuple[P
             places = (element.body.name,)
         case DriveImperfection(drive=str(signal)) if len(prediction.axis.drives) > 1:
             places = (signal,)
+        case ForceConstantRipple():
+            drives = prediction.axis.drives
+            places = [place for place in possible if drives[drive_at(prediction, place)].at == element.at]
         case JointImperfection():
             named = prediction.joints
             places = [name for name in named if place_named(prediction.axis, name) == element.at]
