@@ -17,6 +17,7 @@ from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.faults import damage
 from symid.diagnosis.findings.feedback import driven_backwards, feedback_law
 from symid.diagnosis.findings.location import momentary
+from symid.diagnosis.findings.steady_force import steady_force
 from symid.diagnosis.findings.wording import rejection, sentence
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
@@ -193,6 +194,7 @@ def _diagnosed(
     damaged = damage(parts, begun, base).led_by(feedback_law(fits[-1]))
     if not damaged.fatal:
         damaged = damaged.led_by(driven_backwards(fits[-1]))
+    damaged = damaged.led_by(steady_force(base), silent=True)
 
     def concluded_from(models: Comparison) -> Diagnosis:
         found = concluded(models, steps, fits, nominal, logs, damaged)

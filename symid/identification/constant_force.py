@@ -12,29 +12,40 @@ from symid.identification.excerpts import Excerpt
 
 _CHANGES = 0.01
 """Rms of a force beside a part with the sign of the motion, relative to the whole, below which it is constant."""
+CONSTANT = (
+    "{} hardly changes while the axis moves, so that the log does not tell friction from inertia and damping: move "
+    "with several forces and in both directions, or leave the friction out"
+)
 
 
 def constant_force(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Statement on a force that is constant in each direction of the motion; empty without one.
 
     Friction of that size, without any inertia, then fits exactly, and so does every mixture of it with the true values:
-    a step response shows a time constant and a gain, and no third value.
+    a step response shows a time constant and a gain, and no third value. A known inertia is a third one.
     """
     for equation, force in enumerate(model.output_names):
         laws = [column for j, column in model.law_columns if j == equation]
-        if force not in model.forces or not laws:
+        if force not in model.forces or not laws or model.known:
             continue
         used = np.concatenate([at_samples(p, p.observation.valid[equation]) > 0.5 for p in parts])
         acting = np.concatenate([p.log[force] for p in parts])[used]
         signs = np.stack([np.concatenate([direction(p, equation, law) for p in parts])[used] for law in laws])
-        whole = float(acting @ acting)
-        rest = acting - np.linalg.lstsq(signs.T, acting, rcond=None)[0] @ signs
-        if whole > 0 and rest @ rest < _CHANGES**2 * whole:
-            return (
-                f"{force} hardly changes while the axis moves, so that the log does not tell friction from inertia and "
-                "damping: move with several forces and in both directions, or leave the friction out"
-            )
+        if is_constant(acting, signs):
+            return CONSTANT.format(force)
     return ""
+
+
+def is_constant(force: FloatArray, signs: FloatArray) -> bool:
+    """Whether a force hardly differs from a combination of signs of velocities, of shape (n_signs, n).
+
+    >>> sign = np.repeat([1.0, -1.0], 50)
+    >>> is_constant(3 * sign, sign[None]), is_constant(3 * sign + np.linspace(0, 1, 100), sign[None])
+    (True, False)
+    """
+    whole = float(force @ force)
+    rest = force - np.linalg.lstsq(signs.T, force, rcond=None)[0] @ signs
+    return whole > 0 and float(rest @ rest) < _CHANGES**2 * whole
 
 
 def direction(part: Excerpt, equation: int, column: int) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hand_made import rigid_log
 
-from symid import load_axis
+from symid import Axis, Body, CoulombFriction, Drive, Velocity, ViscousFriction, load_axis
 from symid.data import Log
 from symid.diagnosis import Diagnosis, diagnose
 from symid.errors import SettingError
@@ -57,3 +57,17 @@ def test_a_negative_nominal_mass_is_named() -> None:
     """As least squares give it for a model that lacks much."""
     with pytest.raises(SettingError, match=r"not positive with M -5\.6: .* give others, or none"):
         diagnose(load_axis("rigid_1m"), rigid_log(), nominal={"M": -5.6, "Fv": 8.0, "Fs": 0.1})
+
+
+@pytest.mark.parametrize("start", [0.2, 0.4])
+def test_friction_that_explains_a_constant_force_is_no_model_of_the_machine(start: float) -> None:
+    time = np.arange(0, 0.6, 1e-3)
+    speed = -90.0 * -np.expm1(-np.maximum(time - start, 0.0) / 0.02)
+    log = Log(
+        "by hand", 0.0, 1e-3, {"F": np.where(time < start, 1.0, -3600.0), "dq": 4.0 * np.round(speed / 4.0)}
+    )
+    rotor = Body("rotor", mass="M")
+    laws = (ViscousFriction(rotor, "Fv"), CoulombFriction(rotor, "Fs"))
+    found = diagnose(Axis("motor", (rotor, *laws), Drive("F", rotor), (Velocity("dq", rotor),)), log)
+    assert found.verdict == "recording"
+    assert "F hardly changes while the axis moves" in found.sentence

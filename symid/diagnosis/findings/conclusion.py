@@ -50,7 +50,7 @@ def concluded(
     chances = outcome(
         steps, validated, _errors(gaps, share, is_stationary(comparison), fits[0], nonparametric.share)
     )
-    verdict = _verdict(chances, gaps, share, damaged.fatal)
+    verdict = _verdict(chances, gaps, share, damaged)
     # Effects are reported where the verdict names them; otherwise the gap stays that of the re-identified model.
     accepted = [step for step in steps if step.accepts][:validated] if verdict in ("effect", "partly") else []
     if not accepted:
@@ -131,13 +131,13 @@ def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, non
     )
 
 
-def _verdict(chances: Outcome, gaps: Sequence[Gap], share: float, damaged: Sequence[str]) -> Verdict:
+def _verdict(chances: Outcome, gaps: Sequence[Gap], share: float, damaged: Damage) -> Verdict:
     """The most probable verdict; "partly" if effects leave more than noise and more than a small share of the gap.
 
     From a damaged recording no effect is concluded: it may be an image of the damage.
     """
     verdict = chances.verdict
-    if damaged and verdict not in ("no_gap", "parameters"):
+    if damaged.silent or (damaged.fatal and verdict not in ("no_gap", "parameters")):
         return "recording"
     if (
         verdict == "effect"

@@ -39,10 +39,11 @@ class Damage:
 
     fatal: tuple[str, ...] = ()  # sentences on faults that make the log useless
     noted: tuple[str, ...] = ()  # sentences on minor faults
+    silent: bool = False  # whether the log says nothing of the machine, not even that a model is right
 
-    def led_by(self, text: str) -> Damage:
+    def led_by(self, text: str, *, silent: bool = False) -> Damage:
         """The damage with a further fatal sentence in front, unless it is empty."""
-        return replace(self, fatal=(text, *self.fatal)) if text else self
+        return replace(self, fatal=(text, *self.fatal), silent=silent or self.silent) if text else self
 
     @property
     def texts(self) -> tuple[str, ...]:

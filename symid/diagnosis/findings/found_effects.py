@@ -131,6 +131,11 @@ class ParameterChange:
         return self.explained + THRESHOLDS.absorbed_deviations * self.explained_std < 0
 
     @property
+    def is_vague(self) -> bool:
+        """Whether the log determines it, but not beyond its deviation."""
+        return abs(self.explained) < self.explained_std < math.inf
+
+    @property
     def is_far_from_physical(self) -> bool:
         """Whether its value is below zero by many deviations, and by more than its nominal value is above.
 

@@ -44,7 +44,7 @@ def sentence(found: Diagnosis) -> str:
             "; nothing in the library explains the rest, which drifts in the same way however the axis moves"
         )
     if found.verdict == "no_gap":
-        return f"There is no gap: the model leaves {before}{rest}."
+        return f"There is no gap: the model leaves {before}{rest}.{of_doubtful_values(found)}"
     if found.verdict == "parameters":
         of_nominal = [f"{g.nominal.rms:.3g} {g.unit}" for g in gaps if g.nominal is not None]
         nominal = f" instead of {' and '.join(of_nominal)}" if of_nominal else ""
@@ -78,11 +78,15 @@ def sentence(found: Diagnosis) -> str:
 
 
 def of_doubtful_values(found: Diagnosis) -> str:
-    """Sentences on values that no machine has, such as negative friction, and on masses at their least; or empty."""
+    """Sentences on negative friction and the like, on masses at their least or that the log does not show; or empty."""
     signed = found.axis.signed_parameters
     negative = [p for p in found.parameters if p.is_negative and p.name not in signed]
     least = [p for p in found.parameters if p.at_bound]
+    masses = {body.inertial for body in found.axis.bodies}
+    vague = [p for p in found.parameters if p.name in masses and p.is_vague and p not in least]
     said = []
+    if vague:
+        said.append(f"This log does not show {_values(vague)}: accelerate more, with several forces.")
     if negative:
         cause = "small errors of model or timing that this log hardly shows distort it"
         said.append(f"No machine has {_values(negative)}: {cause}.")
