@@ -151,7 +151,7 @@ def _units(axes: tuple[str | Axis, ...]) -> dict[str, Unit]:
 
 
 def _settings(name: str, axes: tuple[str | Axis, ...], options: dict[str, Any]) -> BatchSettings:
-    first = axes[0] if isinstance(axes[0], Axis) else load_axis(axes[0])
+    first = axis_of(axes[0])
     return BatchSettings(
         method=options["method"],
         measured=signal_list(options["measured"]),

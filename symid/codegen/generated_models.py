@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from symid.axis import Axis, axis_file, load_axis
+from symid.axis import Axis, axis_file, axis_of
 from symid.codegen.model import GeneratedModel, declared_delays, passed_over
 from symid.codegen.store import FORMAT, generated_folder, module_name, text_of
 from symid.codegen.vetting import vetted
@@ -70,7 +70,7 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
     >>> model_of(Axis("free", (body,), Drive("F", body), (Position("q", body),))).signals
     ('F', 'q_d2')
     """
-    declared = axis if isinstance(axis, Axis) else load_axis(axis)
+    declared = axis_of(axis)
     signals = tuple(sensor.signal for sensor in declared.measured(measured))
     try:
         return load_generated(axis, signals)
@@ -126,7 +126,7 @@ def stored_module(
     'emps__q.py'
     """
     name_or_path = axis.name if isinstance(axis, Axis) else axis
-    declared = axis if isinstance(axis, Axis) else load_axis(axis)
+    declared = axis_of(axis)
     signals = tuple(sensor.signal for sensor in declared.measured(measured))
     late, missed = tuple(declared_delays(declared, signals).items()), passed_over(declared)
     module = f"{module_name(declared.name, signals)}.py"

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from symid.axis import Axis
+from symid.axis import Axis, axis_of
 from symid.codegen.lowering import minimal_parameter_code, signal_names
 from symid.codegen.module import model_signals
 from symid.errors import SettingError
@@ -63,7 +63,7 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
     >>> sorted(exported.files), "W[0][0] = q_d2;" in exported.text
     (['.c', '.h'], True)
     """
-    axis = model if isinstance(model, Axis) else model.axis
+    axis = axis_of(model)
     require_physical(axis, values)
     dynamics = symbolic_dynamics(axis)
     parameters = set(map(sp.Symbol, axis.physical_parameters))

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Literal
 from xml.sax.saxutils import quoteattr
 
-from symid.axis import Axis
+from symid.axis import Axis, axis_of
 from symid.errors import SettingError
 from symid.export.c_source import c_source, internal_step
 from symid.files import replacing
@@ -85,7 +85,7 @@ def write_fmu(
     SettingError
         If the suffix is not .fmu, or there is no C compiler.
     """
-    path, axis = Path(file), model if isinstance(model, Axis) else model.axis
+    path, axis = Path(file), axis_of(model)
     if path.suffix != ".fmu":
         raise SettingError(f"unit {path.name!r} is of an unknown kind: end its name with .fmu")
     exported = c_source(model, values)
