@@ -55,6 +55,11 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
     header : str, optional
         File name of the header without suffix; by default that of the axis.
 
+    Raises
+    ------
+    SettingError
+        If no machine has the values, or a part of the axis cannot be expressed.
+
     Examples
     --------
     >>> from symid.axis import load_axis

@@ -83,7 +83,7 @@ def write_fmu(
     Raises
     ------
     SettingError
-        If the suffix is not .fmu, or there is no C compiler.
+        If the suffix is not .fmu, no machine has the values, or there is no C compiler.
     """
     path, axis = Path(file), axis_of(model)
     if path.suffix != ".fmu":

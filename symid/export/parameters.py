@@ -37,7 +37,7 @@ def parameter_record(
     Raises
     ------
     SettingError
-        If a covariance does not match this axis and these sensors.
+        If no machine has the values, or a covariance does not match this axis and these sensors.
 
     Examples
     --------

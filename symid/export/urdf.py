@@ -30,7 +30,7 @@ def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
     Raises
     ------
     SettingError
-        If a parameter is missing, or a mass is not positive.
+        If a parameter is missing, or no machine has the values.
 
     Examples
     --------
