@@ -1,10 +1,23 @@
 """A load on a soft spring that holds most of the inertia, swept through its mode, by a model without it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import chirp, lsim
 
-from symid import Axis, Body, Drive, Log, Position, ViscousFriction, diagnose
+from symid import (
+    Axis,
+    Between,
+    Body,
+    Drive,
+    Log,
+    Position,
+    Spring,
+    ViscousFriction,
+    diagnose,
+)
+from symid.diagnosis.fitting import start
 
 PERIOD, HUB, TIP, STIFFNESS, DAMPING, VISCOUS, GAIN = 2e-3, 2.1e-3, 4.2e-3, 1.05, 1.5e-3, 0.07, 3.0
 TIME = np.arange(0, 2.8, PERIOD)
@@ -32,3 +45,19 @@ def test_a_load_that_holds_most_of_the_inertia_is_found() -> None:
     values = found.effects[0].parameters
     assert values["f"].value == pytest.approx(np.sqrt(STIFFNESS / TIP) / (2 * np.pi), rel=0.01)
     assert values["m"].value == pytest.approx(TIP, rel=0.1)
+
+
+def test_a_spring_that_least_squares_lose_begins_with_the_output_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hub, tip = Body("hub", inertia="J"), Body("tip", inertia="Jt")
+    beam = Spring("beam", Between(first=hub, second=tip), stiffness="K", damping="D")
+    elements = (hub, ViscousFriction(hub, "Fv"), tip, beam)
+    axis = Axis("arm", elements, Drive("v", hub, unit="V"), (Position("theta", hub),))
+    lost = {"J": 5e-3, "Fv": 0.06, "Jt": -2e-3, "K": -7.0, "D": 0.01}
+    monkeypatch.setattr(start, "identify", lambda *_, **__: SimpleNamespace(physical_parameters=lost))
+    found = diagnose(axis, swept_arm())
+    assert found.verdict == "no_gap"
+    values = {change.name: change.explained for change in found.parameters}
+    assert values["K"] == pytest.approx(STIFFNESS, rel=0.05)
+    assert values["Jt"] == pytest.approx(TIP, rel=0.05)

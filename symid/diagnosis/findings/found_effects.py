@@ -131,9 +131,9 @@ class ParameterChange:
         return self.explained + THRESHOLDS.absorbed_deviations * self.explained_std < 0
 
     @property
-    def is_vague(self) -> bool:
-        """Whether the log determines it, but not beyond its deviation."""
-        return abs(self.explained) < self.explained_std < math.inf
+    def is_shown(self) -> bool:
+        """Whether its value exceeds its deviation."""
+        return self.explained_std < abs(self.explained)
 
     @property
     def is_far_from_physical(self) -> bool:

@@ -8,6 +8,7 @@ from symid.diagnosis.effects import LIBRARY, LawEffect
 from symid.diagnosis.findings.diagnosis_result import Diagnosis, Simulator
 from symid.diagnosis.findings.found_effects import Alternative, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Level
+from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.text import listed, spoken
@@ -82,11 +83,12 @@ def of_doubtful_values(found: Diagnosis) -> str:
     signed = found.axis.signed_parameters
     negative = [p for p in found.parameters if p.is_negative and p.name not in signed]
     least = [p for p in found.parameters if p.at_bound]
-    masses = {body.inertial for body in found.axis.bodies}
-    vague = [p for p in found.parameters if p.name in masses and p.is_vague and p not in least]
+    masses = masses_and_stiffnesses(found.axis)
+    vague = [p for p in found.parameters if p.name in masses and not p.is_shown and p not in least]
     said = []
     if vague:
-        said.append(f"This log does not show {_values(vague)}: accelerate more, with several forces.")
+        names = listed([p.name for p in vague])
+        said.append(f"This log does not show {names}: accelerate more, with several forces and frequencies.")
     if negative:
         cause = "small errors of model or timing that this log hardly shows distort it"
         said.append(f"No machine has {_values(negative)}: {cause}.")

@@ -18,17 +18,23 @@ from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError, SymidError
 from symid.identification import identify
+from symid.output_error import identify_output_error
 from symid.simulation.law_code import dry_level
+
+_SAMPLES = 4000
+"""Most samples of a log from which values to begin with are sought by the output error."""
 
 
 def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
-    """Physical parameters by weighted least squares on the minimal regressor.
+    """Physical parameters by weighted least squares on the minimal regressor, or else by the output error.
 
-    A negative mass, from a force of the wrong sign or one that hardly accelerates the axis, is replaced by its absolute
-    value; the fit from there shows the fault.
+    A regressor with high derivatives may lose a spring in the noise of a coarse encoder: its stiffness or a mass comes
+    out negative. Where the output error finds none either, a negative mass, from a force of the wrong sign or one that
+    hardly accelerates the axis, is replaced by its absolute value; the fit from there shows the fault.
     """
+    model = model_of(axis, record.signals)
     try:
-        found = identify(model_of(axis, record.signals), record.log, examine=False).physical_parameters
+        found = identify(model, record.log, examine=False).physical_parameters
     except SymidError as error:
         raise SettingError(f"no values to begin with can be identified ({error}): give `nominal`") from error
     lacking = [name for name in axis.physical_parameters if not np.isfinite(found.get(name, np.nan))]
@@ -36,6 +42,13 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
         raise SettingError(
             f"no values to begin with follow from the log for {', '.join(lacking)}: give `nominal`"
         )
+    positive = masses_and_stiffnesses(axis)
+    if stiffnesses(axis) and any(found[name] <= 0 for name in positive):
+        part = record.log.window(0, min(_SAMPLES, record.log.n_samples))
+        with suppress(SymidError, ArithmeticError, np.linalg.LinAlgError):
+            other = identify_output_error(axis, model, part).physical_parameters
+            if all(other[name] > 0 for name in positive) and np.isfinite(list(other.values())).all():
+                found = other
     masses = record.dynamics.parameters_of("mass")
     values = {name: float(found[name]) for name in axis.physical_parameters}
     return {name: abs(value) if name in masses else value for name, value in values.items()}
