@@ -63,6 +63,16 @@ def test_what_is_declared_is_identified_and_not_found(element: Imperfection) -> 
             assert off < 4 * change.reidentified_std + 0.02 * abs(change.nominal)
 
 
+def test_a_steep_ripple_repeats_along_the_true_position() -> None:
+    """Taken along the reading, a ripple with a slope of 2 % leaves a second harmonic."""
+    declared = RIGID.with_effect(EncoderRipple("q", 2e-5, 1e-5, 0.007))
+    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
+    found = diagnose(
+        declared, machine(declared, VALUES, 1), nominal=nominal, held=True, controller=LOOP, library=()
+    )
+    assert found.verdict == "no_gap"
+
+
 def test_a_declared_coefficient_of_friction_stays_possible() -> None:
     nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
     log = machine(RIGID, VALUES, 1)  # whose noise speaks for a coefficient below 0

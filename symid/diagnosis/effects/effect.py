@@ -91,6 +91,10 @@ class Effect(ABC):
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         """Change of the predicted outputs for unit amplitudes, of shape (n_amplitudes, n_outputs, n_bins)."""
 
+    def change(self, prediction: Prediction, placed: Placed) -> ComplexArray:
+        """Change of the predicted outputs, of shape (n_outputs, n_bins)."""
+        return np.tensordot(placed.amplitudes, self.columns(prediction, placed.at, placed.shape), 1)
+
     @property
     def is_of_command(self) -> bool:
         """Whether it acts on the command of the drive, before any delay or lag."""
@@ -206,7 +210,7 @@ class Placed:
 
     def change(self, prediction: Prediction) -> ComplexArray:
         """Change of the predicted outputs, of shape (n_outputs, n_bins)."""
-        return np.tensordot(self.amplitudes, self.effect.columns(prediction, self.at, self.shape), 1)
+        return self.effect.change(prediction, self)
 
     def values(self, prediction: Prediction) -> list[tuple[str, float, str]]:
         """Name, value and unit of each free amplitude and shape parameter."""

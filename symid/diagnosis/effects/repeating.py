@@ -29,6 +29,7 @@ _LEAST_STROKE = 5e-3  # m or rad
 _TRIALS = 4  # pitches tried
 _IN_BAND = 0.95  # share of the band up to which a wave counts
 _STEEPEST_RIPPLE = 0.2  # slope of the error of a reading
+_ROUNDS = 5  # from a reading to the true position; each leaves at most that slope of the error before
 _MOST_OF_CONSTANT = 0.5  # ripple of a force constant relative to its mean; that of motors is a tenth of it
 
 
@@ -121,20 +122,19 @@ class EncoderRippleEffect(Effect):
         return repeating_pitches(prediction, _reading(prediction, place), matched_filter, response)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        return self._response(prediction, place) * self._waves(prediction, place, shape)[:, None, :]
+        waves = prediction.record.from_grid(np.stack(ripple(_reading(prediction, place), shape[0])))
+        return self._response(prediction, place) * waves[:, None, :]
+
+    def change(self, prediction: Prediction, placed: Placed) -> ComplexArray:
+        return self._response(prediction, placed.at) * _error_of_reading(prediction, placed)
 
     def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
         driven = prediction.record.driven
         if placed.at not in driven:
             return None
         found = np.zeros_like(prediction.record.motions)
-        waves = self._waves(prediction, placed.at, placed.shape)
-        found[driven.index(placed.at)] = np.tensordot(placed.amplitudes, waves, 1)
+        found[driven.index(placed.at)] = _error_of_reading(prediction, placed)
         return found
-
-    def _waves(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        """Spectra of the error for unit amplitudes, of shape (n_amplitudes, n_bins)."""
-        return prediction.record.from_grid(np.stack(ripple(_reading(prediction, place), shape[0])))
 
     def _response(self, prediction: Prediction, place: str) -> ComplexArray:
         """Response of the predicted outputs to an error of the reading."""
@@ -145,6 +145,17 @@ class EncoderRippleEffect(Effect):
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return (str(prediction.axis.signal_units[place]),) * 3
+
+
+def _error_of_reading(prediction: Prediction, placed: Placed) -> ComplexArray:
+    """Spectrum of the ripple of an encoder, which repeats along the true position, the reading less the ripple."""
+    reading, (pitch,) = _reading(prediction, placed.at), placed.shape
+    sine, cosine = placed.amplitudes
+    error = np.zeros_like(reading.q)
+    for _ in range(_ROUNDS):
+        phase = 2 * math.pi / pitch * (reading.q - error)
+        error = sine * np.sin(phase) + cosine * np.cos(phase)
+    return prediction.record.from_grid(error * _in_band(reading, pitch))
 
 
 def _repeats(joint: Joint, pitch: float) -> bool:
