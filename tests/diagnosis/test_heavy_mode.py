@@ -47,6 +47,35 @@ def test_a_load_that_holds_most_of_the_inertia_is_found() -> None:
     assert values["m"].value == pytest.approx(TIP, rel=0.1)
 
 
+def test_a_mode_that_rings_from_before_the_log_is_found() -> None:
+    """The state in which the log begins is fitted along, and its motion depends on frequency and damping."""
+    hub = Body("hub", inertia="J")
+    axis = Axis(
+        "arm", (hub, ViscousFriction(hub, "Fv")), Drive("v", hub, unit="V"), (Position("theta", hub),)
+    )
+    found = diagnose(axis, swept_arm().window(350, 1400))
+    assert (found.verdict, found.effects[0].effect) == ("effect", "flexible_mode")
+    assert found.effects[0].parameters["m"].value == pytest.approx(TIP, rel=0.1)
+
+
+def test_a_declared_load_that_moves_when_the_log_begins_is_identified() -> None:
+    hub, tip = Body("hub", inertia="J"), Body("tip", inertia="Jt")
+    beam = Spring("beam", Between(first=hub, second=tip), stiffness="K", damping="D")
+    elements = (hub, ViscousFriction(hub, "Fv"), tip, beam)
+    axis = Axis("arm", elements, Drive("v", hub, unit="V"), (Position("theta", hub),))
+    nominal = {
+        "J": 0.85 * HUB,
+        "Fv": 1.15 * VISCOUS,
+        "Jt": 0.85 * TIP,
+        "K": 1.15 * STIFFNESS,
+        "D": 0.85 * DAMPING,
+    }
+    found = diagnose(axis, swept_arm().window(350, 1400), nominal=nominal)
+    values = {change.name: change.explained for change in found.parameters}
+    assert found.verdict == "parameters"
+    assert [values["Jt"], values["K"]] == pytest.approx([TIP, STIFFNESS], rel=0.03)
+
+
 def test_a_spring_that_least_squares_lose_begins_with_the_output_error(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis, Spring
 from symid.diagnosis.fitting.cross_validation import Blocks, cross_validation_blocks, log_likelihood
-from symid.diagnosis.fitting.sensitivity import prediction_jacobian
+from symid.diagnosis.fitting.sensitivity import initial_motion_jacobian, prediction_jacobian
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
 
@@ -59,8 +59,12 @@ class Fit:
 
     @cached_property
     def columns(self) -> FloatArray:
-        """Weighted rows of these derivatives, of shape (n_columns, n_outputs, n_rows)."""
-        return self.weighting.rows(self.jacobian)
+        """Weighted rows of these derivatives, of shape (n_columns, n_outputs, n_rows).
+
+        They hold the derivatives of the motion from before the log too, see `initial_motion_jacobian`.
+        """
+        begun = initial_motion_jacobian(self.state)
+        return self.weighting.rows(self.jacobian if begun is None else self.jacobian + begun)
 
     @cached_property
     def known_columns(self) -> FloatArray:

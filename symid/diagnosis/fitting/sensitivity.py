@@ -7,25 +7,73 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import ComplexArray
+from symid.arrays import ComplexArray, least_squares
 from symid.diagnosis.effects import JointEffect, Placed, TransferEffect
-from symid.diagnosis.fitting.state import State, as_read, passed_on, predicted
+from symid.diagnosis.fitting.state import State, as_read, free_outputs, passed_on, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.weighting import starting_pulses
 
 _RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
+_NEGLIGIBLE = 1e-10
+"""Relative singular value of unit courses from before the log below which a combination of them counts as none."""
+_LEAST_SHARE = 0.05
+"""Sum of squares from before the log, relative to the error left, from which it counts: not in logs from rest on."""
 _INTEGRATED_STEP = 1e-3
 """Relative step where dry friction holds a body at times: the moments of release move in whole time steps."""
 
 
 def prediction_jacobian(state: State) -> ComplexArray:
     """Derivatives of the prediction by physical parameters and the effects' values, (n_columns, n_outputs, n_bins)."""
-    if state.prediction.integrated_terms or any(item.integrated for item in state.placed):
+    if _is_integrated(state):
         return _by_differences(state)
     prediction, placed = state.prediction, state.placed
     values = (_by_values(prediction, placed, item) for item in placed)
     return np.concatenate([_by_parameters(prediction, placed), *values])
+
+
+def initial_motion_jacobian(state: State) -> ComplexArray | None:
+    """Derivatives by all values of the motion from before the log, shape as `prediction_jacobian`; None if negligible.
+
+    The state in which a log begins is fitted along with the values. Where it rings from before the log, the course
+    depends on the values (variable projection, in Kaufman's form).
+    """
+    prediction, weighting, placed = state.prediction, state.weighting, state.placed
+    if _is_integrated(state) or not len(state.beginning):
+        return None
+    begun, error = weighting.flat(state.beginning), weighting.flat(state.rows)
+    strengths = least_squares(begun.T, error, _NEGLIGIBLE)
+    explained = strengths @ begun
+    if explained @ explained < _LEAST_SHARE * np.sum((error - explained) ** 2):
+        return None
+
+    def motion(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
+        pulses = starting_pulses(prediction.record, free_outputs(prediction, placed))
+        return np.tensordot(strengths, pulses, 1)
+
+    here, columns = motion(prediction, placed), []
+    for value, parameters, others in _each_moved(prediction.parameters, placed):
+        there, _ = predicted(state, parameters, others)
+        columns.append((motion(there, others) - here) / (_INTEGRATED_STEP * value))
+    return np.stack(columns)
+
+
+def _each_moved(
+    parameters: Mapping[str, float], placed: tuple[Placed, ...]
+) -> Iterator[tuple[float, Mapping[str, float], tuple[Placed, ...]]]:
+    """For each free value its size (1 for zero), and all values with a small share of it added."""
+    for name, x in parameters.items():
+        value = abs(x) or 1.0
+        yield value, dict(parameters) | {name: x + _INTEGRATED_STEP * value}, placed
+    for at, item in enumerate(placed):
+        for value, moved in _moved(item):
+            yield value, parameters, (*placed[:at], moved, *placed[at + 1 :])
+
+
+def _is_integrated(state: State) -> bool:
+    """Whether hidden motion is integrated in time."""
+    return bool(state.prediction.integrated_terms) or any(item.integrated for item in state.placed)
 
 
 def _by_values(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:

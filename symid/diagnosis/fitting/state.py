@@ -92,10 +92,14 @@ class State:
     @cached_property
     def beginning(self) -> FloatArray:
         """Contribution of an unknown state at the beginning of the log to the rows, (n_starts, n_outputs, n_rows)."""
-        prediction = self.prediction
-        of_effects = (item.effect.free_motion(prediction, item) for item in self.placed)
-        free = (*prediction.hidden, *chain.from_iterable(of_effects))
-        return self.weighting.rows(starting_pulses(prediction.record, free))
+        free = free_outputs(self.prediction, self.placed)
+        return self.weighting.rows(starting_pulses(self.prediction.record, free))
+
+
+def free_outputs(prediction: Prediction, placed: Iterable[Placed]) -> tuple[ComplexArray, ...]:
+    """Outputs, (n_outputs, n_bins) each, for forces that set hidden motion going, that of effects too."""
+    of_effects = (item.effect.free_motion(prediction, item) for item in placed)
+    return (*prediction.hidden, *chain.from_iterable(of_effects))
 
 
 def first_state(
