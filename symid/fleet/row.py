@@ -39,13 +39,14 @@ BEFORE: Mapping[str, type] = {
 AFTER: Mapping[str, type] = {
     **dict.fromkeys(("residual_rms", "residual_relative", "seconds"), float),
     "late_signal": str,
-    **dict.fromkeys(("late_s", "late_std_s", "largest_bias"), float),
+    **dict.fromkeys(("late_s", "late_std_s", "largest_bias", "largest_discrepancy"), float),
     **dict.fromkeys(("notes", *TIMES), str),
 }
 """Columns before and after those of the parameters.
 
 `late_*` is the signal that seems to be recorded late and its delay, `largest_bias` the largest expected bias relative
-to the parameter, `notes` the notes from reading and identifying the log.
+to the parameter, `largest_discrepancy` the most that effects which the model lacks may have changed one,
+`notes` the notes from reading and identifying the log.
 """
 FACTORS = "factors"
 """Column of the triangular factors of a log."""

@@ -8,7 +8,7 @@ import hashlib
 import os
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -187,7 +187,11 @@ def _feedthrough(axis: Axis, values: Mapping[str, float]) -> Mapping[str, FloatA
 
 
 def _columns_of(found: Identification) -> dict[str, Value]:
-    """Deviations are those that `symid identify` prints: correlation, scatter between segments and bias are in them."""
+    """Deviations are those that `symid identify` prints, of correlation, scatter between segments and bias.
+
+    What a model lacks moves all logs of a machine alike: it has a column of its own, as part of the values.
+    """
+    wide, found = found, replace(found, discrepancies=())
     prepared, residual = found.observations[0].preparation, found.residuals[0]
     row: dict[str, Value] = {
         "status": found.status,
@@ -216,6 +220,11 @@ def _columns_of(found: Identification) -> dict[str, Value]:
     row |= with_deviations(found.minimal_parameters, found.standard_deviations)
     if found.physical:
         row |= with_deviations(found.physical_parameters, found.physical_deviations)
+        if wide.discrepancies:
+            lacking = np.sqrt(wide.physical_deviations**2 - found.physical_deviations**2)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                share = lacking / np.abs(found.physical[0].parameters)
+            row["largest_discrepancy"] = finite(np.nanmax(share, initial=0.0))
     return row
 
 

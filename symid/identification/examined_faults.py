@@ -30,7 +30,7 @@ def faults_of(
 ) -> Faults:
     """Statements on faults that contradict the estimate: a channel, a part of the logs, the force or its clock."""
     model = found.model
-    inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
+    inflation = rows_per_independent(found)
     change = greatest_change(sums, fit)
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
     return Faults(
@@ -54,6 +54,11 @@ def faults_of(
         constant_force=constant_force(model, parts),
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
     )
+
+
+def rows_per_independent(found: Identification) -> float:
+    """Rows for each one that is independent of the others, as their residual is correlated."""
+    return sum(found.fit.rows) / max(found.correlated.effective_samples, 1.0)
 
 
 def _change_statement(found: Identification, change: Change | None) -> str:

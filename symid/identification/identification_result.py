@@ -15,6 +15,7 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Frame, Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.bias import Bias
+from symid.identification.discrepancy import Discrepancy
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate
 from symid.identification.predicted_output import OutputPrediction, predict
@@ -97,6 +98,8 @@ class Identification(EstimatedParameters, Shown):
         Expected error of the minimal parameters; None if that was not examined.
     scatter : array of shape (n_minimal, n_minimal), optional
         Covariance of the minimal parameters by their scatter between segments of the logs; None if not examined.
+    discrepancies : tuple of Discrepancy
+        Effects that the model lacks and the residual shows; empty if that was not examined.
     axis : Axis, optional
         The declared axis, where `symid.identify` was given it; with it figures and pages show the motion.
     runs : tuple of Log
@@ -116,6 +119,7 @@ class Identification(EstimatedParameters, Shown):
     timing: Timing | None = None
     bias: Bias | None = None
     scatter: FloatArray | None = None
+    discrepancies: tuple[Discrepancy, ...] = ()
     axis: Axis | None = None
     runs: tuple[Log, ...] = ()
 
@@ -171,20 +175,21 @@ class Identification(EstimatedParameters, Shown):
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     def widened(self, sensitivity: FloatArray) -> FloatArray:
-        """Deviations of functions of the minimal parameters that cover noise, scatter and remaining bias.
+        """Deviations of functions of the minimal parameters that cover noise, scatter, bias and lacking effects.
 
         Parameters
         ----------
         sensitivity : array of shape (n, n_minimal)
             Derivatives of the functions. The larger of the covariance of a correlated residual and that of the scatter
-            between segments counts, and the square of the expected bias is added.
+            between segments counts; the squares of the expected bias and of what lacking effects may change are added.
         """
         variance = np.einsum("ia,ab,ib->i", sensitivity, self.covariance, sensitivity)
         if self.scatter is not None:
             by_segments = np.einsum("ia,ab,ib->i", sensitivity, self.scatter, sensitivity)
             variance = np.maximum(variance, by_segments)
         bias = self.bias.mapped(sensitivity).total if self.bias is not None else 0.0
-        return np.asarray(np.sqrt(variance + np.square(bias)))
+        lacking = sum(one.variance(sensitivity) for one in self.discrepancies)
+        return np.asarray(np.sqrt(variance + np.square(bias) + lacking))
 
     @property
     def physical_bias(self) -> Bias | None:

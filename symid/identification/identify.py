@@ -33,7 +33,8 @@ from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import with_constraint_check
 from symid.identification.cutoff import CutoffTrial, Estimation, disagreement_of, least_uncertain
-from symid.identification.examined_faults import faults_of
+from symid.identification.discrepancy import discrepancies_of
+from symid.identification.examined_faults import faults_of, rows_per_independent
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
 from symid.identification.identification_result import Identification, best_covariance
 from symid.identification.inseparable import estimates_by_priors
@@ -41,7 +42,7 @@ from symid.identification.lagging import lag_of
 from symid.identification.log_agreement import LogEstimate, disagreement_between
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
-from symid.identification.reliability import with_faults
+from symid.identification.reliability import with_discrepancies, with_faults
 from symid.identification.row_blocks import Run, blocks_of_runs
 from symid.identification.settings import Preparation, notes_on_declared
 from symid.identification.stability import scatter
@@ -290,7 +291,12 @@ def with_checks(
     )
     faults = faults_of(examined, fit, parts, sums, drift)
     faults = replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
-    return with_constraint_check(with_faults(examined, faults))
+    checked = with_faults(examined, faults)
+    if checked.status == "ok":
+        checked = with_discrepancies(
+            checked, discrepancies_of(model, parts, fit, found.fit, rows_per_independent(found))
+        )
+    return with_constraint_check(checked)
 
 
 def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:

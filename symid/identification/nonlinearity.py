@@ -24,8 +24,9 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
+from symid.identification.motion_shapes import decaying, speeds_of
 from symid.identification.noise import noise_of_rows
-from symid.identification.observation import SignalRows, sliding_velocities
+from symid.identification.observation import SignalRows
 from symid.identification.poor_fit import unexplained
 from symid.identification.reliability import is_beyond_intervals
 from symid.identification.whitened import WhitenedRows
@@ -36,8 +37,6 @@ _OTHER_CAUSE = 1.0
 """Relative change of a gain along a log, or by direction, above which it has another cause."""
 _ONE_WAY = 0.01
 """Share of a force's power in one direction below which the log says nothing about that direction."""
-_WIDTHS = (0.05, 0.2)
-"""Speeds, over the highest one, within which friction decays."""
 _AT_LIMIT = 0.95
 """Share of its largest value above which a force may be at a limit, noise included."""
 _FREE = 1e-6
@@ -163,13 +162,11 @@ class ColumnTests:
         if not any(self.model.sliding):
             return ""
         Z, rest, y = _of_all(self.rows)
-        speeds = [
-            sliding_velocities(self.model, part.log, replace(part.observation.preparation, trim=None))[0]
-            for part in self.parts
-        ]
+        speeds = [speeds_of(part) for part in self.parts]
         highest = max(float(np.max(np.abs(v))) for v in speeds) or 1.0
-        for width in _WIDTHS:
-            shapes = [np.sign(v) * np.exp(-np.abs(v) / (width * highest)) for v in speeds]
+        each = [decaying(v, highest) for v in speeds]
+        for name in each[0]:
+            shapes = [one[name] for one in each]
             made = self._made_by(self.model.force, shapes)
             column = AddedColumn.of(Z, rest, made, y)
             certain = self._certain(rest, CRITERIA.gain_certain)

@@ -9,6 +9,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import central_difference_gain
 from symid.identification.criteria import CRITERIA
+from symid.identification.discrepancy import Discrepancy
 from symid.identification.identification_result import Identification
 from symid.identification.physical import open_by_structure
 from symid.identification.timing import Timing
@@ -24,6 +25,8 @@ _LARGE_BIAS = 0.05
 """Relative bias, or change by a delay, above which the status is not "ok"."""
 _CERTAIN = 2.0
 """Standard deviations that a change or a bias must have for a status."""
+_GROWN = 2.0
+"""Growth of a deviation by what a model lacks that is worth a note."""
 _NOISE_IN_W = "noise of the sensors in the columns of W"
 _GAIN_OF_DIFFERENCES = 0.997
 """Gain of the differences at the cutoff above which they are not the cause of a bias."""
@@ -83,6 +86,34 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
     if timing is not None and timing.statement not in message:
         notes.append(timing.statement)
     return replace(found, status=status, message=message, notes=tuple(notes))
+
+
+def with_discrepancies(found: Identification, discrepancies: tuple[Discrepancy, ...]) -> Identification:
+    """An "ok" identification whose deviations cover lacking effects, with a note where these are most of them."""
+    wider = replace(found, discrepancies=discrepancies)
+    status, message, notes = found.status, found.message, found.notes
+    if found.physical:
+        rows = zip(
+            found.model.physical_units,
+            np.abs(found.physical[0].parameters),
+            found.physical_deviations,
+            wider.physical_deviations,
+            strict=True,
+        )
+        named = [
+            f"{name} ({100 * wide / value:.2g} %)"
+            for name, value, narrow, wide in rows
+            if wide > _GROWN * narrow and wide > CRITERIA.precise * value > 0.0
+        ]
+        if named:
+            effects = ", ".join(one.effect for one in discrepancies if one.is_seen)
+            notes += (
+                f"deviations of {', '.join(named)} are mostly what the model may lack: the residual shows {effects}; "
+                "see what `symid diagnose` finds",
+            )
+        if vague := _undetermined(wider):
+            status, message = "undetermined", vague
+    return replace(wider, status=status, message=message, notes=notes)
 
 
 def _undetermined(found: Identification) -> str:

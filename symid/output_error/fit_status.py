@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -192,11 +193,14 @@ def _log_remark(alone: Sequence[OutputErrorIdentification]) -> str:
 
 
 def _regression_remark(found: OutputErrorIdentification, regression: Identification | None) -> str:
-    """Remark on parameters that differ from those of a least-squares fit with status "ok"."""
-    if regression is None or regression.status != "ok":
+    """Remark on parameters that differ from those of a least-squares fit without a fault.
+
+    What the model lacks need not be in their deviations: it moves both.
+    """
+    if regression is None or regression.status not in ("ok", "undetermined"):
         return ""
     own, other = found.physical_parameters, regression.physical_parameters
-    spread = np.hypot(found.physical_deviations, regression.physical_deviations)
+    spread = np.hypot(found.physical_deviations, replace(regression, discrepancies=()).physical_deviations)
     far = [
         f"{name} ({own[name]:.4g}, {other[name]:.4g})"
         for name, deviation in zip(own, spread, strict=True)

@@ -1,0 +1,222 @@
+"""How far effects that the model lacks may have moved the parameters, as far as the residual shows them.
+
+A real machine always has small effects that its model lacks: friction of another course, cogging, a cable, a lag, a
+mode above the band. The noise of the residual then says too little about the error of the parameters (M. Kennedy and A.
+O'Hagan, J. Royal Statistical Society B 63, 2001). Two tests show such a discrepancy, and each says how far it may have
+moved every parameter:
+
+- Columns of typical small effects are added to those of the model, the one first that explains most of the residual,
+  as long as one is certain (matching pursuit). Of columns that explain about as much, the largest change counts, since
+  the log does not tell them apart.
+- Estimates from the lower half and the lower quarter of the band agree with that from all of it if the model is right
+  (J. A. Hausman, Econometrica 46, 1978).
+
+The changes do not correct the parameters: which effect it is, a diagnosis finds out. They widen the deviations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.estimation import LeastSquares
+from symid.identification.excerpts import Excerpt
+from symid.identification.lag_scan import shiftable
+from symid.identification.motion_shapes import Motion, shapes_of, waves
+from symid.identification.noise import coefficients
+from symid.identification.whitened import WhitenedRows, segments, whitened
+from symid.signal_names import split_derivative
+
+_CERTAIN = 4.0
+"""Standard deviations from which an effect, or a change between bands, counts: one of some thirty is tried."""
+_MOST = 6
+"""Most effects of one log."""
+_AS_MUCH = 0.5
+"""Part of what the best column explains from which the log does not tell another one from it."""
+_INDEPENDENT = 0.01
+"""Least part of a column's power that the model does not explain: with less, the effect would have to be ten times as
+large as what it explains."""
+_NOISY = 0.05
+"""Relative bias by noise in W from which the residual shows this bias rather than effects."""
+_PASSES = {"half": 4, "a quarter": 16}
+"""Passes of a binomial filter over rows, whose Nyquist frequency is mostly twice the cutoff, for a part of the band."""
+_FEWEST = 6
+"""Segments that the deviation of a change between bands needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Discrepancy:
+    """An effect that the model lacks, and how far it may have moved the minimal parameters."""
+
+    effect: str
+    changes: FloatArray  # shape (n_alternatives, n_parameters): by all that the log does not tell apart
+    covariance: FloatArray  # shape (n_parameters, n_parameters): of a change between bands
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether it moves any of the minimal parameters."""
+        return bool(np.any(self.variance(np.eye(len(self.covariance)))))
+
+    def variance(self, sensitivity: FloatArray) -> FloatArray:
+        """Square of the change of functions of the parameters whose derivatives have the shape (n, n_parameters)."""
+        squares = np.square(self.changes @ sensitivity.T)
+        noise = np.einsum("ia,ab,ib->i", sensitivity, self.covariance, sensitivity)
+        return np.asarray(np.max(np.where(squares > _CERTAIN**2 * noise, squares, 0.0), axis=0, initial=0.0))
+
+
+def discrepancies_of(
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    corrected: LeastSquares,
+    inflation: float,
+) -> tuple[Discrepancy, ...]:
+    """Effects that the residual shows, in the order in which they explain it.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model identified.
+    parts : sequence of Excerpt
+        Logs, or parts of them.
+    fit : LeastSquares
+        The parameters by least squares, all determined.
+    corrected : LeastSquares
+        The parameters without their bias by noise in W, which is less in the slow part of the band.
+    inflation : float
+        Rows for each one that is independent of the others.
+    """
+    found = _between_bands(parts, corrected)
+    if np.any(np.abs(corrected.solution - fit.solution) > _NOISY * np.abs(corrected.solution)):
+        return tuple(found)  # the residual shows the noise of the columns
+    return (*_pursued(_Columns(model, parts, fit, list(whitened(parts, fit))), inflation), *found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Columns:
+    """Columns that forces of some course in time, and delays, make of the rows of an estimate."""
+
+    model: GeneratedModel
+    parts: Sequence[Excerpt]
+    fit: LeastSquares
+    rows: Sequence[WhitenedRows]
+
+    def all(self) -> dict[str, FloatArray]:
+        """Columns of all effects that are tried, by their names."""
+        found = {f"a delay of {name}": self._late(name) for name in shiftable(self.model)}
+        if not any(self.model.sliding):
+            return found
+        motions = [Motion.of(part) for part in self.parts]
+        shapes = [shapes_of(motion, elsewhere=False) for motion in motions]
+        shapes = [one | wave for one, wave in zip(shapes, waves(motions, self._rests()), strict=True)]
+        found |= {name: self._by_force([one[name] for one in shapes]) for name in shapes[0]}
+        if len(self.model.output_names) > 1:  # a force on one body is in some of the equations
+            equations = np.concatenate([np.full(r.residual.size, r.equation) for r in self.rows])
+            shapes = [shapes_of(motion, elsewhere=True) for motion in motions]
+            for name in shapes[0]:
+                column = self._by_force([one[name] for one in shapes])
+                for j in range(len(self.model.output_names)):
+                    found[f"{name}, in equation {j + 1}"] = np.where(equations == j, column, 0.0)
+        return found
+
+    def _by_force(self, shapes: Sequence[FloatArray]) -> FloatArray:
+        """The column that a force makes, by its course at the rows of each part."""
+        # The residual y - W X is linear in the force and its derivatives.
+        signals = [split_derivative(name) for name in self.model.signals]
+        mine = [i for i, (name, _) in enumerate(signals) if name == self.model.force]
+        factors = coefficients(self.model)[..., mine]
+        factors = factors[:, -1] - np.einsum("jak,a->jk", factors[:, :-1], self.fit.solution)
+        made = []
+        for part, shape in zip(self.parts, shapes, strict=True):
+            derivatives = [shape]
+            for _ in range(max(signals[i][1] for i in mine)):
+                derivatives.append(np.gradient(derivatives[-1], part.observation.time))
+            made.append(factors @ np.stack([derivatives[signals[i][1]] for i in mine]))
+        return self._used(made)
+
+    def _late(self, name: str) -> FloatArray:
+        """The column of a delay of a signal."""
+        slopes = (part.moved(name).slope for part in self.parts)
+        return self._used([y - W @ self.fit.solution for W, y in slopes])
+
+    def _used(self, made: Sequence[FloatArray]) -> FloatArray:
+        """Weighted values of the used rows, of those of each part and equation."""
+        equations = len(self.model.output_names)
+        return np.concatenate(
+            [
+                self.fit.weights[self.parts[r.part].of * equations + r.equation]
+                * made[r.part][r.equation][self.parts[r.part].observation.valid[r.equation]]
+                for r in self.rows
+            ]
+        )
+
+    def _rests(self) -> list[FloatArray]:
+        """Sum of the residuals of all equations at the rows of each part."""
+        found = [np.zeros(part.observation.time.size) for part in self.parts]
+        for r in self.rows:
+            found[r.part][self.parts[r.part].observation.valid[r.equation]] += r.residual
+        return found
+
+
+def _pursued(columns: _Columns, inflation: float) -> Iterator[Discrepancy]:
+    """Effects that explain the residual, one by one."""
+    named = columns.all()
+    Z, rest = (np.concatenate([getattr(r, name) for r in columns.rows]) for name in ("Z", "residual"))
+    root, names = columns.fit.rank.inverse_root, list(named)
+    C = np.stack([column / (float(np.max(np.abs(column))) or 1.0) for column in named.values()], axis=1)
+    along = np.linalg.lstsq(Z, C, rcond=None)[0]
+    own = C - Z @ along
+    taken, products, square = own.T @ rest, own.T @ own, float(rest @ rest)
+    least = np.maximum(_INDEPENDENT * np.sum(C**2, axis=0), np.finfo(float).tiny)
+    for k in range(_MOST):
+        power = np.diag(products)
+        factor = np.divide(taken, power, out=np.zeros_like(power), where=power > least)
+        explained = np.minimum(factor * taken, square) / max(square, np.finfo(float).tiny)
+        # squared deviations of each factor, for a residual that is what the effect leaves
+        independent = max(rest.size / inflation - len(root) - k - 1, 0.0)
+        certain = explained * independent > _CERTAIN**2 * (1.0 - explained)
+        best = int(np.argmax(explained))
+        if not certain[best]:
+            return
+        alike = certain & (explained >= _AS_MUCH * explained[best])
+        changes = -(root @ (along * factor)[:, alike]).T
+        yield Discrepancy(names[best], changes, np.zeros((len(root), len(root))))
+        # What is left of the residual and of the other columns beside this one
+        share = products[best] / power[best]
+        square -= factor[best] * taken[best]
+        taken = taken - share * taken[best]
+        products = products - np.outer(products[best], share)
+        along = along - np.outer(along[:, best], share)
+
+
+def _between_bands(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[Discrepancy]:
+    """Changes of the parameters if only slow parts of the rows are used."""
+    root = fit.rank.inverse_root
+    for band, passes in _PASSES.items():
+        sums = segments([_slower(part, passes) for part in parts], fit)
+        if len(sums) < _FEWEST:
+            return
+        normals, slopes = np.stack([s.normal for s in sums]), np.stack([s.slope for s in sums])
+        inverse = np.linalg.pinv(np.sum(normals, axis=0), rcond=1e-6, hermitian=True)
+        change = inverse @ np.sum(slopes, axis=0)
+        rests = (slopes - normals @ change) @ inverse @ root.T
+        noise = rests.T @ rests * len(sums) / (len(sums) - 1)  # by clusters, as `scatter`
+        yield Discrepancy(f"what differs below {band} of the cutoff", (root @ change)[None], noise)
+
+
+def _slower(part: Excerpt, passes: int) -> Excerpt:
+    """A part whose rows have passed a binomial low-pass; those that others than used rows reach are left out."""
+    seen = part.observation
+    W, y, valid = seen.W, seen.y[..., None], seen.valid
+    for _ in range(passes):
+        W, y = (np.pad(_smoothed(x), ((0, 0), (1, 1), (0, 0))) for x in (W, y))
+        valid = np.pad(valid[:, :-2] & valid[:, 1:-1] & valid[:, 2:], ((0, 0), (1, 1)))
+    return replace(part, observation=replace(seen, W=W, y=y[..., 0], valid=valid))
+
+
+def _smoothed(x: FloatArray) -> FloatArray:
+    return 0.25 * x[:, :-2] + 0.5 * x[:, 1:-1] + 0.25 * x[:, 2:]

@@ -1,0 +1,75 @@
+"""Deviations cover what effects that the model lacks may have done to the parameters."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from symid import Log
+from symid.codegen import load_generated
+from symid.identification import Identification, identify
+from symid.identification.discrepancy import Discrepancy
+
+M, FV, FS = 40.0, 120.0, 30.0
+RATE = 1000.0
+
+
+def slide(lacking=lambda q, v: 0.0 * v, noise: float = 0.05) -> Identification:
+    """Identification of a mass with friction along a motion of two tones, with a force that its model lacks."""
+    t = np.arange(8000) / RATE
+    q = 0.2 * np.sin(2 * np.pi * 0.4 * t) + 0.05 * np.sin(2 * np.pi * 1.3 * t + 1.0)
+    v = 0.2 * 0.8 * np.pi * np.cos(0.8 * np.pi * t) + 0.05 * 2.6 * np.pi * np.cos(2.6 * np.pi * t + 1.0)
+    a = -0.2 * (0.8 * np.pi) ** 2 * np.sin(0.8 * np.pi * t) - 0.05 * (2.6 * np.pi) ** 2 * np.sin(
+        2.6 * np.pi * t + 1.0
+    )
+    rng = np.random.default_rng(5)
+    F = M * a + FV * v + FS * np.sign(v) + lacking(q, v) + noise * rng.standard_normal(t.size)
+    return identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
+
+
+def off(found: Identification) -> np.ndarray:
+    return np.abs(np.array(list(found.physical_parameters.values())) - [M, FV, FS])
+
+
+def drag(q, v):
+    return 12.0 * v * np.abs(v)
+
+
+# a force in N, and the noise beside which it is not found for certain
+LACKING = {
+    "stribeck": (lambda q, v: 4.0 * np.sign(v) * np.exp(-np.abs(v) / 0.08), 6.0),
+    "drag": (drag, 6.0),
+    "cable": (lambda q, v: 5.0 * q, 1.0),
+    "root of the speed": (lambda q, v: 5.0 * np.sign(v) * np.sqrt(np.abs(v)), 1.0),
+}
+
+
+@pytest.mark.parametrize("effect", LACKING)
+def test_a_lacking_effect_is_within_the_printed_intervals(effect):
+    found = slide(*LACKING[effect])
+    without = replace(found, discrepancies=())
+    assert found.status == "ok"
+    assert np.any(off(found) > 3 * without.physical_deviations)
+    assert np.all(off(found) < 2 * found.physical_deviations)
+
+
+def test_without_lacking_effects_deviations_are_those_of_the_noise():
+    found = slide()
+    assert found.status == "ok"
+    assert not any(one.is_seen for one in found.discrepancies)
+    assert np.all(found.physical_deviations < 0.002 * np.array([M, FV, FS]))
+
+
+def test_a_note_says_what_deviations_hold():
+    found = slide(drag, noise=6.0)
+    assert found.status == "ok"
+    assert any(
+        "mostly what the model may lack" in note and "square of the speed" in note for note in found.notes
+    )
+
+
+def test_a_change_between_bands_counts_beyond_its_noise_alone():
+    change = Discrepancy("band", np.array([[5.0, 3.0]]), np.diag([1.0, 1.0]))
+    assert change.variance(np.eye(2)).tolist() == [25.0, 0.0]
