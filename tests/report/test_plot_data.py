@@ -1,6 +1,8 @@
 """The files that links of a page save, against the logs and the results that they are of."""
 
+import base64
 import csv
+import gzip
 import io
 from urllib.parse import unquote
 
@@ -14,9 +16,13 @@ from symid.report.pages.plot_data import csv_address, curve_data
 
 
 def rows_of(address: str) -> list[dict[str, str]]:
-    kind, _, text = address.partition(",")
-    assert kind == "data:text/csv;charset=utf-8"
-    return list(csv.DictReader(io.StringIO(unquote(text))))
+    kind, _, content = address.partition(",")
+    if kind == "data:application/gzip;base64":
+        text = gzip.decompress(base64.b64decode(content)).decode()
+    else:
+        assert kind == "data:text/csv;charset=utf-8"
+        text = unquote(content)
+    return list(csv.DictReader(io.StringIO(text)))
 
 
 def test_the_file_of_a_fit_leaves_the_printed_residual() -> None:
@@ -38,6 +44,22 @@ def test_the_file_of_a_fit_leaves_the_printed_residual() -> None:
     for row in response[:: len(response) // 5]:
         s = 2j * np.pi * float(row["frequency [Hz]"])
         assert float(row["identified magnitude"]) == pytest.approx(abs(1 / (mass * s + damping)), rel=1e-6)
+
+
+def test_no_row_of_a_long_fit_is_lost() -> None:
+    t = np.arange(9000) / 1000
+    q = 0.1 * np.sin(9 * t) + 0.02 * np.sin(23 * t)
+    v, a = 0.9 * np.cos(9 * t) + 0.46 * np.cos(23 * t), -8.1 * np.sin(9 * t) - 10.58 * np.sin(23 * t)
+    preparation = symid.Preparation(cutoff_hz=100.0, decimation=1)
+    log = {"t": t, "q": q, "F": 5 * a + 3 * v + 2 * np.sign(v)}
+    found = symid.identify("rigid_1m", log, preparation=preparation, examine=False)
+    (saved,) = [
+        one for one in curve_data(identification_curves(found, axis=None, runs=[])) if "output" in one.file
+    ]
+    assert saved.file == "output-1.csv.gz"
+    observation = found.observations[0]
+    seconds = [float(row["time [s]"]) for row in rows_of(saved.address)]
+    np.testing.assert_allclose(seconds, observation.time, atol=1e-7)
 
 
 def test_names_are_kept_as_they_are() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -12,6 +14,7 @@ import matplotlib as mpl
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.diagnosis import Diagnosis
 from symid.identification.residual_correlation import Correlation, OutputCorrelations
 from symid.report.figures.colours import LIGHT
 from symid.report.figures.drawn import Drawn, title_lines, wide_and_narrow
@@ -46,8 +49,9 @@ def correlation_figure(parts: Sequence[OutputCorrelations], *, narrow: bool) -> 
     return figure
 
 
-_MOST_POINTS = 3_000
-"""Points up to which a curve over time is saved as it is; of a longer one the envelope is."""
+_PLAIN, _MOST_SAVED = 3_000, 30_000
+"""Rows up to which a table is saved as text, and those up to which it is saved whole, compressed; of a longer one the
+envelope is."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,19 @@ def curve_data(curves: IdentificationCurves) -> list[PlotData]:
     return panels + responses
 
 
+def signal_data(found: Diagnosis, shown: int) -> list[PlotData]:
+    """All samples of the plots over time of a diagnosis, where these show fewer points."""
+    files = []
+    for own in found.drives or (found,):
+        signals, of = own.signals, f"{own.gap.signal} [{own.gap.unit}]"
+        forces = ("measured", "nominal", "reidentified", "explained")
+        columns = {f"{name} {of}": getattr(signals, name) for name in forces}
+        motion = {"time [s]": signals.time, "position": signals.position, "velocity": signals.velocity}
+        if signals.time.size > shown:
+            files.append(_data(f"all samples of {own.gap.signal}", "signals", {**motion, **columns}))
+    return files
+
+
 def correlation_fields(parts: Sequence[OutputCorrelations]) -> dict[str, Any]:
     """Fields of `memory.html`: the figure, its numbers, and the shares outside the bands of each part."""
     return {
@@ -88,23 +105,42 @@ def correlation_fields(parts: Sequence[OutputCorrelations]) -> dict[str, Any]:
     }
 
 
+def _csv_text(columns: Mapping[str, FloatArray]) -> str:
+    cells = ((f"{v:.8g}" if np.isfinite(v) else "" for v in column.tolist()) for column in columns.values())
+    rows = [",".join(columns), *map(",".join, zip_longest(*cells, fillvalue=""))]
+    return "\n".join(rows) + "\n"
+
+
+def compressed_address(columns: Mapping[str, FloatArray]) -> str:
+    """A table of numbers as the address of a CSV file compressed by gzip."""
+    content = gzip.compress(_csv_text(columns).encode(), mtime=0)
+    return f"data:application/gzip;base64,{base64.b64encode(content).decode()}"
+
+
 def csv_address(columns: Mapping[str, FloatArray]) -> str:
     """A table of numbers as the address of a CSV file; columns may differ in length, nan is empty.
 
     >>> csv_address({"t [s]": np.array([0.0, 0.5]), "F": np.array([np.nan])})
     'data:text/csv;charset=utf-8,t%20%5Bs%5D,F%0A0,%0A0.5,%0A'
     """
-    cells = ((f"{v:.8g}" if np.isfinite(v) else "" for v in column.tolist()) for column in columns.values())
-    rows = [",".join(columns), *map(",".join, zip_longest(*cells, fillvalue=""))]
-    return "data:text/csv;charset=utf-8," + quote("\n".join(rows) + "\n", safe=",")
+    return "data:text/csv;charset=utf-8," + quote(_csv_text(columns), safe=",")
 
 
 def _data(title: str, file: str, columns: Mapping[str, FloatArray]) -> PlotData:
-    return PlotData(title, f"{file}.csv", csv_address(columns))
+    """Numbers of a figure; where there are many, compressed."""
+    (name, places), *others = columns.items()
+    if places.size <= _PLAIN:
+        return PlotData(title, f"{file}.csv", csv_address(columns))
+    if places.size > _MOST_SAVED:
+        thin = {other: envelope(values, _MOST_SAVED) for other, values in others}
+        columns = {name: envelope_places(places, _MOST_SAVED), **thin}
+        title = f"{title} (envelope of {places.size} rows)"
+    return PlotData(title, f"{file}.csv.gz", compressed_address(columns))
 
 
 def _of_panel(panel: Panel) -> dict[str, FloatArray]:
     columns = {
+        "time [s]": panel.time,
         f"measured {panel.output} [{panel.unit}]": panel.measured,
         f"predicted {panel.output} [{panel.unit}]": panel.predicted,
         f"residual [{panel.unit}]": panel.measured - panel.predicted,
@@ -113,8 +149,7 @@ def _of_panel(panel: Panel) -> dict[str, FloatArray]:
         position, velocity = panel.motion.at(panel.time)
         columns[f"position {panel.motion.signal} [{panel.motion.unit}]"] = position
         columns[f"velocity [{panel.motion.unit}/s]"] = velocity
-    thin = {name: envelope(values, _MOST_POINTS) for name, values in columns.items()}
-    return {"time [s]": envelope_places(panel.time, _MOST_POINTS), **thin}
+    return columns
 
 
 def _of_response(of: FrequencyResponse, band: ResponseBand) -> dict[str, FloatArray]:
