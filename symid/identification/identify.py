@@ -284,18 +284,14 @@ def with_checks(
         bias = bias_of_instruments(model, whole, found.observations, fit, instruments)
     delays = delays_of(model, parts, fit)
     examined = replace(found, timing=likeliest(delays), bias=bias, scatter=spread)
-    drift = (
-        drift_by_rows(parts, fit, model.forces)
-        or lag_of(examined, parts, fit)
-        or drift_within_a_row(parts, fit, delays)
-    )
+    drift = drift_by_rows(parts, fit, model.forces) or lag_of(examined, parts, fit)
+    drift = drift or drift_within_a_row(parts, fit, delays)
     faults = faults_of(examined, fit, parts, sums, drift)
     faults = replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
     checked = with_faults(examined, faults)
     if checked.status == "ok":
-        checked = with_discrepancies(
-            checked, discrepancies_of(model, parts, fit, found.fit, rows_per_independent(found))
-        )
+        inflation = rows_per_independent(found)
+        checked = with_discrepancies(checked, discrepancies_of(model, parts, fit, found.fit, inflation))
     return with_constraint_check(checked)
 
 

@@ -16,6 +16,8 @@ _WIDTHS = (0.05, 0.2)
 """Speeds, over the highest one, within which friction decays."""
 _PATHS = (0.03, 0.1)
 """Distances behind a reversal, over the stroke, within which friction builds up."""
+QUARTER = "cogging a quarter further"
+"""Name of the cosine of cogging, whose sine is named alone."""
 _MOST_PERIODS, _STEP = 120.0, 0.5
 """Periods of cogging along the stroke that are tried: the most, and their step."""
 
@@ -95,4 +97,4 @@ def waves(motions: Sequence[Motion], rests: Sequence[FloatArray]) -> list[dict[s
         powers.append(abs(np.vdot(wave, rest[used])))
     pitch = stroke / (_STEP * (4 + int(np.argmax(powers))))
     phases = [2 * np.pi * m.position / pitch for m in motions]
-    return [{"cogging": np.sin(phase), "cogging a quarter further": np.cos(phase)} for phase in phases]
+    return [{"cogging": np.sin(phase), QUARTER: np.cos(phase)} for phase in phases]

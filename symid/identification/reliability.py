@@ -106,7 +106,7 @@ def with_discrepancies(found: Identification, discrepancies: tuple[Discrepancy, 
             if wide > _GROWN * narrow and wide > CRITERIA.precise * value > 0.0
         ]
         if named:
-            effects = ", ".join(one.effect for one in discrepancies if one.is_seen)
+            effects = ", ".join(dict.fromkeys(one.effect for one in discrepancies if one.is_seen))
             notes += (
                 f"deviations of {', '.join(named)} are mostly what the model may lack: the residual shows {effects}; "
                 "see what `symid diagnose` finds",
