@@ -16,7 +16,7 @@ from symid.diagnosis import Diagnosis
 from symid.files import write_whole
 from symid.identification.residual_correlation import MOST_LAGS, OutputCorrelations, correlation
 from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
-from symid.report.pages.plot_data import correlation_fields, signal_data
+from symid.report.pages.plot_data import correlation_fields
 from symid.report.tables.diagnosis import diagnosis_record
 
 _ORIGIN = 0.5
@@ -100,10 +100,7 @@ def write_html(
     `reword` writes the settings that messages name; `command` is the command line that made it.
     """
     from symid.report.figures.schematic import schematic_svg
-    from symid.report.pages.interactive import (
-        MOST_POINTS,
-        plots_of,
-    )  # half a second: only where a page is written
+    from symid.report.pages.interactive import plots_of  # half a second to load: only where a page is written
 
     path, record = html_path(file), reword(diagnosis_record(found))
     accepted = {(effect.effect, effect.at) for effect in found.effects}
@@ -119,7 +116,6 @@ def write_html(
         shown=shown,
         more=[one for one in ranked if one not in shown],
         plots=plots_of(found),
-        signal_data=signal_data(found, MOST_POINTS),
         catalogue=effect_catalogue(),
         schematic=schematic_svg(found.axis),
         **correlation_fields(_correlations(found)),

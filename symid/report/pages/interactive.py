@@ -34,7 +34,7 @@ from symid.report.pages.page_plots import (
 )
 from symid.units import Unit
 
-MOST_POINTS = 6_000
+_MOST_POINTS = 6_000
 
 
 @dataclass(frozen=True)
@@ -129,8 +129,8 @@ def _thinned(found: Diagnosis) -> ColumnDataSource:
         columns[name] = np.where(credible, force, np.nan)
         columns[f"error_{name}"] = np.where(signals.compared, signals.measured - force, np.nan)
     del columns["error_nominal"]
-    thin = {name: envelope(values, MOST_POINTS).astype(np.float32) for name, values in columns.items()}
-    return ColumnDataSource({"time": envelope_places(signals.time, MOST_POINTS), **thin})
+    thin = {name: envelope(values, _MOST_POINTS).astype(np.float32) for name, values in columns.items()}
+    return ColumnDataSource({"time": envelope_places(signals.time, _MOST_POINTS), **thin})
 
 
 def _spectrum(found: Diagnosis) -> GridPlot:

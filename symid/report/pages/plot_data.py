@@ -14,7 +14,6 @@ import matplotlib as mpl
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis import Diagnosis
 from symid.identification.residual_correlation import Correlation, OutputCorrelations
 from symid.report.figures.colours import LIGHT
 from symid.report.figures.drawn import Drawn, title_lines, wide_and_narrow
@@ -74,19 +73,6 @@ def curve_data(curves: IdentificationCurves) -> list[PlotData]:
         for of, band in curves.responses
     ]
     return panels + responses
-
-
-def signal_data(found: Diagnosis, shown: int) -> list[PlotData]:
-    """All samples of the plots over time of a diagnosis, where these show fewer points."""
-    files = []
-    for own in found.drives or (found,):
-        signals, of = own.signals, f"{own.gap.signal} [{own.gap.unit}]"
-        forces = ("measured", "nominal", "reidentified", "explained")
-        columns = {f"{name} {of}": getattr(signals, name) for name in forces}
-        motion = {"time [s]": signals.time, "position": signals.position, "velocity": signals.velocity}
-        if signals.time.size > shown:
-            files.append(_data(f"all samples of {own.gap.signal}", "signals", {**motion, **columns}))
-    return files
 
 
 def correlation_fields(parts: Sequence[OutputCorrelations]) -> dict[str, Any]:
