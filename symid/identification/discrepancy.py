@@ -37,8 +37,8 @@ _MOST = 6
 """Most effects of one log."""
 _AS_MUCH = 0.5
 """Part of what the best column explains from which the log does not tell another one from it."""
-_INDEPENDENT = 0.05
-"""Least part of a column's power that the model does not explain: with less, the effect would have to be five times as
+_INDEPENDENT = 0.025
+"""Least part of a column's power that the model does not explain: with less, the effect would have to be six times as
 large as what it explains (drawn machines with small effects; with 0.01, EMPS unfiltered has Fv within 59 %)."""
 _NOISY = 0.05
 """Relative bias by noise in W from which the residual shows this bias rather than effects."""
