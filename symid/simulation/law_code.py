@@ -59,6 +59,15 @@ def dry_level(code: str) -> str | None:
     return None if _signs(whole) != 1 or _signs(level) else ast.unparse(level)
 
 
+def not_below_zero(level: str) -> str:
+    """NumPy code of a level of friction that does not fall below 0 along the stroke.
+
+    >>> not_below_zero("a * (q ** 3)"), not_below_zero("a * (v ** 2)")
+    ('np.maximum(a * (q ** 3), 0.0)', 'a * (v ** 2)')
+    """
+    return f"np.maximum({level}, 0.0)" if re.search(r"\bq\b", level) else level
+
+
 def has_jumps(formula: str) -> bool:
     """Whether a formula jumps where the velocity changes its sign.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -38,7 +37,7 @@ from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_named, place_of
 from symid.diagnosis.prediction.prediction import Prediction
-from symid.simulation.law_code import array_function, has_jumps, law_code, level_code
+from symid.simulation.law_code import array_function, has_jumps, law_code, level_code, not_below_zero
 from symid.units import Unit
 
 _STRONG = (0.3, 1.0, 2.5, 5.0)
@@ -70,9 +69,7 @@ def functions_of(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFunc
     def whole(parts: Sequence[str | None]) -> str:
         return " + ".join(f"{a} * ({part})" for a, part in zip(amplitudes, parts, strict=True))
 
-    level = None if None in levels else whole(levels)
-    if level is not None and re.search(r"\bq\b", level):
-        level = f"np.maximum({level}, 0.0)"
+    level = None if None in levels else not_below_zero(whole(levels))
     arrays = tuple(array_function(term, numbers) for term in terms)
     jumps = tuple(has_jumps(term.expression) for term in formula)
     return LawFunctions(arrays, whole(terms), (*numbers, *amplitudes), level, jumps)

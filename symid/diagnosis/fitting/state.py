@@ -7,7 +7,6 @@ sensor is evaluated at the motion that the model itself implies.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -23,7 +22,7 @@ from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, weighting_of
 from symid.errors import LogError
-from symid.simulation.law_code import dry_level
+from symid.simulation.law_code import dry_level, not_below_zero
 from symid.simulation.plant import ScaledLaw
 
 _TAKES_PART = 0.2
@@ -264,9 +263,9 @@ def _integrand(term: ScaledLaw) -> Pointwise:
     """A declared law as it is integrated."""
     level = dry_level(term.code)
     force = f"parameter * ({level or term.code})"
-    if level and re.search(r"\bq\b", level):
-        force = f"np.maximum({force}, 0.0)"
-    return Pointwise(force, {"parameter": term.parameter}, dry=level is not None)
+    return Pointwise(
+        not_below_zero(force) if level else force, {"parameter": term.parameter}, dry=level is not None
+    )
 
 
 def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
