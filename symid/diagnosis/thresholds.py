@@ -192,8 +192,9 @@ class Thresholds:
     order_off: float = 0.02
     # impossible_deviations, impossible: deviations below zero from which on a value that cannot be negative speaks
     # against the effects beside it, and their probability at most then (an encoder of a load one sample late, called a
-    # delay with 0.96: damping of -71 times its nominal value, 200 deviations; right effects of drawn cases had 3)
-    impossible_deviations: float = 10.0
+    # delay with 0.96: damping of -71 times its nominal value, 200 deviations; another load read late 10, right effects
+    # of drawn cases 3)
+    impossible_deviations: float = 6.0
     impossible: float = 0.5
     # absorbed_deviations, absorbed_share: standard deviations and relative change from which on a parameter had
     # absorbed an effect

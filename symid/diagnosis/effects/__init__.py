@@ -10,6 +10,7 @@ from symid.diagnosis.effects.declared_imperfections import (
 from symid.diagnosis.effects.effect import (
     ACTUATOR,
     Effect,
+    FreeForce,
     JointEffect,
     Key,
     LinearEffect,
@@ -82,6 +83,7 @@ __all__ = [
     "Effect",
     "EncoderRippleEffect",
     "ForceConstantRippleEffect",
+    "FreeForce",
     "FrictionDriftEffect",
     "GainAsymmetryEffect",
     "GainNonlinearityEffect",

@@ -23,6 +23,9 @@ Shape = tuple[float, ...]
 Key = tuple[str, str]
 """Names of an effect and of its place."""
 
+FreeForce = tuple[FloatArray, ComplexArray]
+"""Direction over the bodies, and spectrum of a force along it for a pulse that sets hidden motion going."""
+
 MatchedFilter = Callable[[ComplexArray], FloatArray]
 """Correlation of a signal with the residual over time, on the fine grid, from the response of the outputs to it
 (the adjoint of the weighting, applied to the residual)."""
@@ -75,8 +78,8 @@ class Effect(ABC):
         """Shapes that the search tries at a place; one empty shape for an effect that is linear in its values."""
         return ((),)
 
-    def free_motion(self, prediction: Prediction, placed: Placed) -> tuple[ComplexArray, ...]:
-        """Outputs, (n_outputs, n_bins), for pulses that set hidden motion of the effect going; none by default."""
+    def free_forces(self, prediction: Prediction, placed: Placed) -> tuple[FreeForce, ...]:
+        """Forces on bodies for pulses that set hidden motion of the effect going; none by default."""
         return ()
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
@@ -154,6 +157,10 @@ class LinearEffect(JointEffect):
     @abstractmethod
     def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
         """Force for a unit displacement and amplitude, of shape (n_bins,)."""
+
+    def impedance(self, omega: FloatArray, placed: Placed) -> ComplexArray:
+        """Dynamic stiffness of the effect with its values, of shape (n_bins,)."""
+        return np.asarray(placed.amplitudes[0] * self.stiffness(omega, placed.shape))
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         return (self.stiffness(prediction.record.omega, shape) * joint.modelled)[None]

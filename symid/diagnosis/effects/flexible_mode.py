@@ -8,7 +8,15 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, norms_or_one
-from symid.diagnosis.effects.effect import LinearEffect, MatchedFilter, Placed, Shape, best_peaks, joint_units
+from symid.diagnosis.effects.effect import (
+    FreeForce,
+    LinearEffect,
+    MatchedFilter,
+    Placed,
+    Shape,
+    best_peaks,
+    joint_units,
+)
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
@@ -103,12 +111,12 @@ class FlexibleModeEffect(LinearEffect):
         own, square = 2 * math.pi * shape[0], omega**2
         return np.asarray(-(square**2) / (own**2 - square + 2j * shape[1] * own * omega), dtype=np.complex128)
 
-    def free_motion(self, prediction: Prediction, placed: Placed) -> tuple[ComplexArray, ...]:
+    def free_forces(self, prediction: Prediction, placed: Placed) -> tuple[FreeForce, ...]:
         """Force of the mass that rings from before the log; a weakly damped one does so for long."""
         (frequency, damping), s = placed.shape, 1j * prediction.record.omega
         own = 2 * math.pi * frequency
         ringing = 1.0 / ((s / own) ** 2 + 2 * damping * (s / own) + 1.0)
-        return (ringing * prediction.response.of_force(prediction.bodies[placed.at].direction),)
+        return ((prediction.bodies[placed.at].direction, np.asarray(ringing)),)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)

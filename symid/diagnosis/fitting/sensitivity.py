@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symid.arrays import ComplexArray, least_squares
-from symid.diagnosis.effects import JointEffect, Placed, TransferEffect
-from symid.diagnosis.fitting.state import State, as_read, free_outputs, passed_on, predicted
+from symid.arrays import ComplexArray, FloatArray, least_squares
+from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
+from symid.diagnosis.fitting.state import State, as_read, free_forces, passed_on, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
-from symid.diagnosis.prediction.weighting import starting_pulses
+from symid.diagnosis.prediction.weighting import pulse_spectra
 
 _RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
@@ -37,9 +37,9 @@ def initial_motion_jacobian(state: State) -> ComplexArray | None:
     """Derivatives by all values of the motion from before the log, shape as `prediction_jacobian`; None if negligible.
 
     The state in which a log begins is fitted along with the values. Where it rings from before the log, the course
-    depends on the values (variable projection, in Kaufman's form).
+    depends on the values (variable projection, in Kaufman's form: strengths of the pulses are held).
     """
-    prediction, weighting, placed = state.prediction, state.weighting, state.placed
+    prediction, weighting, record = state.prediction, state.weighting, state.prediction.record
     if _is_integrated(state) or not len(state.beginning):
         return None
     begun, error = weighting.flat(state.beginning), weighting.flat(state.rows)
@@ -47,28 +47,47 @@ def initial_motion_jacobian(state: State) -> ComplexArray | None:
     explained = strengths @ begun
     if explained @ explained < _LEAST_SHARE * np.sum((error - explained) ** 2):
         return None
-
-    def motion(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
-        pulses = starting_pulses(prediction.record, free_outputs(prediction, placed))
-        return np.tensordot(strengths, pulses, 1)
-
-    here, columns = motion(prediction, placed), []
-    for value, parameters, others in _each_moved(prediction.parameters, placed):
-        there, _ = predicted(state, parameters, others)
-        columns.append((motion(there, others) - here) / (_INTEGRATED_STEP * value))
-    return np.stack(columns)
+    pulses = pulse_spectra(record)
+    motion = _InitialMotion(prediction, strengths.reshape(-1, len(pulses)) @ pulses)
+    return np.concatenate([motion.by_parameters(state.placed), *motion.by_values(state.placed)])
 
 
-def _each_moved(
-    parameters: Mapping[str, float], placed: tuple[Placed, ...]
-) -> Iterator[tuple[float, Mapping[str, float], tuple[Placed, ...]]]:
-    """For each free value its size (1 for zero), and all values with a small share of it added."""
-    for name, x in parameters.items():
-        value = abs(x) or 1.0
-        yield value, dict(parameters) | {name: x + _INTEGRATED_STEP * value}, placed
-    for at, item in enumerate(placed):
-        for value, moved in _moved(item):
-            yield value, parameters, (*placed[:at], moved, *placed[at + 1 :])
+@dataclass(frozen=True)
+class _InitialMotion:
+    """Motion that pulses of force of given spectra, (n_free, n_bins), set going, see `free_forces`."""
+
+    prediction: Prediction
+    pulses: ComplexArray
+
+    def by_parameters(self, placed: Sequence[Placed]) -> ComplexArray:
+        """Derivatives of its outputs by the physical parameters."""
+        response, n_drives = self.prediction.response, self.prediction.record.n_drives
+        forces = self._forces(placed)
+        return _of_parameters(
+            self.prediction, self._displacements(forces), response.of_forces(forces)[:n_drives]
+        )
+
+    def by_values(self, placed: tuple[Placed, ...]) -> Iterator[ComplexArray]:
+        """Derivatives of its outputs by each free value of the effects; all but elastic ones have no part in it."""
+        response, omega, forces = self.prediction.response, self.prediction.record.omega, self._forces(placed)
+        for at, item in enumerate(placed):
+            for step, moved in _moved(item, _SHAPE_STEP):
+                change = self._forces((*placed[:at], moved, *placed[at + 1 :])) - forces
+                if isinstance(item.effect, LinearEffect):
+                    direction = item.effect.joint(self.prediction, item.at).direction
+                    stiffer = item.effect.impedance(omega, moved) - item.effect.impedance(omega, item)
+                    displaced = stiffer * (direction @ self._displacements(forces))
+                    change -= np.multiply.outer(displaced, direction)
+                yield response.of_forces(change)[None] / step
+
+    def _forces(self, placed: Sequence[Placed]) -> ComplexArray:
+        """Forces on the bodies, (n_bins, n_bodies)."""
+        directions, spectra = zip(*free_forces(self.prediction, placed), strict=True)
+        return np.asarray((self.pulses * spectra).T @ np.array(directions))
+
+    def _displacements(self, forces: ComplexArray) -> ComplexArray:
+        rests = np.zeros_like(self.prediction.record.motions)
+        return self.prediction.response.displacements(rests, forces)
 
 
 def _is_integrated(state: State) -> bool:
@@ -98,24 +117,24 @@ def _by_differences(state: State) -> ComplexArray:
     # Both sides of a difference start from the same state, as each evaluation iterates an implicit force further.
     _, here = predicted(state, parameters, placed, nearby=True)
 
-    def column(value: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> ComplexArray:
+    def column(step: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> ComplexArray:
         _, errors = predicted(state, parameters, placed, nearby=True)
-        return np.asarray((here - errors) / (_INTEGRATED_STEP * value))
+        return np.asarray((here - errors) / step)
 
     columns = list(_by_parameters(prediction, placed))
     for k, name in enumerate(prediction.record.dynamics.parameters):
-        value = abs(parameters[name]) or 1.0
-        moved = dict(parameters) | {name: parameters[name] + _INTEGRATED_STEP * value}
+        step = _INTEGRATED_STEP * (abs(parameters[name]) or 1.0)
+        moved = dict(parameters) | {name: parameters[name] + step}
         if acts_on_hidden(
             prediction.response.plant, prediction.record.dynamics.at(moved), prediction.driven_rows[0]
         ):
-            columns[k] = column(value, moved, placed)
+            columns[k] = column(step, moved, placed)
     for at, item in enumerate(placed):
         if not _moves_hidden(prediction, placed, item):
             columns.extend(_by_values(prediction, placed, item))
             continue
-        for value, other in _moved(item):
-            columns.append(column(value, parameters, (*placed[:at], other, *placed[at + 1 :])))
+        for step, other in _moved(item, _INTEGRATED_STEP):
+            columns.append(column(step, parameters, (*placed[:at], other, *placed[at + 1 :])))
     return np.stack(columns)
 
 
@@ -128,18 +147,14 @@ def _moves_hidden(prediction: Prediction, placed: Sequence[Placed], item: Placed
     return not (isinstance(item.effect, TransferEffect) or item.effect.is_of_command)
 
 
-def _moved(item: Placed) -> Iterator[tuple[float, Placed]]:
-    """For each free value of an effect: the value (1 for zero), and the effect with a step of this value."""
+def _moved(item: Placed, share: float) -> Iterator[tuple[float, Placed]]:
+    """For each free value of an effect: the size of a step, a share of the value, and the effect after this step."""
     for i, x in enumerate(() if item.effect.fixed else item.amplitudes):
-        value = abs(x) or 1.0
-        amplitudes = (*item.amplitudes[:i], x + _INTEGRATED_STEP * value, *item.amplitudes[i + 1 :])
-        yield value, replace(item, amplitudes=amplitudes)
+        step = share * (abs(x) or 1.0)
+        yield step, replace(item, amplitudes=(*item.amplitudes[:i], x + step, *item.amplitudes[i + 1 :]))
     for i, x in enumerate(item.shape):
-        value = abs(x) or 1.0
-        yield (
-            value,
-            replace(item, shape=(*item.shape[:i], x + _INTEGRATED_STEP * value, *item.shape[i + 1 :])),
-        )
+        step = share * (abs(x) or 1.0)
+        yield step, replace(item, shape=(*item.shape[:i], x + step, *item.shape[i + 1 :]))
 
 
 def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
@@ -172,6 +187,21 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
         no_forces = np.zeros((prediction.record.n_bins, 0), dtype=complex)
         displacements = np.asarray(displacements - prediction.response.displacements(misread, no_forces))
         driven = driven - prediction.response.of_motions(misread)[:n_drives]
+
+    return _of_parameters(prediction, displacements, driven, prediction.laws, prediction.record.n_extended)
+
+
+def _of_parameters(
+    prediction: Prediction,
+    displacements: ComplexArray,
+    driven: ComplexArray,
+    laws: Sequence[tuple[FloatArray, Sequence[ComplexArray]]] = (),
+    constant: float = 0.0,
+) -> ComplexArray:
+    """Derivatives of outputs by the physical parameters, for `displacements` and forces `driven` of the drives.
+
+    `laws` are directions and spectra of unit laws, `constant` the spectrum of a constant one at zero frequency.
+    """
     dynamics, s = prediction.record.dynamics, 1j * prediction.record.omega
     kinds = (("mass", s**2), ("damping", s), ("stiffness", np.ones(1)))
     columns = np.zeros((len(dynamics.parameters), *prediction.record.measured.shape), dtype=complex)
@@ -182,15 +212,15 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
             matrix = getattr(change, kind)
             if matrix.any():
                 forces -= (rates * (matrix @ displacements)).T
-        for (direction, spectra), law in zip(prediction.laws, change.laws, strict=True):
+        for (direction, spectra), law in zip(laws, change.laws, strict=bool(laws)):
             for spectrum, term in zip(spectra, law.terms, strict=True):
                 if term.parameter:
                     forces -= np.multiply.outer(term.parameter * spectrum, direction)
         if change.drives.any():
             forces += driven.T @ change.drives.T
-        forces[0] += change.constant * prediction.record.n_extended
+        forces[0] += change.constant * constant
         columns[k] = prediction.response.of_forces(forces)
-        for i, signal in enumerate(prediction.record.readings, n_drives):
+        for i, signal in enumerate(prediction.record.readings, prediction.record.n_drives):
             read = change.sensors[signal]
             if read.order is None:  # parameters stand in the reading itself
                 step = _RELATIVE_STEP * (abs(prediction.parameters[name]) or 1.0)

@@ -15,7 +15,14 @@ from itertools import chain
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray, norms_or_one
-from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect, declared_effects
+from symid.diagnosis.effects import (
+    FreeForce,
+    JointEffect,
+    LinearEffect,
+    Placed,
+    TransferEffect,
+    declared_effects,
+)
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
@@ -91,14 +98,22 @@ class State:
     @cached_property
     def beginning(self) -> FloatArray:
         """Contribution of an unknown state at the beginning of the log to the rows, (n_starts, n_outputs, n_rows)."""
-        free = free_outputs(self.prediction, self.placed)
-        return self.weighting.rows(starting_pulses(self.prediction.record, free))
+        response = self.prediction.response
+        free = (
+            spectrum * response.of_force(direction)
+            for direction, spectrum in free_forces(self.prediction, self.placed)
+        )
+        return self.weighting.rows(starting_pulses(self.prediction.record, tuple(free)))
 
 
-def free_outputs(prediction: Prediction, placed: Iterable[Placed]) -> tuple[ComplexArray, ...]:
-    """Outputs, (n_outputs, n_bins) each, for forces that set hidden motion going, that of effects too."""
-    of_effects = (item.effect.free_motion(prediction, item) for item in placed)
-    return (*prediction.hidden, *chain.from_iterable(of_effects))
+def free_forces(prediction: Prediction, placed: Iterable[Placed]) -> tuple[FreeForce, ...]:
+    """Forces that set hidden motion going, that of effects too: directions over the bodies, and spectra."""
+    unit = np.ones(prediction.record.n_bins, dtype=complex)
+    of_effects = (item.effect.free_forces(prediction, item) for item in placed)
+    return (
+        *((direction, unit) for direction in prediction.free_directions),
+        *chain.from_iterable(of_effects),
+    )
 
 
 def first_state(
@@ -232,7 +247,7 @@ def _acted_on(
             if not linear:
                 impedances.append((joint.direction, _equivalent(_force(before, item, joint), joint)))
         elif isinstance(item.effect, LinearEffect):
-            stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
+            stiffness = item.effect.impedance(record.omega, item)
             impedances.append((joint.direction, stiffness))
             if hidden or any(other.integrated for other in placed):  # an integration has no impedances
                 forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)

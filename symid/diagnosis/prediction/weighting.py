@@ -166,20 +166,24 @@ def starting_pulses(
     record: Record, hidden: Sequence[ComplexArray], times: FloatArray | tuple[float, ...] = (0.0,)
 ) -> ComplexArray:
     """Outputs for short pulses of force and their rates, which produce any state; shape (n, n_outputs, n_bins)."""
-    moments = np.asarray(times, dtype=np.float64)
-    pulses = record.memory.of(("pulses", moments.size), moments.tobytes(), lambda: _pulses(record, moments))
+    pulses = pulse_spectra(record, times)
     found = np.zeros((len(hidden), len(pulses), *record.measured.shape), dtype=complex)
     for i, outputs in enumerate(hidden):
         np.multiply(pulses[:, None, :], outputs, out=found[i])
     return found.reshape(-1, *record.measured.shape)
 
 
-def _pulses(record: Record, times: FloatArray) -> ComplexArray:
+def pulse_spectra(record: Record, times: FloatArray | tuple[float, ...] = (0.0,)) -> ComplexArray:
     """Spectra of short pulses of force and of their rates, alternating, of shape (2 n_times, n_bins)."""
-    s = 1j * record.omega
-    short = np.exp(-2 * (record.omega / record.omega[-1]) ** 2)
-    forces = short * np.exp(np.multiply.outer(-times, s))
-    return np.stack([forces, s * forces], axis=1).reshape(-1, s.size)
+    moments = np.asarray(times, dtype=np.float64)
+
+    def pulses() -> ComplexArray:
+        s = 1j * record.omega
+        short = np.exp(-2 * (record.omega / record.omega[-1]) ** 2)
+        forces = short * np.exp(np.multiply.outer(-moments, s))
+        return np.stack([forces, s * forces], axis=1).reshape(-1, s.size)
+
+    return record.memory.of(("pulses", moments.size), moments.tobytes(), pulses)
 
 
 def _without(rows: FloatArray, basis: FloatArray) -> FloatArray:
