@@ -31,6 +31,7 @@ class ForeignFile:
     table: Table
     columns: tuple[ForeignColumn, ...]
     period: float | None
+    left_out: dict[str, str]  # reasons by the headers of columns that hold no numbers
 
 
 @click.command(
@@ -48,6 +49,7 @@ class ForeignFile:
     help="Unit of a signal's column, such as q='5000 counts/mm'.",
 )
 @option("--rate", type=POSITIVE, metavar="HZ", help="Sampling rate of a file without a column of the time.")
+@option("--encoding", metavar="NAME", help="Encoding of a text file, such as cp932 or gbk.")
 @option(
     "--gain", metavar="FACTOR", help="Force per unit of the drive's column, such as N per A, or F=FACTOR."
 )
@@ -79,7 +81,7 @@ def command(log: str, **options: Any) -> None:
         )
     declared = load_axis(options["axis"]) if options["axis"] else None
     options["gain"] = _factor(options["gain"], declared)
-    look = _read_foreign(Path(log))
+    look = _read_foreign(Path(log), options["encoding"])
     known = Known.of(options)
     if declared and _may_ask(options):
         _show_columns(log, look, numbered=True)
@@ -132,19 +134,30 @@ def _may_ask(options: dict[str, Any]) -> bool:
     return bool(options["ask"])
 
 
-def _read_foreign(path: Path) -> ForeignFile:
+def _read_foreign(path: Path, encoding: str | None) -> ForeignFile:
     """Layout, columns and the stated sampling period."""
-    layout = layout_found(path)
+    layout = layout_found(path, encoding)
+    if encoding and layout is None:
+        raise SettingError(f"--encoding {encoding}: {path} is no plain text: leave it out")
     table = open_table(path, layout)
     if not table.headers:
         raise LogError(f"{path}: holds no columns of numbers: save each signal as a vector")
-    return ForeignFile(layout, table, foreign_columns(table), stated_period(path, layout) if layout else None)
+    columns = foreign_columns(table)
+    described = {column.header for column in columns}
+    others = [place for place, header in enumerate(table.headers) if header and header not in described]
+    left_out = {
+        table.headers[place]: values if isinstance(values, str) else "has no values"
+        for place, values in zip(others, table.read(others), strict=True)
+    }
+    period = stated_period(path, layout) if layout else None
+    return ForeignFile(layout, table, columns, period, left_out)
 
 
 def _mapping(look: ForeignFile, axis: Axis, known: Known) -> LogMapping:
     return guessed_mapping(
         axis,
         look.columns,
+        left_out=look.left_out,
         named=known.named,
         units=known.units,
         layout=look.layout,
@@ -171,11 +184,8 @@ def _show_columns(log: str, look: ForeignFile, *, numbered: bool = False) -> Non
         unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
         shown.add(*[str(place)] * numbered, column.header, what, unit, column.reason)
     console.print(shown)
-    described = {column.header for column in look.columns}
-    others = [place for place, header in enumerate(look.table.headers) if header and header not in described]
-    for place, values in zip(others, look.table.read(others), strict=True):
-        reason = values if isinstance(values, str) else "has no values"
-        console.print(f"left out: {look.table.headers[place]!r} {reason}", markup=False)
+    for header, reason in look.left_out.items():
+        console.print(f"left out: {header!r} {reason}", markup=False)
 
 
 def _show_mapping(log: str, mapping: LogMapping | None, options: dict[str, Any]) -> None:

@@ -31,6 +31,7 @@ _OPTIONS: Final = {
         name: f"--{name}"
         for name in (
             "bounds",
+            "encoding",
             "held",
             "jobs",
             "joint",

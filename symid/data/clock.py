@@ -45,7 +45,7 @@ class _Rate:
 
 
 def require_seconds(time: FloatArray) -> None:
-    """LogError for times without a unit that are hardly seconds: their steps are too long, and fit in another unit.
+    """LogError for times without a unit that are hardly seconds: their steps fit in another unit.
 
     >>> require_seconds(np.arange(9) / 250.0)
     >>> require_seconds(np.arange(9) * 4.0)
@@ -56,8 +56,8 @@ def require_seconds(time: FloatArray) -> None:
     known = time[np.isfinite(time)]
     step = float(np.median(np.diff(known))) if known.size > 1 else 0.0
     low, high = PLAUSIBLE_PERIODS
-    fitting = (unit for unit in ("ms", "us", "ns") if low <= step * to_si(unit, Unit.of("s")) <= high)
-    if step > high and (unit := next(fitting, None)):
+    fitting = (unit for unit in ("ms", "us", "ns", "day") if low <= step * to_si(unit, Unit.of("s")) <= high)
+    if not low <= step <= high and (unit := next(fitting, None)):
         raise LogError(
             f"t has no unit and steps of {step:g}, which may be {step:g} {unit}: write t [{unit}], or give "
             f"`units` t={unit}, or t=s"

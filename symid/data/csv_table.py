@@ -1,11 +1,9 @@
-"""CSV files, plain or compressed: the first line names the columns, which commas, semicolons or tabs separate."""
+"""CSV files: the first line names the columns, which commas, semicolons or tabs separate."""
 
 from __future__ import annotations
 
 import bisect
 import csv
-import gzip
-import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,33 +14,24 @@ import polars as pl
 
 from symid.arrays import FloatArray
 from symid.data.grouped_numbers import without_groups
-from symid.data.layout import (
-    Layout,
-    fields,
-    first_lines,
-    is_number_text,
-    layout_of_text,
-    lines_of,
-    uncommented,
-    without_footer,
-)
+from symid.data.layout import Layout, first_lines, without_footer
 from symid.data.table import (
     POLARS_FAILURES,
     Slices,
     Table,
     damaged,
-    free_memory,
     parsing,
     source_of,
     values_of,
 )
-from symid.data.time_stamps import is_stamp, seconds_of_stamps
+from symid.data.text_table import fields, is_number_text, uncommented
+from symid.data.time_stamps import has_time_of_day, seconds_of_stamps
 from symid.errors import LogError
 
 _CHUNK: Final = 4_194_304
 """Bytes of the chunks of lines in which a long file is read."""
-_TIMES_TEXT: Final = 4
-"""Memory for the columns and the text of a compressed file, in multiples of the text."""
+_NO_VALUE: Final = r"(?i)^(-?nan\(.*\)|-?1\.#\w+|#?n/?a|null|none|nil|over(flow)?|ovl|invalid|[-?*]+)$"
+"""Words that programs write where they have no value."""
 
 
 def open_csv(path: Path) -> Table:
@@ -62,24 +51,11 @@ def open_csv(path: Path) -> Table:
 
 def open_laid_out(path: Path, layout: Layout) -> Table:
     """Table in a CSV file whose layout is known: any encoding, lines above the header, lines of units."""
-    return _laid_out(path, layout, first_lines(path, layout.encoding), path.read_bytes)
+    return laid_out(path, layout, first_lines(path, layout.encoding), path.read_bytes)
 
 
-def open_gzipped(path: Path, memory: int | None = None, layout: Layout | None = None) -> Table:
-    """Table in a CSV file compressed by gzip, of a layout that is given or guessed.
-
-    LogError if it is damaged, or longer than the memory.
-    """
-    most = (free_memory() if memory is None else memory) / _TIMES_TEXT
-    with parsing(path, "gzip", OSError, EOFError, zlib.error), gzip.open(path) as file:
-        text = file.read(int(min(most, 2**62)) + 1)
-    if len(text) > most:
-        raise LogError(f"{path}: holds more than {most / 1e6:.3g} MB of text: uncompress it")
-    given = layout or layout_of_text(path, text)
-    return _laid_out(path, given, lines_of(path, text, given.encoding), lambda: text)
-
-
-def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable[[], bytes]) -> Table:
+def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable[[], bytes]) -> Table:
+    """Table in the text of a file, by its layout and first lines."""
     skipped = layout.skipped
     if len(lines) <= skipped:
         raise LogError(
@@ -88,7 +64,7 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
     headers = layout.headers(lines)
     row = fields(lines[skipped], layout.separator)
     # a day alone, in a column beside the time of day, does not tell samples apart
-    stamps = frozenset(i for i, text in enumerate(row) if ":" in text and is_stamp(text.strip(" \t\"'")))
+    stamps = frozenset(i for i, text in enumerate(row) if has_time_of_day(text.strip(" \t\"'")))
     file = _Csv(path, layout.separator, max(len(headers), len(row)))
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
@@ -239,7 +215,7 @@ def _values_of_text(
     texts: pl.Series, separator: str, before: int | None = None, decimal: str = ""
 ) -> FloatArray | str:
     """Values of a column of texts, the whole of it, or the rows after some `before`, or what is wrong with them."""
-    cleaned = texts.str.strip_chars(" \t\"'")
+    cleaned = texts.str.strip_chars(" \t\"'").str.replace(_NO_VALUE, "")
     whole = before is None  # only a whole column tells marks of thousands from decimal ones
     points, commas = (bool(cleaned.str.contains(mark, literal=True).any()) for mark in ".,")
     marked = points and (commas or decimal == ",")
@@ -253,7 +229,7 @@ def _values_of_text(
         return values_of(numbers)
     if not before and (seconds := seconds_of_stamps(cleaned)) is not None:
         return seconds
-    plain = without_groups(texts.str.strip_chars(" \t\"'").fill_null("").to_list()) if whole else None
+    plain = without_groups(cleaned.fill_null("").to_list()) if whole else None
     if plain is not None:
         return values_of(pl.Series(plain).cast(pl.Float64, strict=False))
     first = int(wrong[0])

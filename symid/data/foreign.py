@@ -5,52 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.clock import PLAUSIBLE_PERIODS
+from symid.data.column_words import COUNTS, NUMBERS, SETPOINT, SPELLED, UNITS, WORDS, Quantity
 from symid.data.table import Table, require_memory
 from symid.errors import LogError
 from symid.units import Unit, to_si
 
-Quantity = Literal["time", "position", "velocity", "acceleration", "force", "current", "voltage", "percent"]
-
-_UNITS: Final[tuple[tuple[Quantity, tuple[str, ...]], ...]] = (
-    ("time", ("s",)),
-    ("velocity", ("m/s", "rad/s")),
-    ("acceleration", ("m/s^2", "rad/s^2")),
-    ("force", ("N", "N*m")),
-    ("current", ("A",)),
-    ("voltage", ("V",)),
-    ("position", ("m", "rad")),
-)
-_WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
-    ("time", r"t|time|timestamp|zeit|temps|sec|ms"),
-    ("acceleration", r"acc\w*|beschl\w*|ddq\w*"),
-    ("velocity", r"vel\w*|speed|geschw\w*|drehzahl|v"),
-    ("force", r"torque|trq|tcmd|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|fm?|tau"),
-    ("current", r"current|cur|iq|i|strom|amps?"),
-    ("voltage", r"voltage|volts?|spannung"),
-    ("position", r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|encoder|scale|q\w?|x|y|z"),
-)
-_SETPOINT: Final = (
-    r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg"
-)
-_COUNTS: Final = r"inc|incr\w*|increments?|inkr\w*|counts?|cts|impuls\w*|pulses?|lsb"
-_NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
-_WRITTEN: Final = {
-    "Nm": "N*m",
-    "°": "deg",
-    "µm": "um",
-    "μm": "um",
-    "1/min": "rpm",
-    "U/min": "rpm",
-    "sec": "s",
-    "Arms": "A",
-    "A rms": "A",
-}
 _BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*")
 _TRAILING: Final = re.compile(
     r"(?P<name>.*?\S)[ _/](?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|ms|us|deg|kN|Nm|rpm|A|V|N|s|m)"
@@ -58,7 +23,7 @@ _TRAILING: Final = re.compile(
 _SIGN_BITS: Final = (10, 11, 15)
 _MOST_OF_BIT, _CHANGES = 0.75, 3
 """Largest magnitude as a share of the sign bit's value, and fewest changes of sign, to take the bit as a sign."""
-_CLOCKS: Final = ("s", "ms", "us", "ns")
+_CLOCKS: Final = ("s", "ms", "us", "ns", "day")
 _LONGEST_STROKE: Final = 10.0  # m: a position that covers more is in a smaller unit
 
 
@@ -132,16 +97,16 @@ def _described(header: str, values: FloatArray) -> ForeignColumn:
 
 def _guessed(header: str, values: FloatArray) -> ForeignColumn:
     name, written = split_header(header)
-    words = [word for word in re.split(r"[^A-Za-z0-9]+|(?<=[a-z])(?=[A-Z])", name) if word]
-    setpoint = _match(words, _SETPOINT) is not None
+    words = _words(name)
+    setpoint = _match(words, SETPOINT) is not None
     quantity, unit = _measured_in(written)
     if quantity is not None and quantity != "percent":
         return ForeignColumn(header, quantity, unit, setpoint, f"its unit is written, {written}", True)
-    if written and _match([written], _COUNTS):
+    if written and _match([written], COUNTS):
         why = f"its unit is {written}, of unknown length"
         return ForeignColumn(header, "position", None, setpoint, why, False, scaled=True)
     if written and quantity is None:  # what is in brackets, or below, may be the name
-        words += re.split(r"[^A-Za-z0-9]+", written)
+        words += _words(written)
     is_even = not setpoint and _rises_evenly(values)
     for by_name, word in _named(words):
         if by_name == "position" and is_even:  # no measured position does
@@ -150,7 +115,7 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
             why = f"{word!r} in percent: of a rated value"
             return ForeignColumn(header, "percent", "%", setpoint, why, True)
         return _without_unit(header, by_name, word, setpoint, values, written)
-    numbered = _match(words, _NUMBERS) is not None
+    numbered = _match(words, NUMBERS) is not None
     if numbered and is_even:
         return ForeignColumn(header, None, None, setpoint, "it numbers the samples", False)
     if is_even and np.all(values % 1 == 0) and values[1] - values[0] == 1:
@@ -158,8 +123,20 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
         return ForeignColumn(header, "time", None, setpoint, why, False)
     if is_even:
         return _without_unit(header, "time", "rises in equal steps", setpoint, values, written)
+    quantity, unit = _measured_in(header)
+    if quantity is not None:
+        return ForeignColumn(header, quantity, unit, setpoint, "its name is a unit", True)
     why = f"its unit {written!r} is not known" if written else "neither name nor unit identifies it"
     return ForeignColumn(header, None, None, setpoint, why, False)
+
+
+def quantity_named(header: str) -> Quantity | None:
+    """Quantity of a column by its header alone.
+
+    >>> quantity_named("Kraft [N]"), quantity_named("Status")
+    ('force', None)
+    """
+    return _guessed(header, np.zeros(1)).quantity
 
 
 def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
@@ -216,11 +193,17 @@ def split_header(header: str) -> tuple[str, str | None]:
     return match["name"], match["unit"].strip()
 
 
+def _words(name: str) -> list[str]:
+    """Words of a name, without numbers at their ends."""
+    words = re.split(r"[\W_]+|(?<=[a-z])(?=[A-Z])", name)
+    return [word if len(bare := word.rstrip("0123456789")) < 2 else bare for word in words if word]
+
+
 def _named(words: Sequence[str]) -> Iterator[tuple[Quantity, str]]:
     """Quantities by the words of a name; single letters, which may be the type of a variable, count least."""
     for letters in (False, True):
         own = [word for word in words if (len(word) == 1) is letters]
-        for quantity, pattern in _WORDS:
+        for quantity, pattern in WORDS:
             word = _match(own, pattern)
             if word is not None:
                 yield quantity, word
@@ -236,8 +219,8 @@ def _measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
         return None, None
     if "%" in written:
         return "percent", "%"
-    unit = _WRITTEN.get(written, written.replace("²", "^2").replace("°", "deg"))
-    for quantity, names in _UNITS:
+    unit = SPELLED.get(written, written.replace("²", "^2").replace("°", "deg"))
+    for quantity, names in UNITS:
         for name in names:
             try:
                 to_si(unit, Unit.of(name))

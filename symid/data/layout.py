@@ -3,22 +3,44 @@
 from __future__ import annotations
 
 import codecs
-import csv
 import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from symid.data.grouped_numbers import is_grouped
-from symid.data.time_stamps import is_stamp
+from symid.data.text_table import (
+    LEAST_ROWS,
+    are_units,
+    fields,
+    is_number_text,
+    names_above,
+    uncommented,
+    values_in,
+)
 from symid.errors import LogError
 
 _BEGINNING = 200_000  # characters from which the layout is guessed
 _LINES = 400  # most lines above the values
-_LEAST_ROWS = 5  # adjacent lines with the same number of fields make a table
 _SEPARATORS = ("\t", ";", ",", "|", " ")
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
+_BINARY = {
+    b"PK\x03\x04": "a .zip, .xlsx or .ods file",
+    b"\x1f\x8b": "a .gz file",
+    b"BZh": "a .bz2 file",
+    b"\xfd7zXZ": "an .xz file",
+    b"PAR1": "a .parquet file",
+    b"ARROW1": "a .feather file",
+    b"\x89HDF": "an .h5 file",
+    b"MATLAB 5.0 MAT": "a .mat file",
+    b"MATLAB 7.3 MAT": "a .mat file",
+    b"\xd0\xcf\x11\xe0": "an .xls file",
+    b"TDSm": "a .tdms file",
+    b"MDF  ": "an .mf4 file",
+    b"\x89MCAP": "an .mcap file",
+    b"SQLite format 3": "a .db3 file",
+    b"\x93NUMPY": "an .npy file",
+}
 _COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
 
@@ -73,19 +95,18 @@ class Layout:
         return self.above + self.below + self.named
 
     def headers(self, lines: Sequence[str]) -> tuple[str, ...]:
-        """Headers in the first lines of a file; a line of units below them is joined to them as ``name [unit]``.
+        """Headers in the first lines of a file; a line of units is joined to them as ``name [unit]``.
 
-        A header that occurs more than once is numbered.
+        It stands below the names, or above them. A header that occurs more than once is numbered.
         """
         if not self.named:
             count = len(fields(lines[self.skipped].rstrip(self.separator), self.separator))
             return tuple(f"column {i + 1}" for i in range(count))
         names = [text.strip() for text in fields(uncommented(lines[self.above]), self.separator)]
         below = [line for line in lines[self.above + 1 : self.skipped] if line.strip(f"{self.separator} ")]
-        units = [""] * len(names)
-        if len(below) == 1:
-            written = [text.strip().strip("[]()") for text in fields(below[0], self.separator)]
-            units = [*written, *units][: len(names)]
+        others = [fields(line, self.separator) for line in [*below, *lines[: self.above][-1:]]]
+        written = next((line for line in others if are_units(line)), others[0] if len(below) == 1 else [])
+        units = [*(text.strip().strip("[]()") for text in written), *[""] * len(names)][: len(names)]
         pairs = list(zip(names, units, strict=True))
         return tuple(
             (f"{name} ({pairs[: i + 1].count(pair)})" if name and pairs.count(pair) > 1 else name)
@@ -93,25 +114,6 @@ class Layout:
             for i, pair in enumerate(pairs)
             for name, unit in [pair]
         )
-
-
-def uncommented(line: str) -> str:
-    """A line without the mark of a comment at its beginning, as programs write it before names.
-
-    >>> uncommented("# t q F")
-    't q F'
-    """
-    return line.lstrip().removeprefix("#").lstrip(" ") if line.lstrip().startswith("#") else line
-
-
-def fields(line: str, separator: str) -> list[str]:
-    """Fields of a line; a line with an unclosed quote or an overlong field is one field."""
-    if separator == " ":
-        return line.split()
-    try:
-        return next(csv.reader([line], delimiter=separator), [])
-    except csv.Error:
-        return [line]
 
 
 def first_lines(path: Path, encoding: str) -> list[str]:
@@ -122,20 +124,27 @@ def first_lines(path: Path, encoding: str) -> list[str]:
 
 def lines_of(path: Path, content: bytes, encoding: str) -> list[str]:
     """The first lines of the bytes of a text file; errors as those of `first_lines`."""
-    if content.startswith(b"PK\x03\x04"):
-        raise LogError(f"{path}: is an archive: unpack it, and give the files in it")
+    kind = next((kind for begin, kind in _BINARY.items() if content.startswith(begin)), None)
+    if kind:
+        raise LogError(f"{path}: holds no text but {kind}: give it that suffix")
+    if content[:200].lstrip().lower().startswith((b"<!doctype html", b"<html", b"<table", b"<?xml")):
+        raise LogError(f"{path}: holds a page of HTML or XML: export it as CSV")
+    if not content.strip():
+        raise LogError(f"{path}: is empty: give a file with a header and samples")
     try:
         text = codecs.getincrementaldecoder(encoding)().decode(content[: 4 * _BEGINNING])[:_BEGINNING]
     except UnicodeError as error:
-        raise LogError(f"{path}: is not text in {encoding}: give its encoding") from error
+        raise LogError(
+            f"{path}: is not text in {encoding}: give its `encoding`, or a file that symid reads"
+        ) from error
     return [line.rstrip("\r\n") for line in io.StringIO(text, newline="")][:_LINES]
 
 
-def guessed_layout(path: Path) -> Layout:
-    """The layout that a CSV file seems to have.
+def guessed_layout(path: Path, encoding: str | None = None) -> Layout:
+    """The layout that a CSV file seems to have, in a given encoding or the one that it seems to have.
 
-    The values begin where at least five lines in a row hold equally many numbers and nothing else; the separator is
-    the one that gives most of them. The header is the nearest line above with as many texts.
+    The values begin where at least five lines in a row hold equally many numbers and nothing else, or, if there is no
+    such place, where columns of numbers beside columns of texts begin. The separator is that of most columns.
 
     Raises
     ------
@@ -143,34 +152,46 @@ def guessed_layout(path: Path) -> Layout:
         If no separator gives columns of numbers.
     """
     with path.open("rb") as file:
-        return layout_of_text(path, file.read(4 * _BEGINNING))
+        return layout_of_text(path, file.read(4 * _BEGINNING), encoding)
 
 
-def layout_of_text(path: Path, content: bytes) -> Layout:
+def layout_of_text(path: Path, content: bytes, encoding: str | None = None) -> Layout:
     """The layout that the bytes of a text file seem to have; errors as those of `guessed_layout`."""
-    encoding = encoding_of(content[:_BEGINNING])
+    encoding = Layout(encoding).encoding if encoding else encoding_of(content[:_BEGINNING])
     lines = lines_of(path, content, encoding)
-    best: tuple[int, Layout] | None = None
-    for separator in _SEPARATORS:
-        found = _table(lines, separator)
-        if found is None:
-            continue
-        width, begin = found
-        header = _header(lines[:begin], separator, width)
-        decimal = "," if separator != "," and has_decimal_comma(lines[begin:], separator) else "."
-        if header is not None:
-            layout = Layout(encoding, separator, decimal, header, begin - header - 1)
-        elif begin == 0 or sum(bool(text.strip()) for text in fields(lines[begin - 1], separator)) < 2:
-            layout = Layout(encoding, separator, decimal, begin, named=False)
-        else:
-            continue
-        if best is None or width > best[0]:
-            best = width, layout
-    if best is None:
+    for beside_texts in (False, True):
+        found = [
+            layout
+            for separator in _SEPARATORS
+            if (layout := _with_separator(lines, encoding, separator, beside_texts=beside_texts))
+        ]
+        if found:
+            return max(found, key=lambda one: one[0])[1]
+    few = max((values_in(lines, separator, 1) or (0, 0) for separator in _SEPARATORS), default=(0, 0))
+    if few[0] > 1:
         raise LogError(
-            f"{path}: no columns of numbers below a line of names are found: export it as CSV with one line of names"
+            f"{path}: has fewer than {LEAST_ROWS} rows of numbers in a row: give a log with samples"
         )
-    return best[1]
+    raise LogError(
+        f"{path}: no columns of numbers below a line of names are found: export it as CSV with one line of names"
+    )
+
+
+def _with_separator(
+    lines: Sequence[str], encoding: str, separator: str, *, beside_texts: bool
+) -> tuple[int, Layout] | None:
+    """Columns of a table whose fields are separated so, and its layout; None where there is none."""
+    found = values_in(lines, separator, beside_texts=beside_texts)
+    if found is None:
+        return None
+    width, begin = found
+    header = names_above(lines[:begin], separator, width)
+    decimal = "," if separator != "," and has_decimal_comma(lines[begin:], separator) else "."
+    if header is not None:
+        return width, Layout(encoding, separator, decimal, header, begin - header - 1)
+    if begin == 0 or sum(bool(text.strip()) for text in fields(lines[begin - 1], separator)) < 2:
+        return width, Layout(encoding, separator, decimal, begin, named=False)
+    return None
 
 
 def encoding_of(begin: bytes) -> str:
@@ -187,77 +208,23 @@ def encoding_of(begin: bytes) -> str:
     return "utf-8-sig"
 
 
-def _table(lines: Sequence[str], separator: str) -> tuple[int, int] | None:
-    """Number of columns of the values, and their first line."""
-    widths = [_numbers(line, separator) for line in lines]
-    for begin in range(len(widths) - _LEAST_ROWS + 1):
-        run = widths[begin : begin + _LEAST_ROWS]
-        width = max(filled for _, filled in run)
-        if width > 1 and min(filled for _, filled in run) and len({whole for whole, _ in run}) == 1:
-            return width, begin
-    return None
-
-
-def _numbers(line: str, separator: str) -> tuple[int, int]:
-    """Fields of a line of numbers, all and those up to the last that is not blank; 0 if one is anything else.
-
-    A blank one at the end is a separator too many, or a sample that a slower channel lacks.
-    """
-    texts = [text.strip() for text in fields(line, separator)]
-    comma = separator != ","
-    if not all(is_number_text(text, comma=comma) for text in texts):
-        return 0, 0
-    return len(texts), max((place for place, text in enumerate(texts, 1) if text), default=0)
-
-
 def without_footer(text: str, separator: str) -> str:
-    r"""Lines of values without those below them that hold a remark, such as ``EOF``: fewer fields, the first no number.
+    r"""Lines of values without those below them that begin with a word, such as ``EOF``, ``Samples: 2`` and ``Max``.
 
     >>> without_footer("0;1,5\n1;2,5\n\nSamples: 2", ";")
     '0;1,5\n1;2,5'
     """
-    width = len(fields(text.split("\n", 1)[0], separator))
+    first = fields(text.split("\n", 1)[0], separator)
+    width, comma = len(first), separator != ","
+    is_timed = bool(first) and is_number_text(first[0].strip(), comma=comma)
     while True:
         text = text.rstrip("\n")
         above, _, last = text.rpartition("\n")
         filled = [part.strip() for part in fields(last, separator) if part.strip()]
-        if not 0 < len(filled) < width or is_number_text(filled[0], comma=separator != ","):
+        is_remark = 0 < len(filled) < width or (is_timed and filled and filled[0][0].isalpha())
+        if not is_remark or is_number_text(filled[0], comma=comma):
             return text
         text = above
-
-
-def is_number_text(text: str, *, comma: bool) -> bool:
-    """Whether a field holds a number, with marks of thousands or without, or a moment, or nothing."""
-    try:
-        float(text.replace(",", ".") if comma else text)
-    except ValueError:
-        return text == "" or is_stamp(text) or is_grouped(text)
-    return True
-
-
-def _header(above: Sequence[str], separator: str, width: int) -> int | None:
-    """Line of the names: the upper one if there are two adjacent lines of texts above the values.
-
-    Empty lines may stand between them and the values. A line with a number holds a property such as the sampling time.
-    """
-    nearest: int | None = None
-    last = len(above) - 1
-    while last >= 0 and not above[last].strip(f"{separator} "):
-        last -= 1
-    for place in range(last, max(last - 2, -1), -1):
-        texts = [text.strip() for text in fields(uncommented(above[place]), separator)]
-        filled = [text for text in texts if text]
-        if (
-            len(texts) < width
-            or (separator == " " and len(texts) > width)
-            or not filled
-            or any(_numbers(above[place], separator))
-            or (nearest is not None and any(is_number_text(text, comma=separator != ",") for text in filled))
-        ):
-            break
-        if len(filled) >= width - 1 or nearest is None:
-            nearest = place
-    return nearest
 
 
 def has_decimal_comma(lines: Sequence[str], separator: str) -> bool:

@@ -6,58 +6,124 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
+import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.table import values_of
 
-_DATE: Final = r"(\d{4}[-/.]\d\d[-/.]\d\d|\d\d?[./]\d\d?[./]\d{4})"
-_OF_DAY: Final = r"\d\d?:\d\d(:\d\d([.,]\d{1,9})?)?"
-STAMP: Final = re.compile(rf"{_DATE}([T ]{_OF_DAY}\s?(Z|[+-]\d\d:?\d\d)?)?|\d\d:\d\d:\d\d([.,]\d{{1,9}})?")
-"""A day with a time or without, as in ISO 8601 or with points or slashes, or a time of day."""
-_DAYS: Final = ("%Y-%m-%d", "%d.%m.%Y", "%Y/%m/%d", "%Y.%m.%d", "%m/%d/%Y", "%d/%m/%Y")
-_FORMATS: Final = tuple(f"{day}T%H:%M{second}" for day in _DAYS for second in (":%S%.f", ""))
-_DAY: Final = 86_400.0
-_ZONE: Final = r"\s?(Z|[+-]\d\d:?\d\d)$"
+_DAY: Final = "|".join(
+    (
+        r"\d{4}[-/.]\d\d?[-/.]\d\d?",
+        r"\d\d?[-/.]\d\d?[-/.](?:\d{4}|\d\d)",
+        r"\d\d?[- ][A-Z][a-z]{2}[- ]\d{4}",
+        r"\d{8}T",
+        r"\d+ days?",
+    )
+)
+_OF_DAY: Final = (
+    r"(?:(?P<hours>\d\d?):)?(?P<minutes>[0-5]?\d):(?P<seconds>[0-5]\d(?:[.,]\d{1,9}|:\d{3}(?:\d{3})?)?)"
+    r"|(?P<compact>\d{6}(?:[.,]\d{1,9})?)"
+)
+_STAMP: Final = (
+    rf"^(?:(?P<day>{_DAY})(?:[T ]\s*|$)?)?"
+    rf"(?:(?:{_OF_DAY})(?:\s?(?P<half>[AP]M|[ap]m))?(?:\s?(?P<zone>Z|UTC|GMT|[+-]\d\d:?\d\d))?)?$"
+)
+"""A day with a time or without, as in ISO 8601 and in spreadsheets, or a time of day, or minutes and seconds."""
+_READ: Final = re.compile(_STAMP)
+_DAYS: Final = (
+    *("%Y-%m-%d", "%Y/%m/%d", "%Y.%m.%d", "%Y%m%dT", "%d-%b-%Y", "%d %b %Y"),
+    *(day + year for day in ("%d.%m.", "%m/%d/", "%d/%m/", "%d-%m-", "%m-%d-") for year in ("%Y", "%y")),
+)
+_SECONDS_OF_A_DAY: Final = 86_400.0
 
 
 def is_stamp(text: str) -> bool:
-    """Whether a text is a moment.
+    """Whether a text is a moment or a day.
 
-    >>> [is_stamp(text) for text in ("2026-11-21T10:00:00.001Z", "10:00:00,5", "2026", "q")]
-    [True, True, False, False]
+    >>> [is_stamp(text) for text in ("2026-11-21T10:00:00.001Z", "10:00:00,5", "1/2/26 9:00:00 PM", "2026", "10:00")]
+    [True, True, True, False, False]
     """
-    return STAMP.fullmatch(text.strip()) is not None
+    found = _READ.match(text.strip())
+    if found is None or not found["day"]:
+        return found is not None and bool(found["hours"] or (found["seconds"] and len(found["seconds"]) > 2))
+    return not found["compact"] or found["day"].endswith("T")
+
+
+def has_time_of_day(text: str) -> bool:
+    """Whether a text is a moment, which tells samples apart, and not a day alone.
+
+    >>> has_time_of_day("20261121T100000"), has_time_of_day("21.11.2026")
+    (True, False)
+    """
+    found = _READ.match(text.strip())
+    return is_stamp(text) and found is not None and bool(found["minutes"] or found["compact"])
 
 
 def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
     """Seconds from the first of these moments; None if one is not a moment, or their zones differ.
 
-    Times of day that pass midnight go on into the next day.
+    Times of day that pass midnight go on into the next day, minutes and seconds into the next hour.
 
     >>> seconds_of_stamps(["2026-11-21 10:00:00.250", "2026-11-21 10:00:01"]).tolist()
     [0.0, 0.75]
-    >>> seconds_of_stamps(["23:59:59", "00:00:01"]).tolist()
+    >>> seconds_of_stamps(["23:59:59", "00:00:01"]).tolist(), seconds_of_stamps(["59:59.5", "00:00.5"]).tolist()
+    ([0.0, 2.0], [0.0, 1.0])
+    >>> seconds_of_stamps(["11/21/26 11:59:59 AM", "11/21/26 12:00:01 PM"]).tolist()
     [0.0, 2.0]
     """
     written = pl.Series(texts, dtype=pl.String).str.strip_chars()
-    if not len(written) or not written.head(1).map_elements(is_stamp, return_dtype=pl.Boolean).all():
+    if not len(written) or written.has_nulls() or not is_stamp(str(written[0])):
         return None
-    zones = written.str.extract(_ZONE, 1)
-    if zones.n_unique() > 1:
+    parts = written.str.extract_groups(_STAMP).struct.unnest()
+    if any(parts[name].is_null().any() != parts[name].is_null().all() for name in parts.columns):
         return None
-    plain = written.str.replace(_ZONE, "").str.replace(",", ".", literal=True)
-    plain = plain.str.replace(" ", "T", literal=True)
-    first = str(plain[0])
-    of_day = ":" in first and "T" not in first
-    if of_day:
-        plain = "1970-01-01T" + plain
-    elif ":" not in first:
-        plain = plain + "T00:00"
-    for form in _FORMATS:
-        moments = plain.str.to_datetime(form, time_unit="ns", strict=False)
-        if not moments.has_nulls():
-            seconds = values_of((moments - moments[0]).dt.total_nanoseconds().cast(pl.Float64) * 1e-9)
-            nights = (pl.Series(seconds).diff().fill_null(0.0) < -_DAY / 2).cum_sum().to_numpy()
-            return seconds + _DAY * nights if of_day else seconds
+    if parts["zone"].n_unique() > 1:
+        return None
+    days = _days(parts["day"])
+    within, turn = _seconds_within(parts)
+    if days is None or np.isnan(within).any():
+        return None
+    if parts["day"].is_null().all():  # each start anew is one more turn
+        turns = np.cumsum(np.diff(within, prepend=within[0]) < -turn / 2, dtype=np.float64)
+        days = turns * (turn / _SECONDS_OF_A_DAY)
+    seconds: FloatArray = np.round(_SECONDS_OF_A_DAY * (days - days[0]) + (within - within[0]), 9)
+    return seconds
+
+
+def _days(written: pl.Series) -> FloatArray | None:
+    """Days as numbers; zeros where there are none, None where they follow no known order."""
+    if written.is_null().all():
+        return np.zeros(len(written))
+    if str(written[0]).endswith(("day", "days")):
+        return written.str.extract(r"(\d+)").cast(pl.Float64).to_numpy()
+    several = written.unique()
+    for form in _DAYS:
+        if not several.str.to_date(form, strict=False).has_nulls():
+            return written.str.to_date(form, strict=False).to_physical().cast(pl.Float64).to_numpy()
     return None
+
+
+def _seconds_within(parts: pl.DataFrame) -> tuple[FloatArray, float]:
+    """Seconds since midnight, or since the full hour, and the time after which they begin anew; nan for no time."""
+    compact, half = parts["compact"], parts["half"]
+    if not compact.is_null().all():
+        hours, minutes = _number(compact.str.slice(0, 2)), _number(compact.str.slice(2, 2))
+        return 3600.0 * hours + 60.0 * minutes + _number(compact.str.slice(4)), _SECONDS_OF_A_DAY
+    minutes, seconds = _number(parts["minutes"]), _number(parts["seconds"])
+    if parts["minutes"].is_null().all():
+        return np.zeros(len(parts)), _SECONDS_OF_A_DAY
+    if parts["hours"].is_null().all():  # 10:00 beside a day is hours and minutes
+        return (
+            (60.0 * minutes + seconds, 3600.0)
+            if parts["day"].is_null().all()
+            else (3600.0 * minutes + 60.0 * seconds, _SECONDS_OF_A_DAY)
+        )
+    hours = _number(parts["hours"])
+    if not half.is_null().all():
+        hours = hours % 12.0 + 12.0 * (half.str.to_lowercase() == "pm").to_numpy()
+    return 3600.0 * hours + 60.0 * minutes + seconds, _SECONDS_OF_A_DAY
+
+
+def _number(texts: pl.Series) -> FloatArray:
+    """Numbers of seconds and the like, with a point, a comma or a colon before the decimals; nan for none."""
+    return texts.str.replace("[,:]", ".").cast(pl.Float64, strict=False).fill_null(float("nan")).to_numpy()

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from symid.axis import Axis, Drive
 from symid.axis.sensors import Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
-from symid.data.foreign import split_header, with_unit
+from symid.data.foreign import quantity_named, split_header, with_unit
 from symid.data.layout import first_lines
 from symid.errors import LogError, SettingError
 from symid.identification.mapping import LogMapping, require_known
@@ -29,6 +29,7 @@ def guessed_mapping(
     axis: Axis,
     columns: Iterable[ForeignColumn],
     *,
+    left_out: Mapping[str, str] = MappingProxyType({}),
     named: Mapping[str, str] = MappingProxyType({}),
     units: Mapping[str, str] = MappingProxyType({}),
     layout: Layout | None = None,
@@ -47,6 +48,8 @@ def guessed_mapping(
         Its signals.
     columns : iterable of ForeignColumn
         From `foreign_columns`.
+    left_out : mapping of str to str
+        Columns that hold no numbers, with the reasons.
     named, units : mapping of str to str
         Columns and units that are known by signal; these are not guesses.
     layout, sampling_period
@@ -64,7 +67,7 @@ def guessed_mapping(
         If a unit cannot be read.
     """
     require_known(LogMapping(columns={**named, **units}), axis)
-    guess = _Guess(list(columns), named, units)
+    guess = _Guess(list(columns), left_out, named, units)
     guess.clock(sampling_period)
     for place, sensor in enumerate(axis.sensors):
         alike = sum(other.quantity == sensor.quantity for other in axis.sensors[place:])
@@ -119,9 +122,16 @@ class _Guess:
     """Decisions so far, and the columns that are still free."""
 
     def __init__(
-        self, columns: list[ForeignColumn], named: Mapping[str, str], given: Mapping[str, str]
+        self,
+        columns: list[ForeignColumn],
+        left_out: Mapping[str, str],
+        named: Mapping[str, str],
+        given: Mapping[str, str],
     ) -> None:
-        self.named = {signal: _column_called(name, signal, columns) for signal, name in named.items()}
+        self.named = {
+            signal: _column_called(name, signal, columns, left_out) for signal, name in named.items()
+        }
+        self.left_out = left_out
         self.given = given
         self.free = [column for column in columns if column not in self.named.values()]
         self.names: dict[str, str] = {}
@@ -167,7 +177,13 @@ class _Guess:
             self.missing.append(
                 "no column of the time has a known unit: give `sampling_period`, or the column of t"
                 + (f" and its unit: {time.header!r} may be it, {time.reason}" if time else "")
+                + self.but_for("time")
             )
+
+    def but_for(self, quantity: str) -> str:
+        """Remark on columns of a quantity by their names, which hold something else than numbers."""
+        alike = (header for header in self.left_out if quantity_named(header) == quantity)
+        return "".join(f"; column {header!r} {self.left_out[header]}" for header in alike)
 
     def called(self, signal: str) -> list[ForeignColumn]:
         """The column that has the name of a signal, if neither its name nor a unit says what it measures."""
@@ -192,6 +208,7 @@ class _Guess:
         elif needed:
             self.missing.append(
                 f"no column seems to be the {quantity} {signal}: name it with `columns` {signal}=NAME"
+                + self.but_for(quantity)
             )
 
     def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
@@ -210,6 +227,7 @@ class _Guess:
         if column is None:
             self.missing.append(
                 f"no column seems to be the force {signal}: name it with `columns` {signal}=NAME"
+                + self.but_for("force")
             )
             return
         if column.setpoint and signal not in self.named:
@@ -247,13 +265,17 @@ def _in_degrees(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignCol
     ]
 
 
-def _column_called(name: str, signal: str, columns: Sequence[ForeignColumn]) -> ForeignColumn:
+def _column_called(
+    name: str, signal: str, columns: Sequence[ForeignColumn], left_out: Mapping[str, str]
+) -> ForeignColumn:
     """The column with a header, or with a name before its unit."""
     wanted = name.strip()
     for column in (
         c for part in (0, 1) for c in columns if wanted == (c.header, split_header(c.header)[0])[part]
     ):
         return column
+    if wanted in left_out:
+        raise SettingError(f"column {name!r} for {signal} {left_out[wanted]}")
     raise SettingError(
         f"there is no column of numbers {name!r} for {signal}: choose from {', '.join(c.header for c in columns)}"
     )

@@ -57,6 +57,7 @@ _OTHERS: Final[tuple[tuple[str, float, Unit], ...]] = (
     ("sec Sek Sekunde Sekunden", 1.0, _SECOND),
     ("min minute minutes Minute Minuten", 60.0, _SECOND),
     ("h hour hours Stunde Stunden", 3600.0, _SECOND),
+    ("day days Tag Tage", 86_400.0, _SECOND),
     ("inch inches in", 0.0254, _METRE),
     ("ft foot feet", 0.3048, _METRE),
     ("mil thou", 0.0254e-3, _METRE),

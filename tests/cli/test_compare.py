@@ -190,3 +190,10 @@ def test_results_that_are_compared_are_not_overwritten(folder: Path) -> None:
     Path("a.json").write_text('{"M": 1}')
     assert run("compare", "a.json", "a.json", "--json", "a.json") == 2
     assert Path("a.json").read_text() == '{"M": 1}'
+
+
+def test_a_covariance_beyond_all_numbers_leaves_out_the_test_of_the_whole(folder: Path) -> None:
+    record = identified(5.0, 3, "a", "--cutoff", "30")
+    record["covariance"]["physical"][2][1] = 1e308
+    Path("huge.json").write_text(json.dumps(record), encoding="utf-8")
+    assert compared("huge.json", "huge.json")["together"] is None

@@ -51,10 +51,11 @@ def test_numbers_of_samples_are_no_times(recorded: Log, folder: Path) -> None:
 
 def test_an_archive_is_to_be_unpacked(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with zipfile.ZipFile(folder / "run.zip", "w") as archive:
-        archive.writestr("run.csv", "t,q,F\n")
+        for name in ("run.csv", "run2.csv"):
+            archive.writestr(name, "t,q,F\n")
     for command in (("identify", "rigid_1m", "run.zip"), ("import", "run.zip")):
         assert run(*command) == 2
-        assert "run.zip: is an archive: unpack it, and give the files in it" in capsys.readouterr().err
+        assert "run.zip: is an archive of 2 files: unpack it, and give one of them" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("folder")
@@ -64,4 +65,7 @@ def test_a_column_that_is_left_out_is_named_with_its_reason(capsys: pytest.Captu
     Path("a.csv").write_text("\n".join(lines) + "\n")
     assert run("import", "a.csv") == 0
     printed = capsys.readouterr().out
-    assert "left out: 'Zeit [ms]' has '1.00,5' in row 9 where a number is required" in printed
+    reason = "'Zeit [ms]' has '1.00,5' in row 9 where a number is required"
+    assert f"left out: {reason}" in printed
+    assert run("import", "a.csv", "--axis", "rigid_1m") == 0
+    assert f"or the column of t; column {reason}" in capsys.readouterr().out.replace("\n", " ")

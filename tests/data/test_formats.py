@@ -28,6 +28,7 @@ from log_formats import (
 
 from symid.data import Layout, guessed_layout, open_table, read_log
 from symid.data.formats import FOLDER_SUFFIXES, SUFFIXES
+from symid.data.formats.compressed import OPENERS
 from symid.data.formats.extra import required
 from symid.errors import LogError
 
@@ -193,7 +194,14 @@ def test_a_library_that_is_missing_is_named_with_its_extra(
 
 
 def test_results_and_settings_in_a_folder_are_no_logs() -> None:
-    assert set(SUFFIXES) - set(FOLDER_SUFFIXES) == {".json", ".npz", ".npy", ".xls", ".ods"}
+    assert set(SUFFIXES) - set(FOLDER_SUFFIXES) == {
+        ".json",
+        ".npz",
+        ".npy",
+        ".xls",
+        ".ods",
+        *OPENERS,
+    }
 
 
 @pytest.mark.parametrize(

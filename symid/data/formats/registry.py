@@ -14,11 +14,12 @@ from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from symid.data.columns import TIME, split_unit
-from symid.data.csv_table import open_csv, open_gzipped, open_laid_out
+from symid.data.csv_table import open_csv, open_laid_out
 from symid.data.foreign import foreign_columns
 from symid.data.formats.array_files import open_matlab, open_numpy
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.columnar import open_feather, open_parquet
+from symid.data.formats.compressed import OPENERS, open_compressed
 from symid.data.formats.excel import open_excel
 from symid.data.formats.hdf5 import open_hdf5
 from symid.data.formats.json_log import open_json, open_json_lines
@@ -102,7 +103,6 @@ READERS: Final[Mapping[str, Reader]] = MappingProxyType(
         ".csv": _open_text,
         ".parquet": open_parquet,
         ".mat": open_matlab,
-        ".csv.gz": open_gzipped,
         ".feather": open_feather,
         ".arrow": open_feather,
         ".h5": open_hdf5,
@@ -121,20 +121,35 @@ READERS: Final[Mapping[str, Reader]] = MappingProxyType(
         ".json": open_json,
         ".jsonl": open_json_lines,
         ".ndjson": open_json_lines,
+        **{text + suffix: open_compressed for text in (".csv", "") for suffix in OPENERS},
     }
 )
 """Readers by suffix; a new format is a module and a line here."""
 
 SUFFIXES: Final = tuple(READERS)
 """Suffixes of files that can be read."""
-FOLDER_SUFFIXES: Final = tuple(s for s in SUFFIXES if s not in (".json", ".npz", ".npy", ".xls", ".ods"))
+FOLDER_SUFFIXES: Final = tuple(
+    s for s in SUFFIXES if s not in (".json", ".npz", ".npy", ".xls", ".ods", *OPENERS)
+)
 """Suffixes that count as logs in a folder; other files often hold results and settings."""
 
 
-def layout_found(path: Path) -> Layout | None:
+def layout_found(path: Path, encoding: str | None = None) -> Layout | None:
     """Layout that a text file seems to have; None of other files, and of the text of scopes."""
-    is_text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
-    return guessed_layout(path) if is_text and writer_of(path) is None else None
+    return (
+        guessed_layout(path, encoding)
+        if path.is_file() and _is_text(path) and writer_of(path) is None
+        else None
+    )
+
+
+def _is_text(path: Path) -> bool:
+    """Whether a file is text by its suffix, or by its content: programs give tables of text the suffix of Excel."""
+    suffix = suffix_of(path)
+    if suffix == ".xls":
+        with path.open("rb") as file:
+            return not file.read(4).startswith((b"\xd0\xcf\x11\xe0", b"PK\x03\x04"))
+    return suffix == ".csv" or suffix not in SUFFIXES
 
 
 def suffix_of(path: Path) -> str:
@@ -146,7 +161,7 @@ def suffix_of(path: Path) -> str:
     ('.csv.gz', '.mat')
     """
     name = path.name.lower()
-    return ".csv.gz" if name.endswith(".csv.gz") else Path(name).suffix
+    return next((s for s in SUFFIXES if s.startswith(".csv.") and name.endswith(s)), Path(name).suffix)
 
 
 def open_table(path: Path, layout: Layout | None = None, memory: int | None = None) -> Table:
@@ -179,16 +194,14 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
     suffix = suffix_of(path)
     if suffix in (".txt", ".tsv") and layout is None and writer_of(path) is not None:
         suffix = ".csv"
-    if suffix == ".zip":
-        raise LogError(f"{path}: is an archive: unpack it, and give the files in it")
     if suffix not in SUFFIXES and layout is None:
         raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {kinds}")
     try:
         if path.stat().st_size == 0:
             raise LogError(f"{path}: is empty: give a file with a header and samples")
-        if layout is not None and suffix == ".csv.gz":
-            return open_gzipped(path, memory, layout)
-        if layout is not None and (suffix == ".csv" or suffix not in SUFFIXES):
+        if layout is not None and READERS.get(suffix) is open_compressed:
+            return open_compressed(path, memory, layout)
+        if layout is not None and _is_text(path):
             return open_laid_out(path, layout)
         with naming_file(path):
             return READERS[suffix](path, memory)

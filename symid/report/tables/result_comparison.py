@@ -259,12 +259,13 @@ def _together(first: Values, second: Values) -> dict[str, Any] | None:
     if first.covariance is None or second.covariance is None or names != list(second.values):
         return None
     difference = np.array([second.values[name] - first.values[name] for name in names])
-    covariance = first.covariance + second.covariance
-    scale = np.sqrt(np.diag(covariance))
-    if not (scale > 0).all():
+    with np.errstate(all="ignore"):
+        covariance = first.covariance + second.covariance
+        scale = np.sqrt(np.diag(covariance))
+        scaled, correlation = difference / scale, covariance / np.outer(scale, scale)
+    if not (np.isfinite(scaled).all() and np.isfinite(correlation).all()):
         return None
-    scaled = difference / scale
-    solved, *_ = np.linalg.lstsq(covariance / np.outer(scale, scale), scaled, rcond=None)
+    solved, *_ = np.linalg.lstsq(correlation, scaled, rcond=None)
     square = float(scaled @ solved)
     probability = float(scipy.special.chdtrc(len(names), max(square, 0.0)))
     return {

@@ -1,0 +1,56 @@
+"""Words and units by which columns of foreign files are named, in the languages of drives and scopes."""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+Quantity = Literal["time", "position", "velocity", "acceleration", "force", "current", "voltage", "percent"]
+
+UNITS: Final[tuple[tuple[Quantity, tuple[str, ...]], ...]] = (
+    ("time", ("s",)),
+    ("velocity", ("m/s", "rad/s")),
+    ("acceleration", ("m/s^2", "rad/s^2")),
+    ("force", ("N", "N*m")),
+    ("current", ("A",)),
+    ("voltage", ("V",)),
+    ("position", ("m", "rad")),
+)
+"""Units in SI of each quantity."""
+WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
+    ("time", r"t|time|timestamp|zeit\w*|temps|tempo|tiempo|время|\w*[时時][间間]|sec|ms"),
+    ("acceleration", r"acc\w*|acel\w*|beschl\w*|ddq\w*|ускорение|\w*加速度"),
+    ("velocity", r"vel\w*|speed|geschw\w*|drehzahl\w*|vitesse|скорость|\w*(?:速度|转速)|v"),
+    (
+        "force",
+        r"torque|trq|tcmd|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|forza|fuerza|coppia|"
+        r"couple|сила|момент|\w*(?:力|转矩|扭矩|トルク)|fm?|tau",
+    ),
+    ("current", r"current|cur|iq|i|strom\w*|courant|corr?iente|corrente|ток|\w*[电電]流|amps?"),
+    ("voltage", r"voltage|volts?|spannung|tensione?|voltaje|напряжение|\w*(?:电压|電圧)"),
+    (
+        "position",
+        r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|encoder|scale|положение|\w*(?:位置|位移|角度)|q\w?|x|y|z",
+    ),
+)
+"""Words in the name of a column of each quantity; the first that fits counts."""
+SETPOINT: Final = (
+    r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg|consigne|"
+    r"consigna|задан\w*|\w*(?:指令|目标|目標|给定)\w*"
+)
+"""Words of what is commanded and not measured."""
+COUNTS: Final = r"inc|incr\w*|increments?|inkr\w*|counts?|cts|impuls\w*|pulses?|lsb"
+"""Units of unknown length."""
+NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
+"""Words of columns that number the samples."""
+SPELLED: Final = {
+    "Nm": "N*m",
+    "°": "deg",
+    "µm": "um",
+    "μm": "um",
+    "1/min": "rpm",
+    "U/min": "rpm",
+    "sec": "s",
+    "Arms": "A",
+    "A rms": "A",
+}
+"""Units as written, and as they are read."""

@@ -1,0 +1,156 @@
+"""Lines of a text file as a table: where its values begin, which line names them, and which one holds their units."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Sequence
+from typing import Final
+
+from symid.data.grouped_numbers import is_grouped
+from symid.data.time_stamps import is_stamp
+from symid.errors import LogError
+from symid.units import to_si
+from symid.units.names import COUNTS
+
+LEAST_ROWS: Final = 5
+"""Adjacent lines with the same fields that make a table."""
+_MOST_NAMES: Final = 3
+"""Lines of names, units and remarks directly above the values."""
+_COMMENT: Final = re.compile(r"\s*(#+|%+|//+)\s*")
+_UNIT_APART: Final = re.compile(r"(?<=\w)\s+(?=[\[(])")
+_NO_UNIT: Final = ("", "-", "--", "%", "[]", "none", "None")
+_BRACKETS: Final = re.compile(r".*[\w.]\s*[\[(]([^\]):]+)[\])]\s*")
+
+
+def uncommented(line: str) -> str:
+    """A line without the mark of a comment at its beginning, as programs write it before names.
+
+    >>> uncommented("# t q F"), uncommented("%time,q")
+    ('t q F', 'time,q')
+    """
+    mark = _COMMENT.match(line)
+    return line[mark.end() :] if mark else line
+
+
+def fields(line: str, separator: str) -> list[str]:
+    """Fields of a line; a line with an unclosed quote or an overlong field is one field.
+
+    >>> fields("time [s]  q [mm]", " ")
+    ['time[s]', 'q[mm]']
+    """
+    if separator == " ":
+        return _UNIT_APART.sub("", line).split()
+    try:
+        return next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:
+        return [line]
+
+
+def is_number_text(text: str, *, comma: bool) -> bool:
+    """Whether a field holds a number, with marks of thousands or without, or a moment, or nothing."""
+    try:
+        float(text.replace(",", ".") if comma else text)
+    except ValueError:
+        return text == "" or is_stamp(text) or is_grouped(text)
+    return True
+
+
+def values_in(
+    lines: Sequence[str], separator: str, least: int = LEAST_ROWS, *, beside_texts: bool = False
+) -> tuple[int, int] | None:
+    """Number of columns of the values, and their first line; None if fewer than `least` lines hold any.
+
+    A table holds numbers alone, or columns of texts `beside` its numbers: then it reaches to the last line with as
+    many fields, and its numbers stand in the same columns of each.
+    """
+    rows = [[text.strip() for text in fields(line, separator)] for line in lines]
+    if not beside_texts:
+        widths = [_widths(row, separator) for row in rows]
+        for begin in range(len(widths) - least + 1):
+            run = widths[begin : begin + least]
+            width = max(filled for _, filled in run)
+            if width > 1 and min(filled for _, filled in run) and len({whole for whole, _ in run}) == 1:
+                return width, begin
+        return None
+    usual, count = Counter(map(len, rows)).most_common(1)[0] if rows else (0, 0)
+    end = max((place for place, row in enumerate(rows, 1) if len(row) == usual), default=0)
+    last = [_are_numbers(row, separator) for row in rows[max(end - least, 0) : end] if len(row) == usual]
+    numeric = [place for place in range(usual) if all(row[place] for row in last)]
+    numeric = [place for place in numeric if any(row[place] for row in rows[end - len(last) : end])]
+    if count < least or len(last) < least or len(numeric) < 2:
+        return None
+    begin = end
+    while begin and len(rows[begin - 1]) == usual and _all_at(numeric, rows[begin - 1], separator):
+        begin -= 1
+    return usual, begin
+
+
+def _all_at(places: Sequence[int], row: Sequence[str], separator: str) -> bool:
+    found = _are_numbers(row, separator)
+    return all(found[place] for place in places)
+
+
+def _are_numbers(row: Sequence[str], separator: str) -> list[bool]:
+    return [is_number_text(text, comma=separator != ",") for text in row]
+
+
+def _widths(row: Sequence[str], separator: str) -> tuple[int, int]:
+    """Fields of a line of numbers, all and those up to the last that is not blank; 0 if one is anything else.
+
+    A blank one at the end is a separator too many, or a sample that a slower channel lacks.
+    """
+    if not all(_are_numbers(row, separator)):
+        return 0, 0
+    return len(row), max((place for place, text in enumerate(row, 1) if text), default=0)
+
+
+def names_above(above: Sequence[str], separator: str, width: int) -> int | None:
+    """Line of the names of a table among the lines above its values, which empty lines may separate; None without one.
+
+    Of several adjacent lines of texts it is none of units. It is the nearest if that one has units in brackets, else
+    the upper of the nearest two: the one below it specifies. A line with a number holds a property such as the
+    sampling time.
+    """
+    last = len(above) - 1
+    while last >= 0 and not above[last].strip(f"{separator} "):
+        last -= 1
+    found: list[tuple[int, list[str]]] = []
+    for place in range(last, max(last - _MOST_NAMES, -1), -1):
+        texts = [text.strip() for text in fields(uncommented(above[place]), separator)]
+        numbers = [number for text, number in zip(texts, _are_numbers(texts, separator), strict=True) if text]
+        is_whole = len(numbers) >= width - 1 or not found
+        if len(texts) < width or (separator == " " and len(texts) > width) or not is_whole:
+            break
+        if not numbers or all(numbers) or (found and any(numbers)):
+            break
+        found.append((place, texts))
+    names = [
+        one for one in found if not are_units(one[1]) and any(map(str.isalnum, "".join(one[1])))
+    ] or found
+    if not names:
+        return None
+    place, texts = names[0]
+    has_units = any((unit := _BRACKETS.fullmatch(text)) and _is_unit(unit[1]) for text in texts)
+    return place if has_units or len(names) == 1 else names[1][0]
+
+
+def are_units(texts: Sequence[str]) -> bool:
+    """Whether a line holds units rather than names.
+
+    >>> are_units(["s", "[mm]", "-", "Inkr"]), are_units(["s", "v", "F"])
+    (True, False)
+    """
+    told = [text for text in (text.strip("[]() ") for text in texts) if text not in _NO_UNIT]
+    return sum(map(_is_unit, told)) > len(told) / 2
+
+
+def _is_unit(text: str) -> bool:
+    if text in COUNTS:
+        return True
+    try:
+        to_si(text)
+    except LogError:
+        return False
+    return True
