@@ -7,6 +7,7 @@ from symid.data.differences import (
     derivatives,
     difference_factors,
     differencing_bandwidth,
+    sparse_derivatives,
 )
 from symid.data.filtering import LowPass, decimation_filter, kept_indices
 from symid.data.foreign import ForeignColumn, foreign_columns
@@ -56,6 +57,7 @@ __all__ = [
     "read_log",
     "references_of",
     "spans",
+    "sparse_derivatives",
     "write_frame",
     "write_log",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Final
 
 import numpy as np
@@ -137,6 +137,49 @@ def derivatives(
         current = central_difference(current, sampling_period, order=accuracy)
         found.append(current)
     return found
+
+
+def sparse_derivatives(
+    x: FloatArray, sampling_period: float, order: int, kept: slice, *, accuracy: int = 2
+) -> list[FloatArray]:
+    """Samples `kept` of a vector and of its `derivatives`, without those of all others.
+
+    >>> [x.tolist() for x in sparse_derivatives(np.arange(9.0) ** 2, 1.0, 2, slice(1, 9, 3))]
+    [[1.0, 16.0, 49.0], [2.0, 8.0, 14.0], [1.5, 2.0, 1.5]]
+    """
+    found, places = [x[kept]], range(*kept.indices(x.size))
+    for m in range(1, order + 1):
+        # Successive differences are one sum of samples, of differences to the middle one: as exact as those.
+        factors = _successive_factors(m, accuracy)
+        reach = len(factors) // 2
+        if x.size < 4 * reach:
+            found.append(derivatives(x, sampling_period, m, accuracy=accuracy)[-1][kept])
+            continue
+        begin = sum(place < reach for place in places)
+        end = begin + sum(reach <= place < x.size - reach for place in places)
+        values, inner = np.empty(len(places)), places[begin:end]
+        if inner:
+            near = np.lib.stride_tricks.sliding_window_view(x, len(factors))
+            near = near[inner[0] - reach : inner[-1] - reach + 1 : places.step]
+            values[begin:end] = (near - near[:, reach, None]) @ factors / sampling_period**m
+        # Near the ends differences are of lower order.
+        for part, first, stop in (
+            (slice(0, begin), 0, 3 * reach),
+            (slice(end, None), x.size - 3 * reach, x.size),
+        ):
+            if at := places[part]:
+                dense = derivatives(x[first:stop], sampling_period, m, accuracy=accuracy)[-1]
+                values[part] = dense[at[0] - first : at[-1] - first + 1 : places.step]
+        found.append(values)
+    return found
+
+
+@lru_cache(maxsize=16)
+def _successive_factors(times: int, order: int) -> FloatArray:
+    """Factors of the samples around one in a number of successive central differences."""
+    one_side = np.array(difference_factors(order))
+    once = np.concatenate((-one_side[::-1], [0.0], one_side))
+    return reduce(np.convolve, [once] * times)
 
 
 def central_difference_gain(

@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.data.sections import run, settled_states
 
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
@@ -122,7 +122,7 @@ class ZeroPhaseFilter:
     @cached_property
     def reach(self) -> int:
         """Samples after which the filter has forgotten its state."""
-        slowest = max(float(np.max(np.abs(np.roots(section[3:])))) for section in self.sections)
+        slowest = float(np.max(np.abs(self._poles)))
         if slowest == 0.0:
             return self.padding
         return self.padding + math.ceil(math.log(_FORGOTTEN) / math.log(min(slowest, _SLOWEST)))
@@ -136,10 +136,15 @@ class ZeroPhaseFilter:
         >>> ZeroPhaseFilter(butterworth(1, 0.25), 3).transients(np.arange(3.0))[:, 0].round(3).tolist()
         [1.0, 0.414, 0.172]
         """
-        poles = np.concatenate([np.roots(section[3:]) for section in self.sections])
-        poles = poles[(poles.imag >= 0.0) & (poles != 0.0)]
+        poles = self._poles[(self._poles.imag >= 0.0) & (self._poles != 0.0)]
         powers = poles ** places[:, None]
         return np.concatenate((powers.real, powers.imag[:, poles.imag > 0.0]), axis=1)
+
+    @cached_property
+    def _poles(self) -> ComplexArray:
+        half, square = -0.5 * self.sections[:, 4], self.sections[:, 5]
+        apart = np.sqrt(half**2 - square + 0j)
+        return np.concatenate((half + apart, half - apart))
 
     @cached_property
     def _settled(self) -> FloatArray:

@@ -16,12 +16,11 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import TriangularFactor
 from symid.estimation.triangular import triangle
+from symid.identification.filtered_signals import Filtered, low_pass_of
 from symid.identification.sampling import (
     STANDSTILL_SHARE,
-    Filtered,
     Sampling,
     linear_part,
-    low_pass_of,
     sample_into,
 )
 from symid.signal_names import split_derivative

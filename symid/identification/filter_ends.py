@@ -23,6 +23,8 @@ _STANDS_OUT, _FADED = 4.0, 0.25
 """Transient over the rms of the residual from which it is taken for one, and from which on rows are used again."""
 _FORGOTTEN = 1e-12
 """Transient, as a share of that at the end, which no number shows beside the signals."""
+_DEPENDENT = 1e-10
+"""Singular value over the largest, for columns of unit norm, that counts as rounding."""
 _EXACT = 1e-7
 """Residual over the output which no sensor shows: exact logs keep their rows."""
 
@@ -58,7 +60,8 @@ def _stands_out(W: FloatArray, y: FloatArray, transients: FloatArray) -> BoolArr
     columns = np.concatenate((W, transients), axis=1)
     if len(columns) < _ROWS_EACH * columns.shape[1]:
         return np.zeros(len(columns), dtype=bool)
-    factors = least_squares(columns, y)  # an equation need not hold all parameters
+    # An equation need not hold all parameters, and filters leave some rounding between columns that depend on others.
+    factors = least_squares(columns, y, rcond=_DEPENDENT)
     left = y - columns @ factors
     rms = math.sqrt(float(left @ left) / (len(columns) - columns.shape[1]))
     rms = max(rms, _EXACT * math.sqrt(float(y @ y) / y.size))

@@ -13,15 +13,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.estimation import LeastSquares, corrected_covariance_of_blocks
+from symid.estimation import (
+    LeastSquares,
+    TriangularFactor,
+    corrected_covariance_of_blocks,
+    estimate,
+    triangular_factors,
+)
+from symid.estimation.triangular import triangle
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt, blocks_of, estimate_of, running_integral
 from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
 from symid.identification.noise import noise_deviations
-from symid.identification.observation import SignalRows
+from symid.identification.observation import Observation, SignalRows
 from symid.identification.redundancy import high_pass_of
 from symid.identification.reliability import is_beyond_intervals
 
@@ -179,27 +186,66 @@ def _filtered_before(
 
     With `constants` each part has its own, from which an integral starts.
     """
-    seen = [part.observation for part in parts]
-    before = estimate_of(seen)
+    before = estimate_of(part.observation for part in parts)
+    every = [
+        _StepRows.of(part.observation, [one, *constants[k : k + 1]])
+        for k, (part, one) in enumerate(zip(parts, more, strict=True))
+    ]
     factor, X, p = 0.0, fit.solution, fit.solution.size
     for _ in range(_MOST_ROUNDS):
-        rows = []
-        for k, (o, (W, y)) in enumerate(zip(seen, more, strict=True)):
-            columns = [o.W + factor * W, (W @ X - y)[..., None]]
-            for i, (W1, y1) in enumerate(constants):
-                columns.append((W1 @ X - y1)[..., None] if i == k else np.zeros((*y.shape, 1)))
-            rows.append(replace(o, W=np.concatenate(columns, axis=2), y=o.y + factor * y))
-        found = estimate_of(rows)
+        steps = [rows.of_step(factor, X, k, len(constants)) for k, rows in enumerate(every)]
+        found = estimate(
+            [
+                TriangularFactor(triangle(whole.R @ step), whole.rows)
+                for rows, step in zip(every, steps, strict=True)
+                for whole in rows.factors
+            ]
+        )
         if found.status != "ok":
             return None
-        X, step = found.solution[:p], float(found.solution[p])
-        factor += step
-        if abs(step) < _SETTLED * abs(factor):
+        X, size = found.solution[:p], float(found.solution[p])
+        factor += size
+        if abs(size) < _SETTLED * abs(factor):
             break
     left, whole = found.residual_norm**2, np.maximum(before.residual_norm**2, np.finfo(float).tiny)
 
     def deviation() -> float:
-        correlated = corrected_covariance_of_blocks(lambda: blocks_of(rows), found)
+        last = [rows.combined(step) for rows, step in zip(every, steps, strict=True)]
+        correlated = corrected_covariance_of_blocks(lambda: blocks_of(last), found)
         return float(correlated.standard_deviations[p])
 
     return _Filter(factor, deviation, float(np.sqrt(np.mean(left / whole))), X)
+
+
+@dataclass(frozen=True, eq=False)
+class _StepRows:
+    """Rows of a part, whose columns in each Gauss-Newton step are combinations of few that stay the same."""
+
+    observation: Observation
+    W: FloatArray  # shape (n_equations, n_rows, n_columns): of the rows, and of what a signal makes, with its y
+    used: BoolArray  # shape (n_columns,): those that are not 0 throughout
+    factors: tuple[TriangularFactor, ...]  # of the used columns and y, one of each equation
+
+    @classmethod
+    def of(cls, seen: Observation, made: Sequence[_Rows]) -> _StepRows:
+        """Columns of the rows of a part, of those that a signal makes, and of those that a constant makes."""
+        W = np.concatenate([seen.W, *(x for W, y in made for x in (W, y[..., None]))], axis=2)
+        used = np.any(W != 0.0, axis=(0, 1))
+        return cls(seen, W, used, triangular_factors(W[..., used], seen.y, seen.valid))
+
+    def of_step(self, factor: float, X: FloatArray, part: int, n_constants: int) -> FloatArray:
+        """Matrix that makes W and y of a step of the used columns and y."""
+        p, made = X.size, self.W.shape[2] // (X.size + 1)
+        step = np.zeros((self.W.shape[2] + 1, p + n_constants + 2))
+        step[:p, :p], step[-1, -1] = np.eye(p), 1.0
+        step[p : 2 * p, :p], step[2 * p, -1] = factor * np.eye(p), factor
+        places = (p, p + 1 + part)  # of the step, and of the part's constant
+        for k, place in enumerate(places[:made]):
+            begin = p + k * (p + 1)
+            step[begin : begin + p, place], step[begin + p, place] = X, -1.0
+        return np.asarray(step[np.append(self.used, True)])
+
+    def combined(self, step: FloatArray) -> Observation:
+        """The rows of a step."""
+        W = self.W[..., self.used] @ step[:-1]
+        return replace(self.observation, W=W[..., :-1], y=W[..., -1] + self.observation.y)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,12 +15,11 @@ from symid.errors import SettingError
 from symid.identification.bands import completed
 from symid.identification.coulomb import more_columns, sample_friction, take_off
 from symid.identification.filter_ends import leave_out_spoiled
+from symid.identification.filtered_signals import Signal, filtered, low_pass_of
 from symid.identification.noise import coefficients
 from symid.identification.sampling import (
     Sampling,
-    filtered,
     linear_part,
-    low_pass_of,
     sample_into,
     sampled_rows,
     sampling_of,
@@ -180,7 +180,7 @@ class SignalRows:
         """Rows from the filtered signals of a log; the preparation is the complete one of its observation."""
         before, after = chosen.trim or (0, 0)
         scheme = Scheme(chosen.difference_order)
-        own = {name: x[:] for name, x in filtered(model, log, chosen, 1.0, names).items()}
+        own = filtered(model, log, chosen, 1.0, names)
         rest = log.n_samples - before - after
         period = log.sampling_period
         mine = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] in names]
@@ -193,7 +193,7 @@ class SignalRows:
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
         """Rows of W and y of the window."""
-        return self._rows({name: x[:] for name, x in self.sampling.signals.items()})
+        return self._rows(self.sampling.signals)
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
         """Change of W and y if the signals are moved `late` seconds to an earlier time."""
@@ -219,7 +219,7 @@ class SignalRows:
     def _earlier(self, name: str, late: float) -> FloatArray:
         return self._splines[name].earlier(late / self.sampling.period)
 
-    def _rows(self, signals: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    def _rows(self, signals: Mapping[str, Signal]) -> tuple[FloatArray, FloatArray]:
         moved, y = sampled_rows(replace(self.sampling, signals=signals))
         W = np.zeros((*y.shape, self.n_columns))
         W[..., self.columns] = moved.transpose(0, 2, 1)

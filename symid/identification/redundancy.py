@@ -12,7 +12,7 @@ from symid.data import derivatives
 from symid.estimation import ObservationBlock, corrected_covariance_of_blocks
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt, estimate_of, running_integral
-from symid.identification.sampling import filtered
+from symid.identification.filtered_signals import filtered
 
 _LEAST_LATE = 0.5
 """Delay between two sensors, in samples, that is reported; a converter takes less."""

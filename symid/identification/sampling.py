@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -15,53 +15,24 @@ from symid.data import (
     Log,
     LowPass,
     Piece,
-    QuinticSpline,
     ZeroPhaseFilter,
     decimation_filter,
     in_pieces,
     kept_indices,
     kept_of,
 )
-from symid.data.log import SHORT
+from symid.identification.filtered_signals import Filtered, Signal, filtered
 from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation
 from symid.signal_names import derivative_name
 
 STANDSTILL_SHARE = 0.01
 """Part of the highest speed below which the sign of a velocity is not trusted."""
-_WIDEST = 0.4
-"""Highest cutoff of a widened filter, over the sampling frequency."""
+SPARSE = 8
+"""Distance of rows, in samples, from which what is linear in the signals is made at these alone."""
 
 WORKERS = min(4, os.cpu_count() or 1)
 """Threads that prepare a log: with more, filters are bound by memory, not by the processor."""
-
-
-@dataclass(frozen=True, eq=False)
-class Filtered:
-    """A recorded signal that is filtered, and moved in time, where it is read: no copy of the whole is kept."""
-
-    recorded: FloatArray  # shape (n,): the signal
-    low_pass: ZeroPhaseFilter | None  # what it passes
-    earlier: float = 0.0  # samples by which it is moved to an earlier time
-    held: float = 0.0  # samples for which it is held, over which it is averaged
-
-    @property
-    def size(self) -> int:
-        """Number of samples of the recorded signal."""
-        return self.recorded.size
-
-    def __getitem__(self, part: slice) -> FloatArray:
-        first, last, _ = part.indices(self.size)
-        reach = self.low_pass.reach if self.low_pass else 0
-        moved = bool(self.earlier or self.held)
-        reach += QuinticSpline.reach(abs(self.earlier) + self.held) if moved else 0
-        low, high = max(first - reach, 0), min(last + reach, self.size)
-        values = self.recorded[low:high]
-        if self.low_pass:
-            values = self.low_pass.apply(values)
-        if moved:
-            values = QuinticSpline(values).mean_earlier(self.earlier, self.held)
-        return values[first - low : last - low]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,10 +44,10 @@ class Sampling:
     scheme: Scheme  # how derivatives and laws are made
     period: float  # sampling period, s
     # shape (n,): filtered signals of the whole log; those that are not among them are still
-    signals: Mapping[str, FloatArray | Filtered]
+    signals: Mapping[str, Signal]
     # shape (n,): motion for nonlinear laws, filtered with a higher cutoff; empty if they are evaluated with
     # `signals`
-    wide: Mapping[str, FloatArray | Filtered]
+    wide: Mapping[str, Signal]
     before: int  # samples trimmed at the beginning
     n_samples: int  # samples between the ends
 
@@ -131,8 +102,31 @@ class Sampling:
             highest = {name: min(order, 1) for name, order in highest.items()}
         return self._derivatives(self.wide, first, last, highest)
 
+    def at(self, places: slice) -> dict[str, FloatArray]:
+        """Flat names with the derivatives that the model needs, at sparse samples."""
+        places = slice(places.start + self.before, places.stop + self.before, places.step)
+        flat = dict.fromkeys(
+            self.model.signals, np.broadcast_to(0.0, len(range(*places.indices(places.stop))))
+        )
+        for name, whole in self.signals.items():
+            highest = self.model.highest_derivatives[name]
+            if not highest and isinstance(whole, Filtered):
+                flat[derivative_name(name, 0)] = whole.at(places)
+                continue
+            margin = highest * self.scheme.reach
+            low = max(places.start - margin, 0)
+            values = whole[low : min(places.stop + margin, whole.size)]
+            kept = slice(places.start - low, places.stop - low, places.step)
+            for order, x in enumerate(self.scheme.derivatives_at(values, self.period, highest, kept)):
+                flat[derivative_name(name, order)] = x
+        return flat
+
+    def of_law(self, x: FloatArray, kept: slice = slice(None)) -> FloatArray:
+        """Samples of the values of a law, which have not passed the filter as signals."""
+        return x[kept] if self.low_pass is None else self.low_pass.apply_thinned(x[None], kept)[0]
+
     def _derivatives(
-        self, signals: Mapping[str, FloatArray | Filtered], first: int, last: int, highest: Mapping[str, int]
+        self, signals: Mapping[str, Signal], first: int, last: int, highest: Mapping[str, int]
     ) -> dict[str, FloatArray]:
         flat = dict.fromkeys(self.model.signals, np.broadcast_to(0.0, last - first))
         first, last = first + self.before, last + self.before
@@ -150,19 +144,12 @@ class Sampling:
 def sampling_of(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme) -> Sampling:
     """A model and a log with its signals filtered, for a complete preparation."""
     before, after = chosen.trim or (0, 0)
-    signals, wide = filtered(model, log, chosen, 1.0, model.highest_derivatives), {}
+    signals, wide = filtered(model, log, chosen, 1.0, model.highest_derivatives), dict[str, Filtered]()
     if scheme.widening > 1.0 and (model.law_columns or model.coulomb_at_drive):
         motion = [name for name in model.highest_derivatives if name not in model.forces]
         wide = filtered(model, log, chosen, scheme.widening, motion)
     n_samples = log.n_samples - before - after
     return Sampling(model, chosen, scheme, log.sampling_period, signals, wide, before, n_samples)
-
-
-def low_pass_of(chosen: Preparation, widening: float, sampling_frequency: float) -> LowPass:
-    """Low-pass of signals before they are differentiated."""
-    assert chosen.cutoff_hz is not None
-    cutoff = max(chosen.cutoff_hz, min(widening * chosen.cutoff_hz, _WIDEST * sampling_frequency))
-    return LowPass(cutoff, chosen.order)
 
 
 @lru_cache(maxsize=64)  # every signal of every log asks for it
@@ -217,21 +204,25 @@ def sample_into(
         if velocities is not None:  # those of the trimmed ends too
             first = -before if piece.start == 0 else first
             last = velocities.shape[1] - before if piece.stop == sampling.n_samples else last
-        motion = sampling.motion(first, last)
+        # What is linear in the signals is made at the samples that are kept, if they are sparse; laws at all samples.
+        is_sparse = thin is None and sampling.factor >= SPARSE and not model.known_laws
+        is_linear = velocities is None and not model.law_columns
+        motion = {} if is_sparse and is_linear else sampling.motion(first, last)
         inside = slice(piece.first - first, piece.last - first)
         within = {name: values[inside] for name, values in motion.items()}
-        signals = sampling.window(piece.first, piece.last) if sampling.wide else within
+        if is_sparse:
+            signals = sampling.at(slice(piece.first + chosen.start, piece.first + chosen.stop, chosen.step))
+        else:
+            signals = sampling.window(piece.first, piece.last) if sampling.wide else within
         columns, output = model.sample(signals)
-        columns = columns.transpose(0, 2, 1)
-        if sampling.wide and model.law_columns:
+        columns = laws = columns.transpose(0, 2, 1)
+        if model.law_columns and (sampling.wide or is_sparse):
             laws = model.regressor(*(within[name] for name in model.signals)).transpose(0, 2, 1)
-            for place in model.law_columns:
-                columns[place] = laws[place]
-        if sampling.low_pass is not None:
-            for place in model.law_columns:
-                columns[place] = sampling.low_pass.apply(columns[place])
-            for j in model.known_laws:
-                output[j] = sampling.low_pass.apply(output[j])
+        kept, chosen = (chosen, slice(None)) if is_sparse else (slice(None), chosen)
+        for place in model.law_columns:
+            columns[place] = sampling.of_law(laws[place], kept)
+        for j in model.known_laws:
+            output[j] = sampling.of_law(output[j])
         rows = ((columns.reshape(-1, columns.shape[-1]), W), (output, y))
         for values, out in rows:
             thinned = values[:, chosen] if thin is None else thin.apply_thinned(values, chosen)
@@ -243,22 +234,3 @@ def sample_into(
             velocities[:, begin + before : end + before] = model.sliding_velocities(*arguments)
 
     in_pieces(sample, sampling.n_samples, sampling.reach, WORKERS)
-
-
-def filtered(
-    model: GeneratedModel, log: Log, chosen: Preparation, widening: float, names: Iterable[str]
-) -> dict[str, FloatArray | Filtered]:
-    """Low-passed signals at the times at which they were; forces are filtered only if the preparation filters them."""
-    rate = log.sampling_frequency
-    low_pass = low_pass_of(chosen, widening, rate).run_over(log.n_samples, rate)
-    found: dict[str, FloatArray | Filtered] = {}
-    for name in names:
-        passes = low_pass if chosen.filter_force or name not in model.forces else None
-        earlier = chosen.late.get(name, 0.0) / log.sampling_period
-        held = chosen.hold / log.sampling_period if name in model.forces else 0.0
-        one = Filtered(log[name], passes, earlier, held)
-        if log.n_samples <= SHORT:  # rows of several kinds are made of it
-            found[name] = log.kept((name, passes, earlier, held), partial(one.__getitem__, slice(None)))
-        else:
-            found[name] = one
-    return found

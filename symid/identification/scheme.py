@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from symid.arrays import FloatArray
-from symid.data import central_difference
+from symid.data import central_difference, sparse_derivatives
 
 DIFFERENCE_ORDER = 10
 """Order of accuracy of differences. Those of order 2, the paper's, lose 3 % of a fourth derivative at 0.028 of the
@@ -33,6 +33,10 @@ class Scheme:
     def difference(self, x: FloatArray, sampling_period: float) -> FloatArray:
         """First derivative of a vector of samples at each of them."""
         return central_difference(x, sampling_period, order=self.order)
+
+    def derivatives_at(self, x: FloatArray, period: float, highest: int, kept: slice) -> list[FloatArray]:
+        """Derivatives of the orders 0 to `highest` at kept samples of a vector."""
+        return sparse_derivatives(x, period, highest, kept, accuracy=self.order)
 
 
 def sharper(order: int, widening: float = 4.0) -> Scheme:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -16,7 +17,8 @@ from symid.arrays import FloatArray
 from symid.data.table import POLARS_FAILURES, Slices, Table, parsing, source_of, values_of
 
 _SMALL = 2**21
-"""Bytes of a file up to which it is read at once: to look for the number of rows first takes half as long again."""
+"""Bytes of a file up to which it is read at once: polars takes half as long again to read it by its path, and so it
+does to look for the number of rows first."""
 
 
 def open_parquet(path: Path, memory: int | None = None) -> Table:
@@ -59,8 +61,9 @@ def _native_silence() -> Iterator[None]:
 
 def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
     with parsing(path, kind, *POLARS_FAILURES):
-        scanned = scan(source_of(path))
-        whole = scanned.collect() if path.stat().st_size <= _SMALL else None
+        is_small = path.stat().st_size <= _SMALL
+        scanned = scan(io.BytesIO(path.read_bytes()) if is_small else source_of(path))
+        whole = scanned.collect() if is_small else None
         schema = scanned.collect_schema() if whole is None else whole.schema
         headers = tuple(schema)
         n_rows = int(scanned.select(pl.len()).collect().item()) if whole is None else whole.height
