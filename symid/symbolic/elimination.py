@@ -13,34 +13,30 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import sympy as sp
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from symid.axis import Sensor
 from symid.errors import EliminationError
-from symid.symbolic.equations import InputOutputEquation, SignalWriter, driving_terms
-from symid.symbolic.expressions import positive
+from symid.symbolic.distinct_rows import distinct
+from symid.symbolic.equations import InputOutputEquation, SignalWriter
 from symid.symbolic.kernel import (
     EliminationRow,
     differentiated,
     divisible,
     left_kernel,
     local_kernel,
-    primitive,
 )
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import Measurement, measurement
-from symid.symbolic.operators import OperatorModel, Row, by_power, operator_model
-from symid.symbolic.polynomials import TooLargeError, common_divisor, quotient
+from symid.symbolic.operators import OperatorModel, Row, operator_model
+from symid.symbolic.polynomials import TooLargeError
 from symid.symbolic.readings import with_readings
 from symid.symbolic.scaling import Scaling, scaling_of
 
 _SEPARATE = "each equation is the balance of one measured body: those of lower order have too many terms"
 _MOST_TERMS_WITH_RATIOS = 1000
 """Largest number of terms in which ratios keep their names; larger results are computed faster with numbers."""
-_FORCE = "force "
-"""Before the signal of a drive among columns, which may be called as a body is."""
 
 
 @dataclass(frozen=True)
@@ -87,16 +83,19 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     # The entries are polynomials in s, and s^k of a measured function is its k-th derivative: each row is an equation
     # in derivatives of signals. Equations with the force in its lowest derivative come first.
     signals = SignalWriter(operators, known)
-    equations = [signals.equation(row) for row in combined]
+    pairs = [(signals.equation(row), row) for row in combined]
     drives = [*(d.signal for d in model.axis.drives), *(s.signal for s in model.axis.sensors)]
 
-    def place(equation: InputOutputEquation) -> tuple[bool, int, int, int]:
+    def place(pair: tuple[InputOutputEquation, EliminationRow]) -> tuple[bool, int, int, int]:
+        equation, _ = pair
         lowest = min((order for order, _ in equation.force), default=0)
         first = min((drives.index(d) for order, d in equation.force if order == lowest), default=0)
         return not equation.force, lowest, max((t.order for t in equation.motion), default=0), first
 
-    equations.sort(key=place)
-    driven = tuple(_driven(equation, equations, operators) for equation in equations)
+    pairs.sort(key=place)
+    equations = [equation for equation, _ in pairs]
+    # The relation of sensors of known gains holds no parameter.
+    driven = tuple(_driven(equation, row, pairs, signals) for equation, row in pairs if equation.parameters)
     assumptions = (
         *signals.assumptions(equations),
         *(f"{signal} repeats what its drive's record says and is not used" for signal in same),
@@ -122,7 +121,7 @@ def _combined(
     # the way. The combination of a single balance with those of the unknown bodies consists of minors.
     try:
         kernel = left_kernel(rows, known.unknown, operators.ring)
-        return _distinct(divisible(kernel, powers), operators), False
+        return distinct(divisible(kernel, powers), powers, operators), False
     except TooLargeError:
         pass
     try:
@@ -141,77 +140,23 @@ def _rows(operators: OperatorModel, known: Measurement) -> dict[str, Row]:
     return {balance: known.substitute(motion) for balance, motion in operators.motion.items()}
 
 
-def _distinct(rows: Sequence[EliminationRow], operators: OperatorModel) -> list[EliminationRow]:
-    """Rows reduced until none contains every signal of another one, or of its derivatives.
-
-    Otherwise any multiple of the other row could be added without changing the signals, and no data would determine the
-    parameters. A row linear in the physical parameters is never added: it shares its parameters with other equations.
-    """
-    reduced = list(rows)
-    while True:
-        pairs = ((i, j) for i in range(len(reduced)) for j in range(len(reduced)) if i != j)
-        smaller = ((i, _reduced_by(reduced[i], reduced[j], operators)) for i, j in pairs)
-        found = next(((i, row) for i, row in smaller if row), None)
-        if found is None:
-            return reduced
-        reduced[found[0]] = found[1]
-
-
-def _reduced_by(
-    row: EliminationRow, other: EliminationRow, operators: OperatorModel
-) -> EliminationRow | None:
-    """The row reduced by another whose signals, or their derivatives, it all contains; None if it does not."""
-    if other.is_linear:
-        return None
-    mine = _signals_of(row, operators)
-    for order in range(1 + max(0, row.degree - other.degree)):
-        theirs = _signals_of(other, operators, order)
-        if theirs.keys() <= mine.keys():
-            shifted = other.scaled(operators.ring.gens[0] ** order)
-            leading = max(theirs, key=lambda signal: (signal[0].startswith(_FORCE), signal[1]))
-            common = common_divisor([mine[leading], theirs[leading]])
-            own_factor, other_factor = quotient(mine[leading], common), quotient(theirs[leading], common)
-            reduced = row.combine(other_factor, shifted, -own_factor)
-            return primitive(reduced, operators.ring, keep_powers_of_s=True)
-    return None
-
-
-def _signals_of(
-    row: EliminationRow, operators: OperatorModel, derivative: int = 0
-) -> dict[tuple[str, int], PolyElement]:
-    """Coefficients of a derivative of a row by signal and order of derivative."""
-    drives, inputs = driving_terms(row, operators)
-    forces = {_FORCE + signal: entry for signal, entry in drives.items()}
-    columns = {**row.entries, **inputs, **forces}
-    smooth = {
-        *forces,
-        *row.entries,
-        *(
-            str(w.symbol)
-            for w in operators.source.inputs
-            if w.expression.free_symbols and not isinstance(w.expression, (sp.sign, positive))
-        ),
-    }
-    powers = (
-        (column, power + derivative, c)
-        for column, entry in columns.items()
-        for power, c in by_power(entry).items()
-    )
-    return {(column, order): c for column, order, c in powers if order == 0 or column in smooth}
-
-
 def _driven(
-    equation: InputOutputEquation, equations: Sequence[InputOutputEquation], operators: OperatorModel
+    equation: InputOutputEquation,
+    row: EliminationRow,
+    found: Sequence[tuple[InputOutputEquation, EliminationRow]],
+    signals: SignalWriter,
 ) -> InputOutputEquation:
     """Add an equation that contains the force to one that does not, if both are linear in the physical parameters.
 
     X = 0 also solves 0 = D X: with noise in D, least squares would shrink the parameters towards it. The sum and the
-    other equation together are equivalent. The equation with the force that gives fewest terms is added.
-    A balance of forces is multiplied by a ratio of the axis before it is added to one of torques, and vice versa.
+    other equation together are equivalent. The equation with the force that gives fewest terms is added, of those that
+    share a parameter with it and so determine its scale.
+    Both are differentiated alike first, and a balance of forces is multiplied by a ratio of the axis before it is added
+    to one of torques, and vice versa: terms of other units would be of other sizes.
     """
     if equation.force or not equation.is_linear:
         return equation
-    axis = operators.source.axis
+    axis, operators = signals.axis, signals.operators
     turns = {body.name: body.turns for body in axis.free_bodies}
     metres_per_radian = operators.element(Kinematics(axis).metres_per_radian(axis))
 
@@ -222,10 +167,14 @@ def _driven(
         return one.multipliers.keys() <= turns.keys()
 
     sums = []
-    for other in equations:
-        if other.force and other.is_linear and of_balances(other) and of_balances(equation):
+    for other, its_row in found:
+        if not (other.force and other.is_linear and equation.parameters & other.parameters):
+            continue
+        if of_balances(other) and of_balances(equation):
             power = int(of_torques(other.multipliers)) - int(of_torques(equation.multipliers))
-            sums.append(equation.scaled(metres_per_radian**power).plus(other))
+            more = max(0, row.degree - its_row.degree)
+            alike = signals.equation(its_row.scaled(operators.ring.gens[0] ** more)) if more else other
+            sums.append(equation.scaled(metres_per_radian**power).plus(alike))
     return min(
         sums,
         key=lambda e: (max(order for order, _ in e.force), sum(len(t.coefficient) for t in e.motion)),

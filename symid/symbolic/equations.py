@@ -51,6 +51,13 @@ class InputOutputEquation:
         linear = all(sum(m) == 1 for t in self.motion for m in t.coefficient.itermonoms())
         return linear and all(c.is_ground for c in self.force.values())
 
+    @property
+    def parameters(self) -> set[int]:
+        """Places of its physical parameters among the generators of the ring."""
+        coefficients = (*(term.coefficient for term in self.motion), *self.force.values())
+        used = (m for coefficient in coefficients for m in coefficient.itermonoms())
+        return {i for m in used for i, power in enumerate(m) if power}
+
     def scaled(self, factor: Any) -> InputOutputEquation:
         """The equation times a number of the coefficient field."""
         motion = tuple(replace(t, coefficient=t.coefficient.mul_ground(factor)) for t in self.motion)
