@@ -26,7 +26,7 @@ from symid.data import Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.excerpts import Excerpt, share_of_rows
 from symid.identification.noise import noise_levels, noise_limited_widening, noise_of_rows
-from symid.identification.observation import Observation, observe
+from symid.identification.observation import Observation, rows_by
 from symid.identification.scheme import sharper
 
 _COUNTS = 0.1
@@ -202,13 +202,9 @@ def _rest_of_sharper_rows(
     if widening < scheme.widening:
         quiet = noise_limited_widening(model, log, seen.preparation.cutoff_hz, levels, scheme.widening)
         widening = max(quiet, widening)
-    preparation = replace(
-        seen.preparation, filter_force=True, standstill=0.0
-    )  # its rows are those that were fitted
-    other = observe(
-        _rest(model, X, preparation.coulomb or ()), log, preparation, replace(scheme, widening=widening)
-    )
-    return np.where(seen.valid, other.y - other.W[..., 0], 0.0)
+    chosen = replace(seen.preparation, filter_force=True)
+    W, y = rows_by(_rest(model, X, chosen.coulomb or ()), log, chosen, replace(scheme, widening=widening))
+    return np.where(seen.valid, y - W[..., 0], 0.0)
 
 
 def _rest(model: GeneratedModel, X: FloatArray, coulomb: tuple[float, ...]) -> GeneratedModel:

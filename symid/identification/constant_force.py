@@ -50,7 +50,10 @@ def is_constant(force: FloatArray, signs: FloatArray) -> bool:
 
 def direction(part: Excerpt, equation: int, column: int) -> FloatArray:
     """Sign of a friction law at every sample."""
-    return np.asarray(np.sign(at_samples(part, np.sign(part.observation.W[equation, :, column]))))
+    return part.kept(
+        (direction, equation, column),
+        lambda: np.sign(at_samples(part, np.sign(part.observation.W[equation, :, column]))),
+    )
 
 
 def at_samples(part: Excerpt, rows: FloatArray | BoolArray) -> FloatArray:

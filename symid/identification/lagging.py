@@ -8,6 +8,7 @@ small, and the parameters are another machine's.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -27,7 +28,6 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt, blocks_of, estimate_of, running_integral
 from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
-from symid.identification.noise import noise_deviations
 from symid.identification.observation import Observation, SignalRows
 from symid.identification.redundancy import high_pass_of
 from symid.identification.reliability import is_beyond_intervals
@@ -121,7 +121,7 @@ def smoothing_by_residual(found: Identification, parts: Sequence[Excerpt], fit: 
         return ""
     best, name = min(every, key=lambda pair: pair[0].remaining)
     is_late = found.timing is not None and found.timing.is_significant
-    is_filtered = not is_late and _is_bare(found.model, parts)
+    is_filtered = not is_late and _is_bare(parts)
     least = 1.0 if is_filtered else CRITERIA.smoothing_leaves if best.factor < 0.0 else CRITERIA.lagging
     moves = CRITERIA.smoothing_moves if is_filtered else CRITERIA.cutoff_change
     if best.remaining > least or not is_beyond_intervals(found, best.parameters, moves):
@@ -135,12 +135,13 @@ def smoothing_by_residual(found: Identification, parts: Sequence[Excerpt], fit: 
     )
 
 
-def _is_bare(model: GeneratedModel, parts: Sequence[Excerpt]) -> bool:
+def _is_bare(parts: Sequence[Excerpt]) -> bool:
     """Whether a signal has less noise than any sensor, and another one has not: all of them have none if computed."""
     bare = [
-        noise < _BARE * float(np.sqrt(np.mean(part.log[name] ** 2)))
+        math.sqrt(level * part.log.sampling_frequency / 2)
+        < _BARE * float(np.sqrt(np.mean(part.log[name] ** 2)))
         for part in parts
-        for name, noise in noise_deviations(model, part.log).items()
+        for name, level in part.levels.items()
     ]
     return any(bare) and not all(bare)
 

@@ -72,7 +72,6 @@ def observe(
     model: GeneratedModel,
     log: Log,
     preparation: Preparation,
-    scheme: Scheme | None = None,
     *,
     highest: FloatArray | None = None,
     friction: bool = False,
@@ -87,8 +86,6 @@ def observe(
         A run of the axis.
     preparation : Preparation
         Settings; those that are None are chosen from the log.
-    scheme : Scheme, optional
-        Scheme in place of the one of the preparation, for a comparison.
     highest : array of shape (n_sliding,), optional
         Highest speed of each sliding velocity, from which the limit of standstill follows; by default that of the log.
     friction : bool
@@ -103,40 +100,61 @@ def observe(
     """
     chosen = completed(preparation, log, model)
     before, after = trimmed_ends(chosen, log.n_samples)
-    sampling = sampling_of(
-        model, log, chosen, scheme or Scheme(chosen.difference_order, chosen.widening or 1.0)
-    )
+    sampling = _sampling(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
+    needs_velocities = any(model.sliding) and chosen.standstill != 0
+    W, y, velocities = _filled(sampling, log.n_samples, friction, needs_velocities)
+    sliding = velocities[: len(velocities) if needs_velocities else 0]
+    if highest is None:
+        inside = sliding[:, before : before + sampling.n_samples]
+        highest = np.maximum(inside.max(axis=1), -inside.min(axis=1))
+    usable = usable_rows(sampling, sliding, highest)
+    kept = kept_indices(sampling.n_samples, sampling.factor)
+    places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
+    time = log.start + log.sampling_period * places
+    if chosen.filter_force and sampling.row_filter is None:
+        rate, ends = log.sampling_frequency, (places, log.n_samples - 1 - places)
+        leave_out_spoiled(low_pass_of(chosen, 1.0, rate), rate, (W, y, usable), ends)
+    p = len(model.minimal_units)
+    return Observation(W[..., :p], y, usable, time, chosen, W if friction else None, highest)
+
+
+def rows_by(
+    model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme
+) -> tuple[FloatArray, FloatArray]:
+    """W and y of all rows of a log by another scheme than that of its complete preparation."""
+    W, y, _ = _filled(_sampling(model, log, chosen, scheme), log.n_samples)
+    return W[..., : len(model.minimal_units)], y
+
+
+def _sampling(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme) -> Sampling:
+    """`sampling_of`; SettingError if too few samples are left between the trimmed ends."""
+    sampling = sampling_of(model, log, chosen, scheme)
     if sampling.n_samples <= sampling.padding:
         raise SettingError(
             f"{sampling.n_samples} samples are left between the trimmed ends, too few for the filters: more than "
             f"{sampling.padding} are required, trim less or give a longer log"
         )
-    needs_velocities = any(model.sliding) and chosen.standstill != 0
-    beside_drives = friction or bool(chosen.coulomb)
+    return sampling
+
+
+def _filled(
+    sampling: Sampling, n_samples: int, friction: bool = False, needs_velocities: bool = False
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """W, with friction beside drives if that is wanted or taken off, y, and sliding velocities if needed."""
+    model, levels = sampling.model, sampling.chosen.coulomb
+    beside_drives = friction or bool(levels)
     p, more = len(model.minimal_units), more_columns(model) if beside_drives else 0
     # Columns are contiguous while they are filled; at the end W is transposed to rows.
     W = np.empty((len(model.output_names), p + more, sampling.n_rows))
     y = np.empty((W.shape[0], W.shape[2]))
     n_sliding = len(model.sliding_velocities(*np.zeros((len(model.signals), 1))))
-    velocities = np.empty((n_sliding, log.n_samples))
+    velocities = np.empty((n_sliding, n_samples))
     sample_into(sampling, W[:, :p], y, velocities if needs_velocities or beside_drives else None)
-    sliding = velocities[: n_sliding if needs_velocities else 0]
-    if highest is None:
-        inside = sliding[:, before : before + sampling.n_samples]
-        highest = np.maximum(inside.max(axis=1), -inside.min(axis=1))
-    usable = usable_rows(sampling, sliding, highest)
     if beside_drives:
         sample_friction(sampling, W, velocities)
-    if chosen.coulomb:
-        take_off(model, W, y, chosen.coulomb)
-    kept = kept_indices(sampling.n_samples, sampling.factor)
-    places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
-    time = log.start + log.sampling_period * places
-    W = W.transpose(0, 2, 1)
-    if chosen.filter_force and sampling.row_filter is None:
-        rate, ends = log.sampling_frequency, (places, log.n_samples - 1 - places)
-        leave_out_spoiled(low_pass_of(chosen, 1.0, rate), rate, (W, y, usable), ends)
-    return Observation(W[..., :p], y, usable, time, chosen, W if friction else None, highest)
+    if levels:
+        take_off(model, W, y, levels)
+    return W.transpose(0, 2, 1), y, velocities
 
 
 def without_levels(model: GeneratedModel, seen: Observation, levels: tuple[float, ...]) -> Observation:

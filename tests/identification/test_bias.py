@@ -9,6 +9,7 @@ from symid import Log, Preparation, identify, load_generated
 from symid.identification import observe
 from symid.identification.bias import _rest_of_sharper_rows
 from symid.identification.noise import noise_levels, noise_limited_widening, noise_of_rows
+from symid.identification.observation import rows_by
 from symid.identification.scheme import DIFFERENCE_ORDER, sharper
 
 SHARP = sharper(DIFFERENCE_ORDER)
@@ -142,10 +143,10 @@ def test_the_rest_of_sharper_rows_is_what_all_their_columns_leave(wide: bool) ->
     X = np.array([90.0, 180.0, 2.0])
     widening = noise_limited_widening(model, log, 40.0, levels, SHARP.widening)
     assert widening == (SHARP.widening if wide else 2.0)
-    whole = observe(model, log, seen.preparation, replace(SHARP, widening=widening))
-    expected = np.where(seen.valid, whole.y - whole.W @ X, 0.0)
+    W, y = rows_by(model, log, seen.preparation, replace(SHARP, widening=widening))
+    expected = np.where(seen.valid, y - W @ X, 0.0)
     rest = _rest_of_sharper_rows(model, log, seen, X, levels)
-    assert rest == pytest.approx(expected, abs=1e-9 * np.abs(whole.y).max())
+    assert rest == pytest.approx(expected, abs=1e-9 * np.abs(y).max())
     assert np.abs(rest).max() > 1.0
 
 
