@@ -79,7 +79,7 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
         with parsing(path, "CSV", *POLARS_FAILURES):
             frame = file.scan(values, positions, pl.String(), header_rows=0)
         columns = _without_blank_end(frame)
-        return [_values_of_text(series, layout.separator, decimal=layout.decimal) for series in columns]
+        return [values_of_texts(series, layout.separator, decimal=layout.decimal) for series in columns]
 
     return Table(headers, read, stamps=stamps)
 
@@ -117,7 +117,7 @@ class _Csv:
         """Values of columns, as those of a `Table`."""
         frame, numeric = self._frame(self.path, positions, header_rows=1)
         texts = _without_blank_end(frame)
-        return [values_of(x) if numeric else _values_of_text(x, self.separator) for x in texts]
+        return [values_of(x) if numeric else values_of_texts(x, self.separator) for x in texts]
 
     def slices(self, positions: Sequence[int]) -> Slices:
         """Slices of rows. Lines are counted once: numbers contain no quoted line ends, so that a line is a row."""
@@ -137,7 +137,7 @@ class _Csv:
                     f"{self.path}: rows {first + 1} to {stop} have fewer lines than rows: write it again"
                 )
             part = rows.slice(first - lines.rows[begin], stop - first)
-            return [values_of(x) if numeric else _values_of_text(x, self.separator, first) for x in part]
+            return [values_of(x) if numeric else values_of_texts(x, self.separator, first) for x in part]
 
         n_rows = 0
         for chunk in range(len(lines.rows) - 2, -1, -1):  # there may be blank lines at the end of the file
@@ -211,7 +211,7 @@ def _without_blank_end(frame: pl.DataFrame) -> pl.DataFrame:
     return frame.head(int(filled[-1]) + 1 if filled.size else 0)
 
 
-def _values_of_text(
+def values_of_texts(
     texts: pl.Series, separator: str, before: int | None = None, decimal: str = ""
 ) -> FloatArray | str:
     """Values of a column of texts, the whole of it, or the rows after some `before`, or what is wrong with them."""

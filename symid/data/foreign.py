@@ -81,13 +81,13 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     return tuple(
         ForeignColumn(header, "time", "s", False, clocks[i], True)
         if i in clocks
-        else _described(header, column[np.isfinite(column)])
+        else described_column(header, column[np.isfinite(column)])
         for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header
     )
 
 
-def _described(header: str, values: FloatArray) -> ForeignColumn:
+def described_column(header: str, values: FloatArray) -> ForeignColumn:
     """Quantity and unit of a column as guessed from its header and finite values, with remarks."""
     if not values.size:
         return replace(_guessed(header, np.zeros(1)), constant=True)

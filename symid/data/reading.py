@@ -13,7 +13,7 @@ from symid.data.clock import inspect_clock, require_seconds
 from symid.data.columns import TIME, Source, references_of
 from symid.data.log import Log
 from symid.data.lost_samples import restored
-from symid.data.resampling import Rate, resampled
+from symid.data.resampling import Rate, known_samples, resampled
 from symid.data.stuck import inspect_spans
 from symid.data.table import Table, require_memory
 from symid.errors import LogError
@@ -87,9 +87,7 @@ def _require_sound(
     """LogError for positions that jump, before resampling hides it; resampled counts of an encoder jump no longer."""
     faults: list[str] = []
     for name in positions_of(expected, signals):
-        size = min(signals[name].size, clocks[name].size)
-        there = np.isfinite(signals[name][:size]) & np.isfinite(clocks[name][:size])
-        time, x = clocks[name][:size][there], signals[name][:size][there]
+        time, x, _ = known_samples(clocks[name], signals[name])
         steps = np.diff(time)
         gaps = (np.flatnonzero(steps > 1.5 * np.median(steps)) + 1).tolist() if steps.size else []
         for t, part in zip(np.split(time, gaps), np.split(x, gaps), strict=True):
@@ -133,6 +131,12 @@ def _read(
     return values, notes
 
 
+def _ends_within_a_row(values: Mapping[str, FloatArray]) -> bool:
+    """Whether only the last row lacks values, as in the file of a program that was stopped."""
+    missing = [~np.isfinite(x) for x in values.values()]
+    return any(own.size > 1 and own[-1] for own in missing) and not any(own[:-1].any() for own in missing)
+
+
 def _checked(
     source: str,
     values: dict[str, FloatArray],
@@ -145,6 +149,9 @@ def _checked(
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} {size}" for name, size in lengths.items())
         raise LogError(f"the columns differ in length ({listed}): save as many samples of each")
+    if _ends_within_a_row(values):
+        values = {name: x[:-1] for name, x in values.items()}
+        notes = [*notes, "the last row is not complete: left out"]
     time = values.pop(TIME)
     if not time.size:
         raise LogError("has no rows: give a log with samples")

@@ -103,6 +103,8 @@ _FASTER: Final = 1.25
 """Highest new rate, in multiples of the highest rate of the signals."""
 _PASSED: Final = 0.8
 """Cutoff of the anti-aliasing filter (order 8, forward and backward) over the new Nyquist frequency."""
+_MOST_REPEATED: Final = 0.01
+"""Share of samples with the time of the one before that are left out: more are no repeated rows but a coarse clock."""
 _MOST_SAMPLES: Final = 10**9  # on the common clock
 
 
@@ -145,6 +147,18 @@ def resampled(
     return {TIME: time, **{name: one.at(time, period) for name, one in written.items()}}, tuple(notes)
 
 
+def known_samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray, int]:
+    """Times and values of the samples that have both, without a few that repeat a time, and the number of these."""
+    size = min(time.size, values.size)
+    there = np.isfinite(time[:size]) & np.isfinite(values[:size])
+    t, x = time[:size][there], values[:size][there]
+    repeats = np.diff(t, prepend=-np.inf) == 0
+    n_repeats = int(np.count_nonzero(repeats))
+    if n_repeats > _MOST_REPEATED * t.size:
+        return t, x, 0
+    return t[~repeats], x[~repeats], n_repeats
+
+
 @dataclass(frozen=True)
 class _Written:
     """A signal at the times at which it was written, its usual sampling period, and notes on its clock."""
@@ -157,9 +171,7 @@ class _Written:
     @classmethod
     def of(cls, name: str, time: FloatArray, values: FloatArray) -> _Written:
         """The samples that are there, checked; LogError for a gap that nothing can fill."""
-        size = min(time.size, values.size)
-        there = np.isfinite(time[:size]) & np.isfinite(values[:size])
-        t, x = time[:size][there], values[:size][there]
+        t, x, repeated = known_samples(time, values)
         steps = np.diff(t)
         if t.size < MINIMUM_SAMPLES:
             raise LogError(
@@ -175,6 +187,8 @@ class _Written:
         period = float(np.mean(steps[steps <= _NONE_LACKS * np.median(steps)]))
         lost = np.rint(steps / period).astype(np.int64) - 1
         gaps, notes = np.flatnonzero(lost > 0), []
+        if repeated:
+            notes.append(f"{repeated} samples with the time of the one before were left out")
         if lost.max() > _LONGEST_GAP:
             place = int(np.argmax(lost))
             raise LogError(

@@ -103,7 +103,7 @@ def test_matrices_are_their_columns(tmp_path: Path) -> None:
         file["data"] = matrix.T
     for name, columns in (
         ("m.mat", {"t": "data(:,1)", "q": "data(:,2)", "F": "data(:,3)"}),
-        ("m.h5", {"t": "1", "q": "2", "F": "3"}),
+        ("m.h5", {"t": "data(:,1)", "q": "data(:,2)", "F": "data(:,3)"}),
     ):
         log = read_log(tmp_path / name, expected=EXPECTED, columns=columns)
         np.testing.assert_array_equal(log["q"], Q)

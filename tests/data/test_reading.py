@@ -235,13 +235,6 @@ def test_rows_with_too_many_fields(tmp_path):
     assert "row 31 has 4 fields where there are 3 columns" in error_of(path)
 
 
-def test_a_log_cut_off_in_its_last_line(tmp_path):
-    path = write(tmp_path / "a.csv", columns())
-    content = path.read_text(encoding="utf-8")
-    path.write_text(content[: content.rindex(",", 0, content.rindex(",")) + 4], encoding="utf-8")
-    assert "'Fm' has 1 value empty or not finite, the first at t = 0.796 s (row 200)" in error_of(path)
-
-
 @pytest.mark.parametrize("unit", ["µ?", "mm!", "m;", "?"])
 def test_signs_that_no_unit_has_are_not_passed_over(unit):
     with pytest.raises(LogError, match="is not known"):

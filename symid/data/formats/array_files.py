@@ -205,7 +205,22 @@ def open_numpy(path: Path, memory: int | None = None) -> Table:
         with zipfile.ZipFile(path) as archive:
             require_memory(sum(entry.file_size for entry in archive.infolist()) // 8, memory)
         with np.load(path, allow_pickle=False) as arrays:
-            return table_of_arrays({name: arrays[name] for name in arrays.files})
+            return table_of_arrays(_without_objects(arrays))
+
+
+def _without_objects(arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, npt.NDArray[Any]]:
+    """Arrays of an NPZ file that hold no objects; ValueError if all do, or one is damaged."""
+    found, refused = {}, None
+    for name in arrays:
+        try:
+            found[name] = arrays[name]
+        except ValueError as error:
+            if "pickle" not in str(error):
+                raise
+            refused = error
+    if refused and not found:
+        raise refused
+    return found
 
 
 if __name__ == "__main__":

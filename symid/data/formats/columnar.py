@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 import polars as pl
 
 from symid.arrays import FloatArray
+from symid.data.csv_table import values_of_texts
 from symid.data.table import POLARS_FAILURES, Slices, Table, parsing, source_of, values_of
 
 _SMALL = 2**21
@@ -29,7 +31,7 @@ def open_parquet(path: Path, memory: int | None = None) -> Table:
 def open_feather(path: Path, memory: int | None = None) -> Table:
     """Table in a Feather file (Arrow IPC), always read as a whole; LogError if it is damaged."""
     with _native_silence():
-        table = _opened(path, "Feather", pl.scan_ipc)
+        table = _opened(path, "Feather", _scan_arrow)
     if path.stat().st_size <= _SMALL:
         return replace(table, slices=None)
 
@@ -38,6 +40,15 @@ def open_feather(path: Path, memory: int | None = None) -> Table:
             return table.read(positions)
 
     return replace(table, read=read, slices=None)
+
+
+def _scan_arrow(source: Path | io.BytesIO) -> pl.LazyFrame:
+    """Rows of a file, or of a stream, of Arrow."""
+    with contextlib.ExitStack() as opened:
+        file = source if isinstance(source, io.BytesIO) else opened.enter_context(source.open("rb"))
+        is_stream = file.read(4) == b"\xff" * 4
+        file.seek(0)
+    return pl.read_ipc_stream(source).lazy() if is_stream else pl.scan_ipc(source)
 
 
 @contextmanager
@@ -62,7 +73,7 @@ def _native_silence() -> Iterator[None]:
 def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
     with parsing(path, kind, *POLARS_FAILURES):
         is_small = path.stat().st_size <= _SMALL
-        scanned = scan(io.BytesIO(path.read_bytes()) if is_small else source_of(path))
+        scanned = _flat(scan(io.BytesIO(path.read_bytes()) if is_small else source_of(path)))
         whole = scanned.collect() if is_small else None
         schema = scanned.collect_schema() if whole is None else whole.schema
         headers = tuple(schema)
@@ -70,12 +81,12 @@ def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
 
     def read(positions: Sequence[int], first: int = 0, stop: int | None = None) -> list[FloatArray | str]:
         names = [headers[position] for position in positions]
-        count = None if stop is None else stop - first
+        count, before = (None, None) if stop is None else (stop - first, first)
         if whole is not None:
-            return [numbers_of(whole[name].slice(first, count), first) for name in names]
+            return [numbers_of(whole[name].slice(first, count), before) for name in names]
         with parsing(path, kind, *POLARS_FAILURES):
-            frame = scan(source_of(path)).select(sorted(set(names))).slice(first, count).collect()
-        return [numbers_of(frame[name], first) for name in names]
+            frame = _flat(scan(source_of(path))).select(sorted(set(names))).slice(first, count).collect()
+        return [numbers_of(frame[name], before) for name in names]
 
     moments = frozenset(place for place, kind in enumerate(schema.values()) if kind.is_temporal())
     return Table(
@@ -83,13 +94,31 @@ def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
     )
 
 
-def numbers_of(column: pl.Series, first: int = 0) -> FloatArray | str:
+def _flat(frame: pl.LazyFrame) -> pl.LazyFrame:
+    """A frame with the fields of its structs as columns."""
+    schema = frame.collect_schema()
+    if not any(isinstance(kind, pl.Struct) for kind in schema.values()):
+        return frame
+    return _flat(
+        frame.select(
+            pl.col(name).struct.field(field.name).alias(f"{name}.{field.name}") if field else pl.col(name)
+            for name, kind in schema.items()
+            for field in (kind.fields if isinstance(kind, pl.Struct) else (None,))
+        )
+    )
+
+
+def numbers_of(column: pl.Series, first: int | None = None) -> FloatArray | str:
     """Numbers of a column, or a sentence on what it holds; moments and durations are seconds.
 
-    Moments count from the first: only of a column that is read from its first row on.
+    Moments count from the first: only of a column that is whole, or read from its `first` row 0 on.
     """
     if column.dtype.is_numeric():
         return values_of(column.cast(pl.Float64))
+    if column.dtype == pl.Time:
+        return numbers_of(column.cast(pl.Duration("ns")), first)
+    if column.dtype == pl.String:
+        return values_of_texts(column, ";", first)
     if not first and isinstance(column.dtype, (pl.Datetime, pl.Duration)) and len(column):
         spans = column - column[0] if isinstance(column.dtype, pl.Datetime) else column
         return values_of(spans.dt.total_nanoseconds().cast(pl.Float64) * 1e-9)

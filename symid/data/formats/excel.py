@@ -6,12 +6,10 @@ from pathlib import Path
 
 import polars as pl
 
-from symid.arrays import FloatArray
 from symid.data.formats.columnar import numbers_of
 from symid.data.formats.extra import required
 from symid.data.layout import layout_of_text, lines_of
 from symid.data.table import Table, parsing
-from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
 _MOST_ROWS = 300
@@ -36,18 +34,7 @@ def open_excel(path: Path, memory: int | None = None) -> Table:
 
 def _table(headers: tuple[str, ...], values: pl.DataFrame) -> Table:
     columns = values.get_columns()[: len(headers)]
-    return Table(headers[: len(columns)], lambda places: [_values(columns[place]) for place in places])
-
-
-def _values(column: pl.Series) -> FloatArray | str:
-    """Numbers of a column, also where its cells are texts such as ``1,5`` or moments."""
-    if column.dtype != pl.String:
-        return numbers_of(column)
-    moments = seconds_of_stamps(column)
-    if moments is not None:
-        return moments
-    numbers = column.str.strip_chars().str.replace(",", ".", literal=True).cast(pl.Float64, strict=False)
-    return numbers_of(column if numbers.null_count() > column.null_count() else numbers)
+    return Table(headers[: len(columns)], lambda places: [numbers_of(columns[place]) for place in places])
 
 
 def _headers(path: Path, cells: pl.DataFrame) -> tuple[tuple[str, ...], int]:

@@ -65,7 +65,9 @@ class _Vector:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of groups, array and column."""
+        """Names of groups, array and column; a column of an array without names is ``data(:,1)``."""
+        if isinstance(self.place, int) and not self.title:
+            return (*self.path[:-1], f"{self.path[-1]}(:,{self.place + 1})")
         return (*self.path, self.title) if self.title else self.path
 
     def read(self, file: Any) -> FloatArray | str:
@@ -98,7 +100,7 @@ def _vectors(file: Any, h5py: Any) -> list[_Vector]:
                 titles = _texts(item, _TITLES) or _items_of_pandas(file, name)
                 for j in range(narrow):
                     own = units[j] if len(units) == narrow else unit
-                    title = titles[j] if len(titles) == narrow else str(j + 1)
+                    title = titles[j] if len(titles) == narrow else ""
                     found.append(_Vector(path, own, long, j, item.shape[0] == long, title))
             else:
                 found.append(_Vector(path, unit, item.size))

@@ -35,7 +35,8 @@ def _parsed(path: Path, memory: int | None, *, lines: bool) -> object:
     require_memory(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
     try:
         with parsing(path, "JSON", ValueError):
-            text = path.read_text(encoding="utf-8-sig")
+            content = path.read_bytes()
+            text = content.decode(json.detect_encoding(content))
             if lines:
                 return [json.loads(line) for line in text.splitlines() if line.strip()]
             return json.loads(text)
@@ -59,10 +60,10 @@ def _columns(value: object, names: tuple[str, ...]) -> Iterator[tuple[tuple[str,
     if len(names) > _DEEPEST:
         return
     if isinstance(value, Mapping):
-        headers, rows = value.get("columns"), value.get("data")
-        if isinstance(headers, list) and _are_rows(rows, len(headers)):
-            named = [str(header) for header in headers]
-            yield from _records([dict(zip(named, row, strict=True)) for row in rows or ()], names)
+        headers: list[str] = next((one for one in value.values() if _are_texts(one)), [])
+        rows = next((one for one in value.values() if _are_rows(one, len(headers))), None)
+        if rows is not None:
+            yield from _records([dict(zip(headers, row, strict=True)) for row in rows], names)
             return
         if value and all(str(key).isdecimal() for key in value):  # as pandas writes a column, by its index
             yield from _columns(list(value.values()), names)
@@ -86,6 +87,10 @@ def _columns(value: object, names: tuple[str, ...]) -> Iterator[tuple[tuple[str,
         numbers = _numbers(value)
         if numbers is not None:
             yield names, numbers
+
+
+def _are_texts(value: Any) -> bool:
+    return isinstance(value, list) and value != [] and all(isinstance(one, str) for one in value)
 
 
 def _are_rows(rows: Any, width: int) -> bool:

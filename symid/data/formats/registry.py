@@ -25,6 +25,7 @@ from symid.data.formats.hdf5 import open_hdf5
 from symid.data.formats.json_log import open_json, open_json_lines
 from symid.data.formats.mdf import open_mdf
 from symid.data.formats.messages import open_mcap, open_rosbag
+from symid.data.formats.own_clocks import with_own_clocks
 from symid.data.formats.scope_text import open_scope_text, writer_of
 from symid.data.formats.tdms import open_tdms
 from symid.data.layout import Layout, guessed_layout
@@ -200,9 +201,9 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         if path.stat().st_size == 0:
             raise LogError(f"{path}: is empty: give a file with a header and samples")
         if layout is not None and READERS.get(suffix) is open_compressed:
-            return open_compressed(path, memory, layout)
+            return with_own_clocks(open_compressed(path, memory, layout))
         if layout is not None and _is_text(path):
-            return open_laid_out(path, layout)
+            return with_own_clocks(open_laid_out(path, layout))
         with naming_file(path):
             return READERS[suffix](path, memory)
     except OSError as error:
