@@ -109,9 +109,9 @@ def _widths(row: Sequence[str], separator: str) -> tuple[int, int]:
 def names_above(above: Sequence[str], separator: str, width: int) -> int | None:
     """Line of the names of a table among the lines above its values, which empty lines may separate; None without one.
 
-    Of several adjacent lines of texts it is none of units. It is the nearest if that one has units in brackets, else
-    the upper of the nearest two: the one below it specifies. A line with a number holds a property such as the
-    sampling time.
+    Of several adjacent lines of texts it is the one above that of the units, or below it. Without units it is the
+    nearest if that one has units in brackets, else the upper of the nearest two: the one below it specifies. A line
+    with a number holds a property such as the sampling time.
     """
     last = len(above) - 1
     while last >= 0 and not above[last].strip(f"{separator} "):
@@ -126,14 +126,20 @@ def names_above(above: Sequence[str], separator: str, width: int) -> int | None:
         if not numbers or all(numbers) or (found and any(numbers)):
             break
         found.append((place, texts))
-    names = [
-        one for one in found if not are_units(one[1]) and any(map(str.isalnum, "".join(one[1])))
-    ] or found
-    if not names:
+    return _named_by(found)
+
+
+def _named_by(lines: Sequence[tuple[int, list[str]]]) -> int | None:
+    """Line of the names among adjacent lines of texts, the nearest to the values first."""
+    told = [one for one in lines if any(map(str.isalnum, "".join(one[1])))] or lines
+    if not told:
         return None
-    place, texts = names[0]
+    of_units = next((i for i, (_, texts) in enumerate(told) if are_units(texts)), None)
+    if of_units is not None and len(told) > 1:
+        return told[of_units + 1 if of_units + 1 < len(told) else of_units - 1][0]
+    place, texts = told[0]
     has_units = any((unit := _BRACKETS.fullmatch(text)) and _is_unit(unit[1]) for text in texts)
-    return place if has_units or len(names) == 1 else names[1][0]
+    return place if has_units or len(told) == 1 else told[1][0]
 
 
 def are_units(texts: Sequence[str]) -> bool:

@@ -39,6 +39,7 @@ MEANT = [("time", "s"), ("position", "mm"), ("force", "N")]
         "Time,Position,Force\ns,mm,N\nclock,encoder,drive",
         "Time,Position,Force\ns,mm,N\n---,---,---",
         "s,mm,N\nTime,Position,Force",
+        "Test 7,Axis X,\nTime,Position,Force\ns,mm,N",
         "% Time [s],Position [mm],Force [N]",
         "// by a program\n// Time [s],Position [mm],Force [N]",
         "s,mm,N",
