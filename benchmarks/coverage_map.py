@@ -87,7 +87,11 @@ def identified(case: Case, log: symid.Log, preparation: symid.Preparation) -> Dr
 
 
 def draw_of(found: Identification) -> Draw:
-    """Values, deviations and statements of a result, about the minimal and then the physical parameters."""
+    """Values, deviations and statements of a result, about the minimal and then the physical parameters.
+
+    The simulated axis is the model, so that its deviations need not cover lacking effects.
+    """
+    found = replace(found, discrepancies=())
     physical, bias = found.physical[0], found.bias
     deviations = physical.propagated_deviations(found.covariance)
     dominated = np.zeros(found.fit.solution.size + physical.parameters.size)

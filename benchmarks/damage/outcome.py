@@ -23,7 +23,7 @@ UNTOLD = ("wrong_unit",)
 
 TOLERANCE = 0.05
 DEVIATIONS = 6.0
-"""A parameter is right within 5 % of the truth, or within 6 corrected standard deviations."""
+"""A parameter is right within 5 % of the truth, or within 6 printed deviations."""
 
 
 @dataclass(frozen=True, order=True)
@@ -116,7 +116,7 @@ def _judged(damage: Damage, code: object, out: str, err: str) -> Outcome:
         for name, true in TRUTH.items()
         if not _right(record["physical"][name], true)
     }
-    said = ", ".join(f"{name} {p['value']} ({p['std_corrected']})" for name, p in off.items())
+    said = ", ".join(f"{name} {p['value']} ({p['deviation']})" for name, p in off.items())
     if not off:
         return Outcome("ok", "")
     residual = ", ".join(f"{r['relative']:.3g}" for r in record["residual"].values())
@@ -126,7 +126,5 @@ def _judged(damage: Damage, code: object, out: str, err: str) -> Outcome:
 
 
 def _right(parameter: dict[str, float | None], true: float) -> bool:
-    value, deviation = parameter["value"], parameter["std_corrected"]
-    if deviation is None:
-        deviation = parameter["std"]
+    value, deviation = parameter["value"], parameter["deviation"]
     return value is not None and abs(value - true) <= max(TOLERANCE * true, DEVIATIONS * (deviation or 0.0))

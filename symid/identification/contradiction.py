@@ -24,8 +24,7 @@ def with_constraint_check(found: Identification) -> Identification:
         return found
     estimate, restricted = found.physical[0], found.physical[0].restricted
     notes = (*found.notes, *_of_bounds(found, estimate, restricted.held), *_of_priors(found, estimate))
-    deviations = restricted.free.propagated_deviations(found.covariance)
-    outside = against(found.model.physical_units, estimate, deviations)
+    outside = against(found.model.physical_units, estimate, found.widened_deviations(restricted.free))
     if found.status not in ("ok", "undetermined") or not outside:
         return replace(found, notes=notes)
     message = f"bounds or priors contradict the log: {outside}: correct them, the model or the log"
@@ -50,7 +49,7 @@ def with_fixed(found: Identification, alone: Identification) -> Identification:
     names = list(alone.model.physical_units)
     given = {name: value for name, (value, _) in found.model.known.items()} | found.physical_parameters
     values = np.array([given[name] for name in names])
-    own, deviations = alone.physical[0].parameters, alone.physical[0].propagated_deviations(alone.covariance)
+    own, deviations = alone.physical[0].parameters, alone.physical_deviations
     known = [i for i, name in enumerate(names) if name not in found.model.physical_units]
     notes = tuple(
         f"{names[i]} is given as {values[i]:.6g} {unit}; the log alone says {own[i]:.6g} +- {deviations[i]:.2g}"

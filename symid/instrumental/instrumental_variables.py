@@ -31,6 +31,7 @@ from symid.identification import (
     with_checks,
     with_constraint_check,
 )
+from symid.identification.physical import open_by_structure
 from symid.instrumental.recorded_gains import cascade_of_log
 from symid.simulation import ClosedLoop
 
@@ -211,10 +212,13 @@ def identify_by_instruments(
 
 
 def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dict[str, float]:
-    """Parameters to simulate with: the estimates, with friction and damping at least 0; nominal ones otherwise."""
-    given = dict(nominal or {})
-    values = {name: value for name, value in found.physical_parameters.items() if np.isfinite(value)}
+    """Parameters to simulate with: the estimates, with friction and damping at least 0; nominal ones otherwise.
+
+    What no log of these signals determines, as the zero of an encoder that is not recorded, is 0 if that is possible.
+    """
     signed = set(found.model.signed)
+    given = dict.fromkeys(signed.intersection(open_by_structure(found.model)), 0.0) | dict(nominal or {})
+    values = {name: value for name, value in found.physical_parameters.items() if np.isfinite(value)}
     return given | {name: value if name in signed else max(value, 0.0) for name, value in values.items()}
 
 

@@ -56,6 +56,10 @@ class AlteredController(Controller):
         """Integral of the error, last error, last force of the given controller, then its own state."""
         return np.concatenate([np.zeros(3), self.given.start])
 
+    def holding(self, force: float) -> AlteredController:
+        """With the given controller in the state in which it holds a force."""
+        return replace(self, given=self.given.holding(force))
+
     def force(
         self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
     ) -> tuple[float, FloatArray]:

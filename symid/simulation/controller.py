@@ -102,8 +102,10 @@ class Controller(ABC):
     def holding(self, force: float) -> Controller:
         """Controller with a state before the first sample in which it holds a force.
 
-        SettingError if the class does not say how.
+        SettingError if it is not 0 and the class does not say how.
         """
+        if not force:
+            return self
         raise SettingError(
             f"{type(self).__name__} does not say how it holds {force:.4g} at the first sample: give it a method "
             "holding(force), or start from displacements and velocities"

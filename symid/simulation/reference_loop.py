@@ -107,7 +107,12 @@ class ClosedLoop:
         controller = self.controller or self.tuned(parameters).controller
         assert controller is not None
         return simulate(
-            self.axis, parameters, self._references(log), controller, frequency_hz=log.sampling_frequency
+            self.axis,
+            parameters,
+            self._references(log),
+            controller,
+            frequency_hz=log.sampling_frequency,
+            start="equilibrium",
         ).log
 
     def check(self, log: Log) -> None:

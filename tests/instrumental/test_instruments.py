@@ -184,3 +184,22 @@ def test_the_command_takes_the_method(
     pl.DataFrame({"t": log.time, "q": log["q"], "F": log["F"]}).write_csv("bare.csv")
     assert run("identify", "rigid_1m", "bare.csv", "--method", "iv") == 2
     assert "--column reference=NAME" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("measured", [("qm",), ("qm", "ql")])
+def test_encoders_of_different_zeros_leave_instruments_strong(measured: tuple[str, ...]) -> None:
+    """The simulated axis begins at rest, with a zero that only the second encoder shows."""
+    values = {"Jm": 8e-3, "Fvm": 0.05, "Kt": 60.0, "Ft": 0.02, "Pt": 20.0, "Jl": 9e-3, "Fvl": 0.03}
+    axis = load_axis("motor_bench")
+    controller = tuned_cascade(plant_of(axis, values), "qm", BANDWIDTH)
+    lines = np.array([0.5, 1.0, 2.0, 5.0, 9.0, 14.0, 22.0])
+    reference = multisine(lines, 0.2, sampling_period=1 / RATE, quantity="position", seconds=2.0)
+    log = simulate(axis, values, reference, controller, start="equilibrium").log.window(0, 4000)
+    kept = [*measured, "iq", "reference"]
+    log = Log.from_arrays({name: log[name] for name in kept}, sampling_period=1 / RATE)
+    found = identify_by_instruments(
+        load_generated("motor_bench", measured), with_noise(log, {"qm": 1e-6}, 3), ClosedLoop(axis),
+        preparation=Preparation(held=True),
+    )  # fmt: skip
+    assert found.status == "ok", found.message
+    assert found.physical_parameters["Jl"] == pytest.approx(9e-3, rel=0.02)
