@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from rich.cells import cell_len
 from rich.console import Console
 from rich.errors import MarkupError
 from rich.markup import escape
@@ -53,18 +54,27 @@ def plain(text: str, style: str = "") -> Text:
 class TextTable(Table):
     """Table of plain text: brackets in names of logs and signals are not markup.
 
-    Columns whose headings are in `right` are aligned at the right.
+    Columns whose headings are in `right` are aligned at the right. No number and no word is cut: where the terminal is
+    too narrow, lines run on.
     """
 
     def __init__(self, title: str, *headings: str, right: Sequence[str] = ()) -> None:
         shown = plain(title) if title else None
         super().__init__(title=shown, title_justify="left", box=None, pad_edge=False)
         for heading in headings:
-            self.add_column(heading, justify="right" if heading in right else "left")
+            self.add_column(
+                heading, justify="right" if heading in right else "left", min_width=_longest_word(heading)
+            )
 
     def add(self, *cells: str) -> None:
         """Add a row of plain text."""
         self.add_row(*map(plain, cells))
+        for column, cell in zip(self.columns, cells, strict=False):
+            column.min_width = max(column.min_width or 0, _longest_word(visible(cell)))
+
+
+def _longest_word(text: str) -> int:
+    return max(map(cell_len, text.split()), default=0)
 
 
 def report_console() -> Console:
