@@ -1,6 +1,7 @@
 """The published EMPS tables digit for digit, and what data/flex_motor_bench/SOURCE.md says of the motor bench."""
 
 import math
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -65,6 +66,7 @@ def test_emps_parameters_on_the_other_log_leave_the_published_error() -> None:
     assert f"{error.deviation:.4f}" == "3.4039"
 
 
+@cache  # a file that may hold objects is read by a process of its own
 def bench_log(name: str) -> Log:
     return read_axis_log(
         load_axis("motor_bench"),

@@ -1,5 +1,7 @@
 """The quick part of benchmarks/output_error.py."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -38,10 +40,13 @@ def test_the_bound_of_a_short_log_is_that_of_its_likelihood() -> None:
     np.testing.assert_allclose(bound, least, rtol=0.02)  # the covariance tells hardly anything more
 
 
+read = cache(bench.read)
+
+
 @pytest.mark.parametrize("mean", [False, True])
 def test_a_decimated_bench_keeps_its_frequencies(mean: bool) -> None:
     """250 Hz instead of 2500: the authors name about 53 and 77 Hz."""
-    log = bench.kept(bench.read("A"), 10, mean=mean)
+    log = bench.kept(read("A"), 10, mean=mean)
     found = bench.identify_output_error(
         bench.symid.load_axis("motor_bench"),
         bench.symid.load_generated("motor_bench", ("qm", "ql")),
