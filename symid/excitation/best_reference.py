@@ -22,7 +22,16 @@ from symid.excitation.references import DEFAULTS, references, references_apart, 
 from symid.identification import Preparation, identify_with_steps
 from symid.identification.physical import open_by_structure
 from symid.instrumental import identify_by_instruments
-from symid.simulation import ClosedLoop, Controller, Limits, Simulation, Trajectory, plant_of, simulate
+from symid.simulation import (
+    ClosedLoop,
+    Controller,
+    Limits,
+    Simulation,
+    Trajectory,
+    feedthrough_of,
+    plant_of,
+    simulate,
+)
 
 Paths: TypeAlias = tuple[Trajectory, ...]
 """Reference of each drive."""
@@ -152,7 +161,7 @@ class IdentificationTrial:
                     self.axis,
                     self.model,
                     [log],
-                    lambda axis, values: plant_of(axis, values).feedthrough,
+                    feedthrough_of,
                     preparation=settings,
                     examine="bias",
                     nominal=nominal,

@@ -5,7 +5,7 @@ from symid.identification.bias import Bias
 from symid.identification.constraints import Constraints
 from symid.identification.contradiction import with_constraint_check, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
-from symid.identification.force_steps import identify_with_steps
+from symid.identification.force_steps import identify_with_steps, logs_with_steps
 from symid.identification.guessed_mapping import guessed_mapping, stated_period
 from symid.identification.identification_result import Identification
 from symid.identification.identify import found_from, identify, with_checks
@@ -39,6 +39,7 @@ __all__ = [
     "identify_with_known",
     "identify_with_steps",
     "known_of_logs",
+    "logs_with_steps",
     "measured_signals",
     "observe",
     "open_axis_log",

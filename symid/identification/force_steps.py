@@ -3,7 +3,8 @@
 A held force jumps at each sample, and so does an acceleration. An accelerometer with the clock of the drive reads the
 value just before the jump, that is under the force of the sample before, while motion from positions follows the held
 force half a sample late on average. What the reading lacks is D (F(t - T/2) - F[k-1]), D being the acceleration that a
-unit of force makes at once. D depends on the parameters: it is found with them, by iteration.
+unit of force makes at once. D depends on the parameters: it is found with them, by iteration. Other simulators record
+the value just after the jump, which lacks D (F(t - T/2) - F[k]).
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ from symid.identification.settings import Preparation
 Feedthrough = Callable[[Axis, Mapping[str, float]], Mapping[str, FloatArray]]
 """For physical parameters the acceleration that each accelerometer reads at once per unit of each drive's force."""
 
+_MOMENTS: Final = {"before": 1, "after": 0}
+"""When a reading may be taken beside a step of the force, and how many samples older the force is that then acts."""
 _MOST_ROUNDS: Final = 8  # of identification and completion
 _SETTLED: Final = 1e-6  # relative change of the accelerations per force at which the iteration ends
 _WHOLE: Final = 1e-9  # of a sample
@@ -66,32 +69,56 @@ def identify_with_steps(
     """
     again: Callable[..., Identification] = partial(identify, model, **settings)
     found = again(logs, preparation=preparation, examine=examine)
-    runs = [log for log in logs if isinstance(log, Log)]
-    if axis is None or len(runs) < len(logs) or not _misses_steps(axis, model, preparation):
-        return found
-    known = partial(_known, partial(feedthrough, axis))
-    if not known(found):
-        return found
-    fixed = found.observations[0].preparation  # the same rows for all that is compared
-    plain = trial = again(runs, preparation=fixed, examine=False)
-    completed, last = runs, dict[str, FloatArray]()
-    for _ in range(_MOST_ROUNDS):
-        at_once = known(trial)
-        if not at_once:
-            return found
-        completed = [_completed(log, at_once, found.model.forces, fixed.late) for log in runs]
-        trial = again(completed, preparation=fixed, examine=False)
-        if last and all(np.allclose(d, last[name], rtol=_SETTLED) for name, d in at_once.items()):
-            break
-        last = dict(at_once)
-    if not _negative_log_likelihood(trial) < _negative_log_likelihood(plain):
+    completed, note = logs_with_steps(axis, found, logs, feedthrough, preparation=preparation, **settings)
+    if not note:
         return found
     better = again(completed, preparation=preparation, examine=examine)
-    note = (
-        f"{', '.join(last)}: what each step of the held force makes at once was added, as the reading is taken just "
-        "before it"
-    )
     return replace(better, notes=(*better.notes, note))
+
+
+def logs_with_steps(
+    axis: Axis | None,
+    found: Identification,
+    logs: Sequence[AnyLog],
+    feedthrough: Feedthrough,
+    *,
+    preparation: Preparation | None = None,
+    **settings: Any,
+) -> tuple[Sequence[AnyLog], str]:
+    """The logs with what accelerometers miss of the steps, if that fits better than they do, and a note that says so.
+
+    `found` is the identification of the logs as they are; everything else is as in `identify_with_steps`.
+    """
+    runs = [log for log in logs if isinstance(log, Log)]
+    if axis is None or len(runs) < len(logs) or not _misses_steps(axis, found.model, preparation):
+        return logs, ""
+    known = partial(_known, partial(feedthrough, axis))
+    if not known(found):
+        return logs, ""
+    fixed = found.observations[0].preparation  # the same rows for all that is compared
+    again: Callable[..., Identification] = partial(
+        identify, found.model, preparation=fixed, examine=False, **settings
+    )
+    plain = again(runs)
+    likeliest, best, note = _negative_log_likelihood(plain), runs, ""
+    for moment, older in _MOMENTS.items():
+        trial, last = plain, dict[str, FloatArray]()
+        for _ in range(_MOST_ROUNDS):
+            at_once = known(trial)
+            if not at_once:
+                break
+            completed = [_completed(log, at_once, found.model.forces, fixed.late, older) for log in runs]
+            trial = again(completed)
+            if last and all(np.allclose(d, last[name], rtol=_SETTLED) for name, d in at_once.items()):
+                break
+            last = dict(at_once)
+        if at_once and (cost := _negative_log_likelihood(trial)) < likeliest:
+            likeliest, best = cost, completed
+            note = (
+                f"{', '.join(at_once)}: what each step of the held force makes at once was added, as the reading is "
+                f"taken just {moment} it"
+            )
+    return (best, note) if note else (logs, "")
 
 
 def _misses_steps(axis: Axis, model: GeneratedModel, preparation: Preparation | None) -> bool:
@@ -115,7 +142,11 @@ def _known(
 
 
 def _completed(
-    log: Log, at_once: Mapping[str, FloatArray], forces: Sequence[str], late: Mapping[str, float]
+    log: Log,
+    at_once: Mapping[str, FloatArray],
+    forces: Sequence[str],
+    late: Mapping[str, float],
+    older: int,
 ) -> Log:
     """The log with the missing parts of its accelerations."""
     k = np.arange(log.n_samples)
@@ -124,7 +155,7 @@ def _completed(
         for force, acceleration in zip(forces, accelerations, strict=True):
             # Lateness of the reading and of the force, in samples; that of the force holds the half one of its hold.
             middle = (late.get(name, 0.0) - late.get(force, 0.0)) / log.sampling_period
-            acting = k - 1 - math.floor(middle - 0.5 + _WHOLE)
+            acting = k - older - math.floor(middle - 0.5 + _WHOLE)
             smooth = QuinticSpline(log[force]).earlier(-middle)
             signals[name] = signals[name] + acceleration * (smooth - log[force][np.clip(acting, 0, k[-1])])
     return replace(log, signals=signals)

@@ -250,7 +250,8 @@ class ColumnTests:
         power, taken = float(own @ own), float(own @ residual) - in_both
         certain = self._certain(residual, CRITERIA.gain_beyond_noise)
         is_small = abs(taken) <= CRITERIA.sensor_gain * (power - in_column)
-        return is_small or taken**2 <= certain * power * float(residual @ residual)
+        is_little = power < in_column  # beyond the model the sensor holds nothing but noise
+        return is_small or is_little or taken**2 <= certain * power * float(residual @ residual)
 
     def _certain(self, residual: FloatArray, deviations: float) -> float:
         """Part of the residual's power that a column takes away whose parameter is a number of deviations from 0."""

@@ -10,96 +10,32 @@ Control Systems Technology 22(1), 2014).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.axis import Axis
 from symid.codegen import GeneratedModel, as_generated, declared_delays
 from symid.data import Log
 from symid.errors import SettingError
-from symid.estimation import LeastSquares
 from symid.identification import (
     Constraints,
     Identification,
-    Observation,
     Preparation,
     excerpts,
     found_from,
     identify,
+    logs_with_steps,
     observe,
     with_checks,
     with_constraint_check,
 )
 from symid.identification.physical import open_by_structure
+from symid.instrumental.instrumental_fit import InstrumentalFit, estimate_by_instruments
 from symid.instrumental.recorded_gains import cascade_of_log
-from symid.simulation import ClosedLoop
-
-
-@dataclass(frozen=True, eq=False)
-class InstrumentalFit:
-    """An estimate by instrumental variables, and how strong its instruments are."""
-
-    # the parameters with their classical covariance; rank and conditions are those of least squares
-    fit: LeastSquares
-    # lowest canonical correlation between the columns of Z and of W: 1 if both span the same
-    correlation: float
-
-    def strength(self, effective_samples: float) -> float:
-        """F of the weakest direction in the regression of W on Z, for a number of independent samples.
-
-        Below about 10 instruments are weak (D. Staiger and J. Stock, Econometrica 65, 1997).
-        """
-        explained = min(self.correlation, 1.0) ** 2
-        n = self.fit.solution.size
-        return explained / max(1.0 - explained, 1e-12) * max(effective_samples - n, 0.0) / n
-
-
-def estimate_by_instruments(
-    observations: Sequence[Observation], instruments: Sequence[FloatArray], start: LeastSquares
-) -> InstrumentalFit:
-    """Estimate with instruments, one array of the shape of W for each observation.
-
-    The start is the estimate by least squares from these rows, with all parameters determined: it gives the weights.
-    """
-    root, p = start.rank.inverse_root, start.solution.size
-    cross, own, slope = np.zeros((p, p)), np.zeros((p, p)), np.zeros(p)
-    for seen, Z, weights in zip(
-        observations, instruments, start.weights.reshape(len(observations), -1), strict=True
-    ):
-        for j, weight in enumerate(weights):
-            used = seen.valid[j]
-            z, w = (weight * columns[j][used] @ root for columns in (Z, seen.W))
-            # the estimate is a correction of the start: products with residuals lose fewer digits than with y
-            rest = weight * (seen.y[j][used] - seen.W[j][used] @ start.solution)
-            cross, own, slope = cross + z.T @ w, own + z.T @ z, slope + z.T @ rest
-    gain = np.linalg.pinv(cross)  # instruments without information show in their correlation
-    solution = start.solution + root @ (gain @ slope)
-    values, vectors = np.linalg.eigh(own)
-    # W T is orthonormal. With Z T made orthonormal too, the singular values are the canonical correlations.
-    orthonormal = vectors / np.sqrt(np.maximum(values, np.finfo(float).tiny))
-    correlation = float(np.linalg.svd(orthonormal.T @ cross, compute_uv=False)[-1])
-    norms = np.array(
-        [
-            float(np.linalg.norm(y[used] - W[used] @ solution))
-            for seen in observations
-            for W, y, used in zip(seen.W, seen.y, seen.valid, strict=True)
-        ]
-    )
-    sigma = float(np.linalg.norm(start.weights * norms)) / np.sqrt(max(sum(start.rows) - p, 1))
-    spread = root @ gain
-    fit = replace(
-        start,
-        method="iv",
-        parameters=solution,
-        solution=solution,
-        covariance=sigma**2 * spread @ own @ spread.T,
-        sigma_rho=sigma,
-        sigma_rho_equation=norms / np.sqrt(np.maximum(np.array(start.rows) - p, 1)),
-        residual_norm=norms,
-    )
-    return InstrumentalFit(fit, correlation)
-
+from symid.simulation import ClosedLoop, feedthrough_of, plant_of
 
 _MOST_ROUNDS = 4
 _SETTLED = 0.05
@@ -166,12 +102,17 @@ def identify_by_instruments(
     model, runs = as_generated(model), (logs,) if isinstance(logs, Log) else tuple(logs)
     for log in runs:
         loop.check(log)
-    first = identify(
-        model, runs, preparation=preparation, nominal=nominal, constraints=constraints, examine=False
+    plain = partial(
+        identify, model, preparation=preparation, nominal=nominal, constraints=constraints, examine=False
     )
+    first = plain(runs)
     if first.fit.status != "ok":
         return replace(first, fit=replace(first.fit, method="iv"))
-    start = _possible(first, nominal)
+    others, completed = logs_with_steps(loop.axis, first, runs, feedthrough_of, preparation=preparation)
+    if completed:
+        runs = tuple(log for log in others if isinstance(log, Log))
+        first = plain(runs)
+    start = _possible(first, nominal, loop.axis)
     loop, controlled = _with_controller(loop, runs, first, start)
     found, weak = first, ""
     parameters = start
@@ -181,7 +122,8 @@ def identify_by_instruments(
         try:
             Z = _instruments(model, runs, loop, first, parameters)
         except SettingError as error:
-            weak = f"the axis cannot be simulated with the parameters found, give `nominal`: {error}"
+            cure = ", give `nominal`" if nominal is None else ""
+            weak = f"the axis cannot be simulated with the parameters found{cure}: {error}"
             break
         result = estimate_by_instruments(first.observations, Z, first.fit)
         if result.correlation < _NONE:
@@ -200,10 +142,10 @@ def identify_by_instruments(
         found, weak = latest, _weakness(latest, result)
         if np.all(moved < _SETTLED):
             break
-        parameters = _possible(found, nominal)
+        parameters = _possible(found, nominal, loop.axis)
     if weak:
         return replace(found, fit=replace(found.fit, method="iv"), status="weak_instruments", message=weak)
-    found = replace(found, notes=(*found.notes, controlled))
+    found = replace(found, notes=(*found.notes, *([completed] if completed else []), controlled))
     return (
         with_checks(found, excerpts(model, runs, found.observations), runs, Z)
         if examine
@@ -211,7 +153,7 @@ def identify_by_instruments(
     )
 
 
-def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dict[str, float]:
+def _possible(found: Identification, nominal: Mapping[str, float] | None, axis: Axis) -> dict[str, float]:
     """Parameters to simulate with: the estimates, with friction and damping at least 0; nominal ones otherwise.
 
     What no log of these signals determines, as the zero of an encoder that is not recorded, is 0 if that is possible.
@@ -219,7 +161,12 @@ def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dic
     signed = set(found.model.signed)
     given = dict.fromkeys(signed.intersection(open_by_structure(found.model)), 0.0) | dict(nominal or {})
     values = {name: value for name, value in found.physical_parameters.items() if np.isfinite(value)}
-    return given | {name: value if name in signed else max(value, 0.0) for name, value in values.items()}
+    values = given | {name: value if name in signed else max(value, 0.0) for name, value in values.items()}
+    try:
+        plant_of(axis, values)
+    except SettingError:  # no machine has these masses
+        return values if nominal is None else given
+    return values
 
 
 def _with_controller(

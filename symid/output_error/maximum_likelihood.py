@@ -11,7 +11,7 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel, declared_delays, passed_over
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification import Identification, Preparation, identify
+from symid.identification import Identification, Preparation, identify_with_steps
 from symid.identification.settings import notes_on_declared
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.fit_status import remarks_on, verdict_of
@@ -19,7 +19,7 @@ from symid.output_error.hidden_laws import Models, models_of
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification
 from symid.output_error.rough_starts import plausible, rigid_start, spread, with_heavy_bodies
-from symid.simulation import ClosedLoop, ForwardDynamics, forward_dynamics
+from symid.simulation import ClosedLoop, ForwardDynamics, feedthrough_of, forward_dynamics
 
 
 def identify_output_error(
@@ -130,7 +130,9 @@ class _Judge:
     def least_squares(self, logs: Sequence[Log], settings: Preparation) -> Identification | None:
         """Least-squares identification with all checks; None if the logs cannot be prepared for it."""
         try:
-            return identify(self.visible, logs, preparation=settings, nominal=self.nominal)
+            return identify_with_steps(
+                self.axis, self.visible, logs, feedthrough_of, preparation=settings, nominal=self.nominal
+            )
         except SettingError:
             return None
 

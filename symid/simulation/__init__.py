@@ -12,7 +12,7 @@ from symid.simulation.cascade_tuning import tuned_cascade, tuned_cascades
 from symid.simulation.closed_loop import Simulation, simulate
 from symid.simulation.controller import Cascade, Command, Controller, LinearLaw, OpenLoop, Replay
 from symid.simulation.excitation import chirp, from_log, largest_within, steps
-from symid.simulation.forward_dynamics import ForwardDynamics, forward_dynamics, plant_of
+from symid.simulation.forward_dynamics import ForwardDynamics, feedthrough_of, forward_dynamics, plant_of
 from symid.simulation.limits import Extremes, Limits
 from symid.simulation.moves import MoveProfile, move, trapezoids
 from symid.simulation.multisine import frequency_lines, multisine, whole_periods
@@ -37,6 +37,7 @@ __all__ = [
     "Simulation",
     "Trajectory",
     "chirp",
+    "feedthrough_of",
     "forward_dynamics",
     "frequency_lines",
     "from_log",

@@ -49,6 +49,11 @@ def plant_of(axis: Axis, parameters: Mapping[str, float]) -> Plant:
     return forward_dynamics(axis).at(parameters)
 
 
+def feedthrough_of(axis: Axis, parameters: Mapping[str, float]) -> Mapping[str, FloatArray]:
+    """Acceleration that each accelerometer reads at once per unit of each drive's force."""
+    return plant_of(axis, parameters).feedthrough
+
+
 def forward_dynamics(axis: Axis) -> ForwardDynamics:
     """Forward dynamics of an axis for any parameter values: derived once, evaluated often.
 

@@ -55,12 +55,13 @@ def logged(share_after: float) -> Log:
     )
 
 
-def test_what_is_read_before_each_step_is_completed() -> None:
-    found = symid.identify(AXIS, logged(share_after=0.0))
+@pytest.mark.parametrize(("share", "moment"), [(0.0, "before"), (1.0, "after")])
+def test_what_is_read_beside_each_step_is_completed(share: float, moment: str) -> None:
+    found = symid.identify(AXIS, logged(share_after=share))
     assert found.status == "ok", found.message
     for name, value in found.physical_parameters.items():
         assert value == pytest.approx(TRUE[name], rel=0.01), name
-    assert any("ddq1: what each step" in note for note in found.notes)
+    assert any("ddq1: what each step" in note and moment in note for note in found.notes)
 
 
 def test_without_it_the_damping_is_lost() -> None:

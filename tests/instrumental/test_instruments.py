@@ -14,7 +14,7 @@ from symid.errors import SettingError
 from symid.estimation import ObservationBlock, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification import Identification, Observation
 from symid.instrumental import identify_by_instruments
-from symid.instrumental.instrumental_variables import estimate_by_instruments
+from symid.instrumental.instrumental_fit import estimate_by_instruments
 from symid.simulation import ClosedLoop, multisine, plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = {"M": 95.0, "Fv": 200.0, "Fs": 20.0}

@@ -4,19 +4,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from symid.axis import Law
+from symid.axis import Law, ViscousFriction
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.simulation.plant import direction_of
+
+
+def places_of(prediction: Prediction, law: Law) -> dict[str, float]:
+    """Bodies in whose joint a law acts, also by a gear, with the displacement in the law's joint per theirs."""
+    own, found = direction_of(law.at, prediction.response.plant.bodies), dict[str, float]()
+    for place, joint in prediction.joints.items():
+        ratio = float(own @ joint.direction / (joint.direction @ joint.direction))
+        if ratio and np.allclose(own, ratio * joint.direction, rtol=1e-9, atol=0.0):
+            found[place] = ratio
+    return found
 
 
 def declared_level(prediction: Prediction, place: str, kind: type[Law]) -> float:
     """Coefficient of the declared friction of a kind in a joint; 0 if none is declared."""
-    laws = (
-        law
-        for law in prediction.axis.laws
-        if isinstance(law, kind) and getattr(law.at, "name", None) == place
-    )
-    values = prediction.axis.with_known_values(prediction.parameters)
-    return sum(abs(values[term.parameter]) for law in laws for term in law.terms())
+    values, level = prediction.axis.with_known_values(prediction.parameters), 0.0
+    power = (
+        2 if issubclass(kind, ViscousFriction) else 1
+    )  # a gear takes part in the velocity and in the force
+    for law in prediction.axis.laws:
+        if isinstance(law, kind) and (ratio := places_of(prediction, law).get(place)):
+            level += sum(abs(values[term.parameter]) for term in law.terms()) * abs(ratio) ** power
+    return level
 
 
 _TOGETHER = 0.99

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from symid.axis import CoulombFriction, ViscousFriction
+from symid.diagnosis.effects.declared_friction import places_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.prediction.prediction import Prediction
 
@@ -86,10 +87,11 @@ def _powers_of_friction(prediction: Prediction) -> dict[str, float]:
     inside = prediction.record.in_log
     powers: dict[str, float] = {}
     for law in prediction.axis.laws:
-        joint = prediction.joints.get(getattr(law.at, "name", ""))
-        if joint is None or not isinstance(law, CoulombFriction | ViscousFriction):
+        places = places_of(prediction, law)
+        if not places or not isinstance(law, CoulombFriction | ViscousFriction):
             continue
-        speed = np.abs(joint.v[inside])
+        place, ratio = next(iter(places.items()))
+        speed = np.abs(ratio * prediction.joints[place].v[inside])
         own = float(np.mean(speed if isinstance(law, CoulombFriction) else speed**2))
         for term in law.terms():
             powers[term.parameter] = powers.get(term.parameter, 0.0) + own

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from symid.axis import Body, CoulombFriction
+from symid.axis import CoulombFriction
+from symid.diagnosis.effects.declared_friction import places_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.identification.constant_force import CONSTANT, is_constant
 
@@ -22,8 +23,8 @@ def steady_force(fit: Fit) -> str:
     force = record.log[name][np.minimum(at, record.log.n_samples - 1)]
     for law in prediction.axis.laws:
         is_free = isinstance(law, CoulombFriction) and any(term.parameter in free for term in law.terms())
-        if is_free and isinstance(law.at, Body):
-            joint = prediction.joints[law.at.name]
+        for place in places_of(prediction, law) if is_free else ():
+            joint = prediction.joints[place]
             fast = record.in_log & (np.abs(joint.v) > _FAST * joint.top_speed)
             if is_constant(force[fast], np.sign(joint.v[fast])[None]):
                 return CONSTANT.format(name)

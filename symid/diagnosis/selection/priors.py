@@ -15,7 +15,7 @@ import numpy as np
 
 from symid.axis import CoulombFriction
 from symid.diagnosis.effects import LawEffect, Placed
-from symid.diagnosis.effects.declared_friction import moving_along
+from symid.diagnosis.effects.declared_friction import moving_along, places_of
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -71,7 +71,13 @@ def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> 
     """Log-likelihood ratio of the friction level: grown in one direction against unchanged."""
     along = moving_along(state.prediction, item.at)
     frictions = [law for law in state.prediction.axis.laws if isinstance(law, CoulombFriction)]
-    levels = {law.named("level"): along.get(getattr(law.at, "name", ""), 0.0) for law in frictions}
+    levels = {
+        law.named("level"): max(
+            (along.get(at, 0.0) * abs(ratio) for at, ratio in places_of(state.prediction, law).items()),
+            default=0.0,
+        )
+        for law in frictions
+    }
     before, after = (
         sum(values.get(name, 0.0) * share for name, share in levels.items())
         for values in (nominal, state.prediction.parameters)
