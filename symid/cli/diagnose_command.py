@@ -139,7 +139,9 @@ def _write_axis(found: Diagnosis, file: Path) -> None:
         )
     explained = explained_axis(found)
     write_axis(explained.axis, file, f"{found.axis.name} with what a diagnosis found.")
-    write_json(explained.values, str(file.with_suffix(".json")))
+    values = file.with_suffix(".json")
+    write_json(explained.values, str(values))
+    say(f"wrote {file}, and its values to {values}", err=True)
     for sentence in explained.left_out:
         say(sentence, err=True)
     if tied := [change.name for change in found.parameters if not change.is_determined]:

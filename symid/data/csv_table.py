@@ -232,6 +232,8 @@ def values_of_texts(
     plain = without_groups(cleaned.fill_null("").to_list()) if whole else None
     if plain is not None:
         return values_of(pl.Series(plain).cast(pl.Float64, strict=False))
+    if wrong.size > 1 and wrong.size == np.count_nonzero((cleaned != "").fill_null(value=False).to_numpy()):
+        return f"holds texts such as {texts[int(wrong[0])]!r} where numbers are required"
     first = int(wrong[0])
     more = f" and in {wrong.size - 1} more" if wrong.size > 1 else ""
     row = (before or 0) + first + 1

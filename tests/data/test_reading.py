@@ -92,7 +92,7 @@ def test_reference_is_kept_if_it_can_be(tmp_path):
         log = read_log(write(tmp_path / "b.csv", columns(reference=bad)), expected=EXPECTED)
         assert "reference" not in log.signals
         assert len(log.notes) == 1
-    assert "a number is required" in error_of(
+    assert "numbers are required" in error_of(
         write(tmp_path / "c.csv", columns(cmd=["up"] * N)), columns={"reference": "cmd"}
     )
 

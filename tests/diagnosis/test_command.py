@@ -32,7 +32,7 @@ def test_one_run_prints_a_table_and_writes_json_page_and_axis(
     assert run("diagnose", "rigid_1m", "run.csv", "--nominal", "nominal.json", *files) == 0
     shown = capsys.readouterr()
     assert shown.out.startswith("The model lacks quadratic drag at motor")
-    assert shown.err == ""
+    assert shown.err == "wrote drag.py, and its values to drag.json\n"
     assert "quadratic drag" in (folder / "gap.html").read_text(encoding="utf-8")
     record = json.loads(Path("gap.json").read_text(), parse_constant=pytest.fail)
     assert set(record) >= {

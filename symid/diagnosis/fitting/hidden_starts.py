@@ -117,14 +117,13 @@ def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) 
 
 def _sum_of_squares(start: Start) -> float:
     """Sum of squares that a start leaves, apart from unknown initial states; infinite if the motion diverges."""
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
+        try:
             state = start.placed_state()
-    except OverflowError:
-        return math.inf
-    if not np.isfinite(state.rows).all():
-        return math.inf
-    return Fit(state, start.weighting).cost
+        except OverflowError:
+            return math.inf
+        cost = Fit(state, start.weighting).cost if np.isfinite(state.rows).all() else math.inf
+    return cost if math.isfinite(cost) else math.inf
 
 
 def _near_nominal(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:
