@@ -19,6 +19,7 @@ from symid.diagnosis.findings.feedback import driven_backwards, feedback_law
 from symid.diagnosis.findings.location import momentary
 from symid.diagnosis.findings.steady_force import steady_force
 from symid.diagnosis.findings.wording import rejection, sentence
+from symid.diagnosis.findings.wrong_gain import wrong_gain
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
@@ -194,7 +195,7 @@ def _diagnosed(
     damaged = damage(parts, begun, base).led_by(feedback_law(fits[-1]))
     if not damaged.fatal:
         damaged = damaged.led_by(driven_backwards(fits[-1]))
-    damaged = damaged.led_by(steady_force(base), silent=True)
+    damaged = damaged.led_by(wrong_gain(base), silent=True).led_by(steady_force(base), silent=True)
 
     def concluded_from(models: Comparison) -> Diagnosis:
         found = concluded(models, steps, fits, nominal, logs, damaged)

@@ -22,6 +22,7 @@ from symid.diagnosis.fitting.state import State, first_state, law_to_integrate, 
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
+from symid.simulation.plant import direction_of
 
 _STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
 _MASSES = (0.9, 1.1)
@@ -145,6 +146,7 @@ def _near_nominal(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterato
 
 def _hidden_springs(prediction: Prediction) -> Iterator[tuple[Spring, Body]]:
     """Springs with hidden deflection, and the hidden body on each."""
+    bodies = prediction.response.plant.bodies
     for spring in (e for e in prediction.axis.elements if isinstance(e, Spring)):
         if not prediction.record.is_hidden(prediction.springs[place_of(spring)].direction):
             continue
@@ -152,7 +154,9 @@ def _hidden_springs(prediction: Prediction) -> Iterator[tuple[Spring, Body]]:
         hidden = [
             b
             for b in ends
-            if isinstance(b, Body) and prediction.record.is_hidden(prediction.joints[b.name].direction)
+            if isinstance(b, Body)
+            and (b.gears or b.name in bodies)
+            and prediction.record.is_hidden(direction_of(b, bodies))
         ]
         if hidden:
             yield spring, hidden[0]
