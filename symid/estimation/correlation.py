@@ -187,7 +187,7 @@ def correlation_matrix(covariance: FloatArray) -> FloatArray:
     """
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     known = np.where(deviations > 0, deviations, np.nan)
-    with np.errstate(over="ignore"):  # a covariance from a file may hold anything
+    with np.errstate(over="ignore", invalid="ignore"):  # a covariance from a file may hold anything
         return np.asarray(covariance / np.outer(known, known))
 
 

@@ -27,7 +27,7 @@ from symid.diagnosis.in_motion.replayed import (
 )
 from symid.diagnosis.prediction.joined_logs import Joined
 from symid.diagnosis.thresholds import THRESHOLDS
-from symid.errors import SettingError, SymidError
+from symid.errors import LogError, SettingError, SymidError
 from symid.estimation.residual_measures import fit_percent
 from symid.simulation import Cascade
 
@@ -198,14 +198,17 @@ def errors_of_axis(
     axis: Callable[[], ExplainedAxis], logs: Sequence[Sequence[Part]], drivers: Sequence[Driver]
 ) -> list[MotionError]:
     """Motion errors next to each drive, in logs that have a part for each; a failed simulation is a status."""
+    away = [MotionError("failed", message="the simulated axis runs away")] * len(drivers)
     try:
         with np.errstate(all="ignore"):
             explained = axis()
             simulated = [simulated_positions(explained, parts, drivers) for parts in logs]
+    except LogError:  # no log holds such positions
+        return away
     except (SymidError, np.linalg.LinAlgError, ArithmeticError, ValueError) as error:
         return [MotionError("failed", message=str(error))] * len(drivers)
     if not all(map(_stays_near, chain(*logs), chain(*simulated))):
-        return [MotionError("failed", message="the simulated axis runs away")] * len(drivers)
+        return away
     message = "; ".join(explained.left_out)
     return [
         _compared([parts[d] for parts in logs], [positions[d] for positions in simulated], message)

@@ -112,6 +112,8 @@ def distribution_shapes(one: ParameterReview, values: FloatArray) -> Distributio
     reach = _REACH * max(robust_deviation(values), 1e-9 * abs(one.median), 1e-300)
     low, high = max(one.median - reach, values.min()), min(one.median + reach, values.max())
     margin = 0.12 * (high - low) or reach
+    if math.isfinite(one.spread.promised):  # values that hardly differ need no digits beyond their deviations
+        margin = max(margin, 0.2 * one.spread.promised)
     low, high = float(low - margin), float(high + margin)
     counts, edges = np.histogram(np.clip(values, low, high), bins=_BINS, range=(low, high))
     floor, width = BARS_HEIGHT - 16, BARS_WIDTH / _BINS
