@@ -122,12 +122,6 @@ def _cleared(
     return row.combine(quotient(theirs, common), other, -quotient(mine, common))
 
 
-def _without_content(row: EliminationRow) -> EliminationRow:
-    """The row divided by the common factor, free of s, of its multipliers."""
-    parts = [part for entry in row.multipliers.values() for part in by_power(entry).values()]
-    return row.divided(common_divisor(sorted(parts, key=len)))
-
-
 def _is_told_apart(mine: Signals, theirs: Signals, linear: Signals) -> bool:
     """Whether a multiple of a linear row, added to another row, would show in its minimal parameters.
 

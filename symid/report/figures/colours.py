@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
+MEASURED, MODEL = "#0072B2", "#D55E00"
 EXPLAINED, NOMINAL, NOISE = "#009E73", "#CC79A7", "#777777"
 INK, PAPER = "#222222", "#FFFFFF"
 
