@@ -118,7 +118,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
             axes,
             logs,
             output=options["output"],
-            settings=_settings(axis, axes, options),
+            settings=_settings(axes, options),
             known=known_of_tables(options["known"], _units(axes)),
             jobs=options["jobs"],
             scheduler=options["scheduler"],
@@ -150,7 +150,7 @@ def _units(axes: tuple[str | Axis, ...]) -> dict[str, Unit]:
     return {name: unit for axis in axes for name, unit in axis_of(axis).parameter_units.items()}
 
 
-def _settings(name: str, axes: tuple[str | Axis, ...], options: dict[str, Any]) -> BatchSettings:
+def _settings(axes: tuple[str | Axis, ...], options: dict[str, Any]) -> BatchSettings:
     first = axis_of(axes[0])
     return BatchSettings(
         method=options["method"],
@@ -158,7 +158,7 @@ def _settings(name: str, axes: tuple[str | Axis, ...], options: dict[str, Any]) 
         preparation=preparation_of(options, late_of(options)),
         held=options["held"],
         ddof=options["ddof"],
-        nominal=parameter_file(options["nominal"], load_axis(name)) if options["nominal"] else None,
+        nominal=parameter_file(options["nominal"], first) if options["nominal"] else None,
         bounds=bounds_of(options["bounds"], first),
         prior=priors_of(options["prior"], first),
         controller=cascade_gains(options["gains"]),

@@ -15,7 +15,7 @@ from symid.axis import AnyAxis, Axis, axis_of
 from symid.codegen import GeneratedModel, model_of
 from symid.codegen.generated_models import StoredModule, stored_module
 from symid.data.formats import FOLDER_SUFFIXES, suffix_of
-from symid.errors import EliminationError, GeneratedModuleError, SettingError, SymidError
+from symid.errors import EliminationError, SettingError, SymidError
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS
 from symid.identification.axis_logs import axis_columns
@@ -42,15 +42,10 @@ class FleetAxis:
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
     def model(self, measured: Sequence[str]) -> GeneratedModel:
-        """Generated model of a set of sensors; GeneratedModuleError if it does not exist or is outdated."""
+        """Generated model of a set of sensors; one that was not generated is derived."""
         wanted = tuple(sensor.signal for sensor in self.axis.measured(measured))
-        if not self.modules:
-            return model_of(self.axis, wanted)
-        for signals, module in self.modules:
-            if signals == wanted:
-                return _compiled(module)
-        command = f"symid generate {self.axis.name} --measured {','.join(wanted)}"
-        raise GeneratedModuleError(f"there is no generated module for {', '.join(wanted)}; run: {command}")
+        module = dict(self.modules).get(wanted)
+        return model_of(self.axis, wanted) if module is None else _compiled(module)
 
     def with_known(self, values: Mapping[str, float]) -> FleetAxis:
         """The axis of a log of which more values are known."""

@@ -49,7 +49,8 @@ def verdict_of(
     if found.fit is None:
         return (
             "no_start",
-            "no start was found: a log holds no lasting motion, or give `nominal`, values to start from",
+            "no start can be evaluated: a log holds no lasting motion, or no sensor sees where a free body is; give "
+            "`nominal`, values to start from, measure its position, or take `method=wls`",
         )
     minimum = found.fit.search.minimum
     if minimum is None or not minimum.converged:

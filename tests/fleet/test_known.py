@@ -15,6 +15,7 @@ import symid
 from symid.cli.simulate_command import write_log
 from symid.errors import EliminationError, SettingError
 from symid.fleet import BatchSettings, identify_batch
+from symid.fleet.plan import fleet_axes
 from symid.fleet.result_table import read_rows
 from symid.simulation import Cascade, simulate, trapezoids
 
@@ -28,6 +29,20 @@ def test_a_fixed_mass_is_no_column_and_the_others_are_those_of_identify(logs: Pa
         found = symid.identify(axis.with_known({"M": 5.0}), symid.read_axis_log(axis, str(row["log"])))
         assert row["Fv"] == found.physical_parameters["Fv"]
         assert row["Fv"] == pytest.approx(TRUE["Fv"], rel=0.05)
+
+
+def test_nominal_values_need_not_hold_what_is_fixed(logs: Path) -> None:
+    Path("nominal.json").write_text(json.dumps({name: TRUE[name] for name in ("Fv", "Fs")}))
+    fixed = ("--fix", "M=5kg", "--nominal", "nominal.json", "--jobs", "1")
+    assert run("batch", "rigid_1m", str(logs), "-o", "r.csv", *fixed) == 0
+
+
+def test_a_set_of_sensors_that_was_not_generated_is_derived() -> None:
+    axis = symid.load_axis("ballscrew_2m1s").with_known({"Ml": 100.0})
+    (plan,) = fleet_axes(axis, BatchSettings())
+    generated = {signals for signals, _ in plan.modules}
+    assert ("qm", "ql") not in generated
+    assert plan.model(("qm", "ql")).measured == ("qm", "ql")
 
 
 def test_bounds_and_priors_reach_every_log(logs: Path) -> None:
