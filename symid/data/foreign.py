@@ -24,6 +24,8 @@ _SIGN_BITS: Final = (10, 11, 15)
 _MOST_OF_BIT, _CHANGES = 0.75, 3
 """Largest magnitude as a share of the sign bit's value, and fewest changes of sign, to take the bit as a sign."""
 _CLOCKS: Final = ("s", "ms", "us", "ns", "day")
+_YEAR_2000: Final = 946_684_800  # s from 1970
+_FROM_1601: Final = 1.25e17, 1.6e17  # times of 1997 to 2108, in 100 ns
 _LONGEST_STROKE: Final = 10.0  # m: a position that covers more is in a smaller unit
 
 
@@ -230,6 +232,17 @@ def _measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
     return None, None
 
 
+def _clocks_of(times: FloatArray) -> Sequence[str]:
+    """Units that times may have: one, if they count from 1970, or, as Windows does, from 1601 in 100 ns.
+
+    >>> _clocks_of(np.array([1.76e15])), _clocks_of(np.array([1.33e17])), len(_clocks_of(np.zeros(1)))
+    (['us'], ['100 ns'], 5)
+    """
+    first = float(times[0]) if times.size else 0.0
+    from_1970 = [unit for unit in _CLOCKS[:4] if _YEAR_2000 < first * to_si(unit) < 4 * _YEAR_2000]
+    return from_1970 or (["100 ns"] if _FROM_1601[0] < first < _FROM_1601[1] else _CLOCKS)
+
+
 def _without_unit(
     header: str, quantity: Quantity, word: str, setpoint: bool, values: FloatArray, written: str | None
 ) -> ForeignColumn:
@@ -238,7 +251,7 @@ def _without_unit(
     if quantity == "time":
         step = float(np.median(np.diff(values))) if values.size > 1 else 0.0
         low, high = PLAUSIBLE_PERIODS
-        fits = [unit for unit in _CLOCKS if low <= step * to_si(unit) <= high]
+        fits = [unit for unit in _clocks_of(values) if low <= step * to_si(unit) <= high]
         if fits:
             reason = f"{evidence}; steps of {step:g} are a plausible sampling period in {fits[0]}"
             return ForeignColumn(header, "time", fits[0], setpoint, reason, False)

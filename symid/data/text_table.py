@@ -123,7 +123,7 @@ def names_above(above: Sequence[str], separator: str, width: int) -> int | None:
         is_whole = len(numbers) >= width - 1 or not found
         if len(texts) < width or (separator == " " and len(texts) > width) or not is_whole:
             break
-        if not numbers or all(numbers) or (found and any(numbers)):
+        if not numbers or sum(numbers) > len(numbers) / 2 or (found and any(numbers)):
             break
         found.append((place, texts))
     return _named_by(found)

@@ -1,6 +1,7 @@
 """Tables of foreign programs: clocks of their own, rows that repeat or end early, texts and structs as columns."""
 
 import datetime
+import gzip
 import json
 from pathlib import Path
 
@@ -30,6 +31,9 @@ def test_a_column_of_times_before_each_channel_is_its_clock(tmp_path: Path) -> N
     with pytest.raises(LogError, match="'F' has other times than 'q'"):
         read_log(path, expected=EXPECTED, layout=layout_found(path))
     log = read_log(path, expected=EXPECTED, layout=layout_found(path), resample="own")
+    packed = tmp_path / "pairs.csv.gz"
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    assert open_table(packed).headers == open_table(path, layout_found(path)).headers
     np.testing.assert_allclose(log["F"], 50 * np.cos(30 * (log.time - 0.25e-3)), atol=0.02)
 
 

@@ -64,6 +64,14 @@ def test_columns_of_texts_stand_beside_the_numbers(tmp_path: Path) -> None:
     np.testing.assert_allclose(q, Q, atol=1e-6)
 
 
+def test_a_remark_in_the_first_row_does_not_make_it_a_line_of_names(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.csv", "Time [s],Position [mm],Force [N],Event", "{t:.6f},{q:.6f},{q:.6f},")
+    path.write_text(path.read_text().replace(",\n", ",start\n", 1))
+    assert list(columns_of(path).values()) == MEANT
+    (q,) = open_table(path, layout_found(path)).read([1])
+    np.testing.assert_allclose(q, Q, atol=1e-6)
+
+
 def test_names_without_a_latin_letter_tell_the_quantity(tmp_path: Path) -> None:
     path = written(tmp_path / "a.csv", "时间,指令位置,位置,推力", "{t:.6f},{q:.6f},{q:.6f},{q:.6f}", "gbk")
     assert [quantity for quantity, _ in columns_of(path, "gbk").values()] == [

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import IO, Any, Final, TypeAlias
 
 from symid.data.csv_table import laid_out
+from symid.data.formats.own_clocks import with_own_clocks
 from symid.data.layout import Layout, layout_of_text, lines_of
 from symid.data.table import Table, free_memory, parsing
 from symid.errors import LogError
@@ -58,4 +59,4 @@ def open_compressed(path: Path, memory: int | None = None, layout: Layout | None
     if len(text) > most:
         raise LogError(f"{path}: holds more than {most / 1e6:.3g} MB of text: uncompress it")
     given = layout or layout_of_text(path, text)
-    return laid_out(path, given, lines_of(path, text, given.encoding), lambda: text)
+    return with_own_clocks(laid_out(path, given, lines_of(path, text, given.encoding), lambda: text))

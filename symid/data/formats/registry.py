@@ -201,7 +201,7 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         if path.stat().st_size == 0:
             raise LogError(f"{path}: is empty: give a file with a header and samples")
         if layout is not None and READERS.get(suffix) is open_compressed:
-            return with_own_clocks(open_compressed(path, memory, layout))
+            return open_compressed(path, memory, layout)
         if layout is not None and _is_text(path):
             return with_own_clocks(open_laid_out(path, layout))
         with naming_file(path):
