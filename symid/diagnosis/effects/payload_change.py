@@ -8,6 +8,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, least_squares
 from symid.diagnosis.effects.effect import Effect, MatchedFilter, Placed, Shape, best_peaks, joint_units
+from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import response_of
@@ -24,6 +25,8 @@ _CHANGES_WITHIN = np.array([0.1, 0.9])
 """Part of the log in which a mass may change: at its ends, unknown states decay."""
 _MOMENTS = np.linspace(0.03, 0.97, 48)
 """Times of a change that are tried in another log, relative to its length."""
+_FADES = 30.0
+"""Periods of the highest frequency used in which a unit step fades, so that it ends within the log."""
 _UNSETTLED = 12
 """Points around the change, and after the end of the log, at which pulses have not yet decayed."""
 
@@ -86,9 +89,9 @@ class PayloadChangeEffect(Effect):
             (self, place), change, lambda: self._with_change(prediction, body.direction, change)
         )
         time = record.fine_time
-        later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log
-        changed = -change * other * record.from_grid(body.a * later)
-        return self._ended(record, changed, free, moment)[None]
+        later = np.clip(0.5 + (time - moment) / (1 * time[1]), 0, 1) * record.in_log
+        added = (body.a + _sharp_jump(prediction, body, shape, later)) * later
+        return self._ended(record, -change * other * record.from_grid(added), free, moment)[None]
 
     def _with_change(
         self, prediction: Prediction, direction: FloatArray, change: float
@@ -116,3 +119,20 @@ class PayloadChangeEffect(Effect):
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
         return "1", str(force * Unit.of("s") ** 2 / length), "s"
+
+
+def _sharp_jump(prediction: Prediction, body: Joint, shape: Shape, later: FloatArray) -> FloatArray:
+    """What the band of the log leaves out of the jump of a driven acceleration, on the fine grid.
+
+    The forces on the body go on, so that its acceleration a(-) falls to a(-) m/(m + dm). The measured one passes the
+    jump half-way at its moment, in the time that the band allows. `later` is 1 from the moment on.
+    """
+    record, (change, moment) = prediction.record, shape
+    if record.is_predicted(body.direction):  # the motion of the axis as modelled has no jump
+        return np.zeros_like(later)
+    mass = 1 / float(body.direction @ np.linalg.pinv(prediction.response.plant.mass) @ body.direction)
+    share = change / (mass + change)
+    before = float(np.interp(moment, record.fine_time, body.a)) / (1 - share / 2)
+    fading = np.exp(-np.clip(record.fine_time - moment, 0.0, None) * record.band_hz / _FADES)
+    step = later * fading
+    return np.asarray(-share * before * (step - record.fine(record.from_grid(step))))

@@ -11,34 +11,32 @@ from symid.diagnosis.effects import declared_effects, with_parts
 from symid.diagnosis.findings.found_effects import EffectParameter, ParameterChange
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.moments import moment_deviation
 from symid.diagnosis.thresholds import THRESHOLDS
 
 
 def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
     """Free values of each effect with standard deviations.
 
-    A moment that the log does not determine, because the axis rests, has the standard deviation of a uniform
-    distribution over the log.
+    A moment that the log does not determine, because the axis does not accelerate, may lie anywhere in that time, at
+    most with the deviation of a uniform distribution over the log.
     """
     parts = with_parts(fit.state.placed)
     if parts != fit.state.placed:  # otherwise the cached derivatives stay valid
         fit = replace(fit, state=replace(fit.state, placed=parts))
     deviations = standard_deviations(fit)[len(fit.parameters) :]
     anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
-    found, place = [], 0
-    for item in fit.state.placed:
+    found, place = list[dict[str, EffectParameter]](), 0
+    for at, item in enumerate(fit.state.placed):
         own = deviations[place : place + item.n_free]
         place += own.size
-        values = zip(item.values(fit.state.prediction), own, strict=True)
-        moments = item.effect.moments
-        found.append(
-            {
-                name: EffectParameter(
-                    value, min(float(std), anywhere) if name in moments else float(std), unit
-                )
-                for (name, value, unit), std in values
-            }
-        )
+        parameters = {}
+        for (name, value, unit), linear in zip(item.values(fit.state.prediction), own, strict=True):
+            std = float(linear)
+            if name in item.effect.moments:
+                std = min(max(std, moment_deviation(fit, at, name)), anywhere)
+            parameters[name] = EffectParameter(value, std, unit)
+        found.append(parameters)
     return found
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, least_squares
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.gauss_newton import ITERATIONS, RANK, fitted
+from symid.diagnosis.fitting.moments import timed
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, first_state, leveled, with_effects
 from symid.diagnosis.prediction.record import Record
@@ -31,7 +31,7 @@ def applied(
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_SETTLING if effects else 0):
             state = with_effects(state, weighting, effects)
-        state = _timed(state, weighting)
+        state = timed(state, weighting)
     weighting = with_restarts(weighting, state.prediction.hidden)
     return state.weighted(weighting), weighting
 
@@ -54,20 +54,6 @@ def _levels_on(record: Record, model: State) -> list[float]:
     errors = dict(zip(own.outputs, np.array(model.prediction.levels) * own.noise_of_outputs, strict=True))
     levels = [errors[name] for name in record.outputs] / record.noise_of_outputs
     return [float(x) for x in np.maximum(levels, 1.0)]
-
-
-def _timed(state: State, weighting: Weighting) -> State:
-    """The state with the best-fitting shapes of effects whose shapes belong to a log."""
-    for i, item in enumerate(state.placed):
-        shapes = (item.shape, *item.effect.shapes_of_log(state.prediction.record, item.shape))
-        if len(shapes) > 1:
-            before, after = state.placed[:i], state.placed[i + 1 :]
-            tried = [
-                with_effects(state, weighting, (*before, replace(item, shape=shape), *after))
-                for shape in shapes
-            ]
-            state = min(tried, key=lambda s: float(np.sum(weighting.known(s.rows, s.beginning) ** 2)))
-    return state
 
 
 def errors_of(state: State, weighting: Weighting) -> FloatArray:

@@ -11,6 +11,7 @@ from symid.arrays import BoolArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import Key, Placed
 from symid.diagnosis.fitting.bounds import beyond_bounds, moved_to_bounds
 from symid.diagnosis.fitting.fit import Fit, stiffnesses
+from symid.diagnosis.fitting.moments import with_best_moments
 from symid.diagnosis.fitting.state import State, evaluated, leveled
 from symid.diagnosis.prediction.weighting import Weighting, with_restarts
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -82,10 +83,11 @@ def converged(state: State, weighting: Weighting) -> Fit:
 
 
 def fitted_on(fit: Fit) -> Fit:
-    """A fit continued with its own weights until the error hardly falls.
+    """A fit continued with its own weights until the error hardly falls, from the best moments of changes on.
 
     The search itself stops fitting a model as soon as it can choose.
     """
+    fit = with_best_moments(fit)
     for _ in range(_MOST_FITS):
         try:
             after = converged(fit.state, fit.weighting).after(fit)

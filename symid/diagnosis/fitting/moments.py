@@ -1,0 +1,93 @@
+"""Moments of changes in a log, such as that of a payload.
+
+The error is nowhere linear in a moment: it is flat, but for noise, while the axis rests or moves at constant speed, and
+has a valley as narrow as the band allows where it accelerates. A moment is therefore found by trials, not by
+derivatives.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symid.diagnosis.effects import Placed, Shape
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.state import State, with_effects
+from symid.diagnosis.prediction.weighting import Weighting
+
+_FIRST_STEP, _LAST_STEP = 0.02, 0.01
+"""Steps by which a moment is moved: relative to the log, and in periods of the highest frequency used."""
+_GROWTH = 1.5
+_POSSIBLE = 3.0
+"""Growth of the steps to the end of the time in which a moment may lie, and its limit in standard deviations."""
+
+
+def timed(state: State, weighting: Weighting) -> State:
+    """The state with the best-fitting shapes of effects whose shapes belong to a log, and moments."""
+    for i in range(len(state.placed)):
+        item = state.placed[i]
+        shapes = item.effect.shapes_of_log(state.prediction.record, item.shape)
+        state = _enclosed(_best(state, weighting, i, (item.shape, *shapes)), weighting, i)
+    return state
+
+
+def with_best_moments(fit: Fit) -> Fit:
+    """The fit with the moments of all its effects enclosed, other values held."""
+    state = fit.state
+    for i in range(len(state.placed)):
+        state = _enclosed(state, fit.weighting, i)
+    return fit if state is fit.state else Fit(state, fit.weighting).after(fit)
+
+
+def _enclosed(state: State, weighting: Weighting, at: int) -> State:
+    """The state with the moments of an effect found by halving steps."""
+    record, names = state.prediction.record, state.placed[at].effect.moments
+    step = _FIRST_STEP * record.duration if names else 0.0
+    while step > _LAST_STEP / record.band_hz:
+        item = state.placed[at]
+        moved = (_moved(item, name, d) for name in names for d in (-step, step))
+        state, step = _best(state, weighting, at, (item.shape, *moved)), step / 2
+    return state
+
+
+def moment_deviation(fit: Fit, at: int, name: str) -> float:
+    """Standard deviation of a moment of the effect at an index, s, as of a uniform distribution.
+
+    Other values held, the moment may lie as far as the sum of squares rises by less than that of three deviations.
+    """
+    item, record = fit.state.placed[at], fit.state.prediction.record
+    limit = fit.cost + _POSSIBLE**2 * fit.mean_square
+
+    count = math.ceil(math.log(record.band_hz * record.duration / _LAST_STEP, _GROWTH))
+    steps = _LAST_STEP / record.band_hz * _GROWTH ** np.arange(count)
+
+    def reach(sign: float) -> float:
+        for step in map(float, steps[::-1]):
+            moved = _with_shape(fit.state, fit.weighting, at, _moved(item, name, sign * step))
+            if Fit(moved, fit.weighting).cost < limit:
+                return step * _GROWTH
+        return float(steps[0])
+
+    return min(reach(-1.0) + reach(1.0), record.duration) / math.sqrt(12.0)
+
+
+def _moved(item: Placed, name: str, by: float) -> Shape:
+    """The shape of an effect with one of its moments moved."""
+    k = item.effect.shape_names.index(name)
+    return (*item.shape[:k], item.shape[k] + by, *item.shape[k + 1 :])
+
+
+def _best(state: State, weighting: Weighting, at: int, shapes: Sequence[Shape]) -> State:
+    """The state with the shape of an effect that leaves least; the state itself if there is one only."""
+    if len(shapes) == 1:
+        return state
+    tried = (_with_shape(state, weighting, at, shape) for shape in shapes)
+    return min(tried, key=lambda one: Fit(one, weighting).cost)
+
+
+def _with_shape(state: State, weighting: Weighting, at: int, shape: Shape) -> State:
+    placed = (*state.placed[:at], replace(state.placed[at], shape=shape), *state.placed[at + 1 :])
+    return with_effects(state, weighting, placed)

@@ -1,0 +1,43 @@
+"""The moment at which a payload changes, in the log and in another one."""
+
+import numpy as np
+import pytest
+
+from symid import Log, PayloadChange, load_axis
+from symid.diagnosis import Diagnosis, diagnose
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+AXIS = load_axis("rigid_1m").with_signal("q", noise=1e-7).with_signal("F", noise=0.5)
+VALUES = {"M": 50.0, "Fv": 120.0, "Fs": 70.0}
+MOVES = trapezoids([0.1], [0.2, 0.3], acceleration=6.0, jerk=200.0, dwell=0.1, sampling_period=1e-3)
+
+
+def log_with_change(time: float, seed: int) -> Log:
+    loaded = AXIS.with_effect(PayloadChange(AXIS.bodies[0], 30.0, time=time))
+    return simulate(loaded, VALUES, MOVES, tuned_cascade(plant_of(AXIS, VALUES), "q"), seed=seed).log
+
+
+PATH = MOVES.position
+SPEED = np.gradient(PATH, 1e-3)
+LATE = np.arange(PATH.size) > PATH.size // 2
+CRUISES = 1e-3 * np.flatnonzero(LATE & (np.abs(SPEED) > 0.29))
+BRAKES = 1e-3 * np.flatnonzero(LATE & (np.gradient(np.abs(SPEED), 1e-3) < -5.9))
+
+
+@pytest.fixture(scope="module")
+def found() -> Diagnosis:
+    logs = log_with_change(CRUISES[len(CRUISES) // 4], 1), log_with_change(BRAKES[0] + 0.01, 2)
+    return diagnose(AXIS, logs[0], validation=logs[1], nominal=VALUES)
+
+
+def test_a_change_at_constant_speed_may_have_been_anywhere_in_it(found: Diagnosis) -> None:
+    (effect,) = found.effects
+    assert effect.effect == "payload_change"
+    assert effect.parameters["dm"].value == pytest.approx(30.0, rel=0.005)
+    time = effect.parameters["t0"]
+    assert abs(time.value - CRUISES[len(CRUISES) // 4]) < 3 * time.std
+
+
+def test_a_change_in_motion_is_timed_in_the_validation_log(found: Diagnosis) -> None:
+    # Its moment there is another one; an error of 1 ms would leave some ten times the noise.
+    assert found.gap.explained.rms < 1.8 * found.gap.noise_floor.rms
