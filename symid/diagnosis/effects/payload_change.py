@@ -25,6 +25,8 @@ _CHANGES_WITHIN = np.array([0.1, 0.9])
 """Part of the log in which a mass may change: at its ends, unknown states decay."""
 _MOMENTS = np.linspace(0.03, 0.97, 48)
 """Times of a change that are tried in another log, relative to its length."""
+_SMOOTH = 4
+"""Points of the fine grid over which a mass changes where the motion has no jump."""
 _FADES = 30.0
 """Periods of the highest frequency used in which a unit step fades, so that it ends within the log."""
 _UNSETTLED = 12
@@ -88,10 +90,11 @@ class PayloadChangeEffect(Effect):
         other, free = prediction.response.memory.of(
             (self, place), change, lambda: self._with_change(prediction, body.direction, change)
         )
-        time = record.fine_time
-        later = np.clip(0.5 + (time - moment) / (1 * time[1]), 0, 1) * record.in_log
-        added = (body.a + _sharp_jump(prediction, body, shape, later)) * later
-        return self._ended(record, -change * other * record.from_grid(added), free, moment)[None]
+        if record.is_predicted(body.direction):  # the motion of the axis as modelled has no jump
+            later = body.a * _later(record, moment, _SMOOTH)
+        else:
+            later = _with_sharp_jump(prediction, body, shape) * _later(record, moment)
+        return self._ended(record, -change * other * record.from_grid(later), free, moment)[None]
 
     def _with_change(
         self, prediction: Prediction, direction: FloatArray, change: float
@@ -121,18 +124,22 @@ class PayloadChangeEffect(Effect):
         return "1", str(force * Unit.of("s") ** 2 / length), "s"
 
 
-def _sharp_jump(prediction: Prediction, body: Joint, shape: Shape, later: FloatArray) -> FloatArray:
-    """What the band of the log leaves out of the jump of a driven acceleration, on the fine grid.
+def _later(record: Record, moment: float, points: int = 1) -> FloatArray:
+    """A step from 0 to 1 at a moment of the log, over a number of points of the fine grid."""
+    time = record.fine_time
+    return np.asarray(np.clip(0.5 + (time - moment) / (points * time[1]), 0, 1) * record.in_log)
+
+
+def _with_sharp_jump(prediction: Prediction, body: Joint, shape: Shape) -> FloatArray:
+    """A driven acceleration with what the band of the log leaves out of its jump, on the fine grid.
 
     The forces on the body go on, so that its acceleration a(-) falls to a(-) m/(m + dm). The measured one passes the
-    jump half-way at its moment, in the time that the band allows. `later` is 1 from the moment on.
+    jump half-way at its moment, in the time that the band allows.
     """
     record, (change, moment) = prediction.record, shape
-    if record.is_predicted(body.direction):  # the motion of the axis as modelled has no jump
-        return np.zeros_like(later)
     mass = 1 / float(body.direction @ np.linalg.pinv(prediction.response.plant.mass) @ body.direction)
     share = change / (mass + change)
     before = float(np.interp(moment, record.fine_time, body.a)) / (1 - share / 2)
     fading = np.exp(-np.clip(record.fine_time - moment, 0.0, None) * record.band_hz / _FADES)
-    step = later * fading
-    return np.asarray(-share * before * (step - record.fine(record.from_grid(step))))
+    step = _later(record, moment) * fading
+    return np.asarray(body.a - share * before * (step - record.fine(record.from_grid(step))))

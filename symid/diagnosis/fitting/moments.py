@@ -11,18 +11,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from symid.diagnosis.effects import Placed, Shape
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, with_effects
 from symid.diagnosis.prediction.weighting import Weighting
 
-_FIRST_STEP, _LAST_STEP = 0.02, 0.01
+_FIRST_STEP, _LAST_STEP = 0.02, 0.1
 """Steps by which a moment is moved: relative to the log, and in periods of the highest frequency used."""
 _GROWTH = 1.5
-_POSSIBLE = 3.0
-"""Growth of the steps to the end of the time in which a moment may lie, and its limit in standard deviations."""
+_POSSIBLE, _HOPELESS = 3.0, 4.0
+"""Growth of the steps to the end of the time in which a moment may lie; its limit in standard deviations, and the rise
+of the sum of squares beyond it, relative to that limit, from which on no later moment is tried: it fluctuates."""
 
 
 def timed(state: State, weighting: Weighting) -> State:
@@ -59,17 +58,18 @@ def moment_deviation(fit: Fit, at: int, name: str) -> float:
     Other values held, the moment may lie as far as the sum of squares rises by less than that of three deviations.
     """
     item, record = fit.state.placed[at], fit.state.prediction.record
-    limit = fit.cost + _POSSIBLE**2 * fit.mean_square
-
-    count = math.ceil(math.log(record.band_hz * record.duration / _LAST_STEP, _GROWTH))
-    steps = _LAST_STEP / record.band_hz * _GROWTH ** np.arange(count)
+    rise = _POSSIBLE**2 * fit.mean_square
 
     def reach(sign: float) -> float:
-        for step in map(float, steps[::-1]):
+        step = furthest = _LAST_STEP / record.band_hz
+        risen = 0.0
+        while risen < _HOPELESS * rise and step < record.duration:
             moved = _with_shape(fit.state, fit.weighting, at, _moved(item, name, sign * step))
-            if Fit(moved, fit.weighting).cost < limit:
-                return step * _GROWTH
-        return float(steps[0])
+            risen = Fit(moved, fit.weighting).cost - fit.cost
+            step *= _GROWTH
+            if risen < rise:
+                furthest = step
+        return furthest
 
     return min(reach(-1.0) + reach(1.0), record.duration) / math.sqrt(12.0)
 
