@@ -1,0 +1,39 @@
+"""A force whose sign is lost, and one that a weight keeps on one side."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from symid import Log, load_axis
+from symid.diagnosis import diagnose
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+AXIS = load_axis("rigid_1m").with_signal("q", noise=1e-7).with_signal("F", noise=1.0)
+VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+LOST = "F never changes its sign, though the motion asks for both"
+
+
+@pytest.fixture(scope="module")
+def log() -> Log:
+    moves = trapezoids([0.1], [0.2, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    return simulate(AXIS, VALUES, moves, tuned_cascade(plant_of(AXIS, VALUES), "q"), seed=1).log
+
+
+@pytest.mark.parametrize("nominal", [VALUES, None])
+def test_an_absolute_value_is_named_with_and_without_nominal_values(
+    log: Log, nominal: dict[str, float] | None
+) -> None:
+    rectified = replace(log, signals={**log.signals, "F": np.abs(log["F"])})
+    found = diagnose(AXIS, rectified, nominal=nominal)
+    assert found.verdict == "recording"
+    assert found.faults[0].startswith(LOST)
+
+
+@pytest.mark.parametrize("weight", [700.0, 3000.0])
+def test_a_weight_that_the_model_lacks_is_no_lost_sign(log: Log, weight: float) -> None:
+    lifted = replace(log, signals={**log.signals, "F": log["F"] + weight})
+    assert lifted["F"].min() > 0
+    found = diagnose(AXIS, lifted)
+    assert not any(text.startswith(LOST) for text in found.faults)
+    assert found.effects[0].effect == "offset_force"
