@@ -1,4 +1,4 @@
-"""A force whose sign is lost, and one that a weight keeps on one side."""
+"""A force whose sign or samples are lost, and one that a weight keeps on one side."""
 
 from dataclasses import replace
 
@@ -37,3 +37,11 @@ def test_a_weight_that_the_model_lacks_is_no_lost_sign(log: Log, weight: float) 
     found = diagnose(AXIS, lifted)
     assert not any(text.startswith(LOST) for text in found.faults)
     assert found.effects[0].effect == "offset_force"
+
+
+def test_a_force_with_samples_filled_with_zero_is_no_right_model(log: Log) -> None:
+    # They scale the force: mass and friction come out a tenth too small, and nothing but noise is left.
+    lost = np.random.default_rng(2).random(log.n_samples) < 0.1
+    found = diagnose(AXIS, replace(log, signals={**log.signals, "F": np.where(lost, 0.0, log["F"])}))
+    assert found.verdict == "recording"
+    assert "samples were lost and filled with 0" in found.sentence

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from symid.arrays import FloatArray
 from symid.data import Log
-from symid.data.stuck import inspect_spans
+from symid.data.lost_samples import dropped
+from symid.data.stuck import inspect_spans, is_switched
 from symid.diagnosis.effects import Placed, force_at
 from symid.diagnosis.findings.cut_force import cut_force
 from symid.diagnosis.findings.force_sign import wrong_sign
@@ -60,7 +63,10 @@ def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
     signs = [wrong_sign(begun, found, drive) for drive in range(record.n_drives)]
     cut = [cut_force(found, drive) for drive in range(record.n_drives)]
     fatal = tuple(dict.fromkeys(text for text in (*signs, *faults, *held, *cut) if text))
-    return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
+    # Samples filled with 0 scale the force, and all values with it: a gap is then none of the model.
+    forces = [log[name] for log in logs for name in record.forces]
+    silent = any(np.mean(dropped(x)) >= _LOST for x in forces if not is_switched(x))
+    return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)), silent)
 
 
 def _fault_of_channel(x: FloatArray, name: str, *, is_force: bool) -> str:
