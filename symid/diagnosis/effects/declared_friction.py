@@ -22,9 +22,7 @@ def places_of(prediction: Prediction, law: Law) -> dict[str, float]:
 def declared_level(prediction: Prediction, place: str, kind: type[Law]) -> float:
     """Coefficient of the declared friction of a kind in a joint; 0 if none is declared."""
     values, level = prediction.axis.with_known_values(prediction.parameters), 0.0
-    power = (
-        2 if issubclass(kind, ViscousFriction) else 1
-    )  # a gear takes part in the velocity and in the force
+    power = 2 if issubclass(kind, ViscousFriction) else 1  # a gear acts on the velocity and on the force
     for law in prediction.axis.laws:
         if isinstance(law, kind) and (ratio := places_of(prediction, law).get(place)):
             level += sum(abs(values[term.parameter]) for term in law.terms()) * abs(ratio) ** power

@@ -91,10 +91,10 @@ class PayloadChangeEffect(Effect):
             (self, place), change, lambda: self._with_change(prediction, body.direction, change)
         )
         if record.is_predicted(body.direction):  # the motion of the axis as modelled has no jump
-            later = body.a * _later(record, moment, _SMOOTH)
+            acceleration = body.a * _later(record, moment, _SMOOTH)
         else:
-            later = _with_sharp_jump(prediction, body, shape) * _later(record, moment)
-        return self._ended(record, -change * other * record.from_grid(later), free, moment)[None]
+            acceleration = _with_sharp_jump(prediction, body, shape) * _later(record, moment)
+        return self._ended(record, -change * other * record.from_grid(acceleration), free, moment)[None]
 
     def _with_change(
         self, prediction: Prediction, direction: FloatArray, change: float

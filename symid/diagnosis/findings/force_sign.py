@@ -43,8 +43,9 @@ def wrong_sign(begun: Fit, found: Fit, drive: int) -> str:
     one_sided = logged.min() >= 0 or logged.max() <= 0
     at = np.rint(record.row_time[weighting.kept] / record.log.sampling_period).astype(int)
     coasts = np.mean(logged[np.minimum(at, logged.size - 1)] == 0.0) > _COASTS
-    absolute = one_sided and not coasts and _is_absolute(seen, asked)
-    if absolute or (one_sided and not coasts and not found.nominal and _is_rectified(begun, found, drive)):
+    if (one_sided and not coasts) and (
+        _is_absolute(seen, asked) or (not found.nominal and _is_rectified(begun, found, drive))
+    ):
         return (
             f"{force} never changes its sign, though the motion asks for both: an absolute value was recorded"
         )

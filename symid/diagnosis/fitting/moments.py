@@ -8,8 +8,9 @@ derivatives.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
+from itertools import chain
 
 from symid.diagnosis.effects import Placed, Shape
 from symid.diagnosis.fitting.fit import Fit
@@ -29,7 +30,7 @@ def timed(state: State, weighting: Weighting) -> State:
     for i in range(len(state.placed)):
         item = state.placed[i]
         shapes = item.effect.shapes_of_log(state.prediction.record, item.shape)
-        state = _enclosed(_best(state, weighting, i, (item.shape, *shapes)), weighting, i)
+        state = _enclosed(_best(state, weighting, i, shapes), weighting, i)
     return state
 
 
@@ -48,7 +49,7 @@ def _enclosed(state: State, weighting: Weighting, at: int) -> State:
     while step > _LAST_STEP / record.band_hz:
         item = state.placed[at]
         moved = (_moved(item, name, d) for name in names for d in (-step, step))
-        state, step = _best(state, weighting, at, (item.shape, *moved)), step / 2
+        state, step = _best(state, weighting, at, moved), step / 2
     return state
 
 
@@ -80,12 +81,10 @@ def _moved(item: Placed, name: str, by: float) -> Shape:
     return (*item.shape[:k], item.shape[k] + by, *item.shape[k + 1 :])
 
 
-def _best(state: State, weighting: Weighting, at: int, shapes: Sequence[Shape]) -> State:
-    """The state with the shape of an effect that leaves least; the state itself if there is one only."""
-    if len(shapes) == 1:
-        return state
+def _best(state: State, weighting: Weighting, at: int, shapes: Iterable[Shape]) -> State:
+    """The state, or the one with another shape of an effect, that leaves least."""
     tried = (_with_shape(state, weighting, at, shape) for shape in shapes)
-    return min(tried, key=lambda one: Fit(one, weighting).cost)
+    return min(chain((state,), tried), key=lambda one: Fit(one, weighting).cost)
 
 
 def _with_shape(state: State, weighting: Weighting, at: int, shape: Shape) -> State:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -48,8 +49,8 @@ def initial_motion_jacobian(state: State) -> ComplexArray | None:
     if explained @ explained < _LEAST_SHARE * np.sum((error - explained) ** 2):
         return None
     pulses = pulse_spectra(record)
-    motion = _InitialMotion(prediction, strengths.reshape(-1, len(pulses)) @ pulses)
-    return np.concatenate([motion.by_parameters(state.placed), *motion.by_values(state.placed)])
+    motion = _InitialMotion(prediction, strengths.reshape(-1, len(pulses)) @ pulses, state.placed)
+    return np.concatenate([motion.by_parameters(), *motion.by_values()])
 
 
 @dataclass(frozen=True)
@@ -58,36 +59,39 @@ class _InitialMotion:
 
     prediction: Prediction
     pulses: ComplexArray
+    placed: tuple[Placed, ...]
 
-    def by_parameters(self, placed: Sequence[Placed]) -> ComplexArray:
+    def by_parameters(self) -> ComplexArray:
         """Derivatives of its outputs by the physical parameters."""
-        response, n_drives = self.prediction.response, self.prediction.record.n_drives
-        forces = self._forces(placed)
-        return _of_parameters(
-            self.prediction, self._displacements(forces), response.of_forces(forces)[:n_drives]
-        )
+        driven = self.prediction.response.of_forces(self._forces)[: self.prediction.record.n_drives]
+        return _of_parameters(self.prediction, self._displacements, driven)
 
-    def by_values(self, placed: tuple[Placed, ...]) -> Iterator[ComplexArray]:
+    def by_values(self) -> Iterator[ComplexArray]:
         """Derivatives of its outputs by each free value of the effects; all but elastic ones have no part in it."""
-        response, omega, forces = self.prediction.response, self.prediction.record.omega, self._forces(placed)
-        for at, item in enumerate(placed):
+        response, omega = self.prediction.response, self.prediction.record.omega
+        for at, item in enumerate(self.placed):
             for step, moved in _moved(item, _SHAPE_STEP):
-                change = self._forces((*placed[:at], moved, *placed[at + 1 :])) - forces
+                placed = (*self.placed[:at], moved, *self.placed[at + 1 :])
+                change = self._forces_with(placed) - self._forces
                 if isinstance(item.effect, LinearEffect):
                     direction = item.effect.joint(self.prediction, item.at).direction
                     stiffer = item.effect.impedance(omega, moved) - item.effect.impedance(omega, item)
-                    displaced = stiffer * (direction @ self._displacements(forces))
-                    change -= np.multiply.outer(displaced, direction)
+                    change -= np.multiply.outer(stiffer * (direction @ self._displacements), direction)
                 yield response.of_forces(change)[None] / step
 
-    def _forces(self, placed: Sequence[Placed]) -> ComplexArray:
-        """Forces on the bodies, (n_bins, n_bodies)."""
+    def _forces_with(self, placed: Sequence[Placed]) -> ComplexArray:
+        """Forces on the bodies with effects at other values, (n_bins, n_bodies)."""
         directions, spectra = zip(*free_forces(self.prediction, placed), strict=True)
         return np.asarray((self.pulses * spectra).T @ np.array(directions))
 
-    def _displacements(self, forces: ComplexArray) -> ComplexArray:
+    @cached_property
+    def _forces(self) -> ComplexArray:
+        return self._forces_with(self.placed)
+
+    @cached_property
+    def _displacements(self) -> ComplexArray:
         rests = np.zeros_like(self.prediction.record.motions)
-        return self.prediction.response.displacements(rests, forces)
+        return self.prediction.response.displacements(rests, self._forces)
 
 
 def _is_integrated(state: State) -> bool:
