@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -114,35 +115,7 @@ def identify_by_instruments(
         first = plain(runs)
     start = _possible(first, nominal, loop.axis)
     loop, controlled = _with_controller(loop, runs, first, start)
-    found, weak = first, ""
-    parameters = start
-    # Instruments are rows of the axis simulated with the last estimate: without the noise of the log, but correlated
-    # with its motion. They improve with the estimate until that settles.
-    for _ in range(_MOST_ROUNDS):
-        try:
-            Z = _instruments(model, runs, loop, first, parameters)
-        except SettingError as error:
-            cure = ", give `nominal`" if nominal is None else ""
-            weak = f"the axis cannot be simulated with the parameters found{cure}: {error}"
-            break
-        result = estimate_by_instruments(first.observations, Z, first.fit)
-        if result.correlation < _NONE:
-            weak = f"the simulated axis does not move as the log does: {_CURE}"
-            break
-        latest = found_from(
-            model,
-            runs,
-            first.observations,
-            result.fit,
-            instruments=Z,
-            nominal=nominal or start,
-            constraints=constraints,
-        )
-        moved = np.abs(latest.fit.solution - found.fit.solution) / latest.standard_deviations
-        found, weak = latest, _weakness(latest, result)
-        if np.all(moved < _SETTLED):
-            break
-        parameters = _possible(found, nominal, loop.axis)
+    found, Z, weak = _refined(model, runs, loop, first, start, nominal, constraints)
     if weak:
         return replace(found, fit=replace(found.fit, method="iv"), status="weak_instruments", message=weak)
     found = replace(found, notes=(*found.notes, *([completed] if completed else []), controlled))
@@ -151,6 +124,39 @@ def identify_by_instruments(
         if examine
         else with_constraint_check(found)
     )
+
+
+def _refined(
+    model: GeneratedModel,
+    logs: Sequence[Log],
+    loop: ClosedLoop,
+    first: Identification,
+    start: Mapping[str, float],
+    nominal: Mapping[str, float] | None,
+    constraints: Constraints | None,
+) -> tuple[Identification, tuple[FloatArray, ...], str]:
+    """The estimate after rounds of simulation and estimation, its instruments, and their fault if they have one."""
+    # Instruments are rows of the axis simulated with the last estimate: without the noise of the log, but correlated
+    # with its motion. They improve with the estimate until that settles.
+    given: Any = {"nominal": nominal or start, "constraints": constraints}
+    Z: tuple[FloatArray, ...] = ()
+    found, weak, parameters = first, "", start
+    for _ in range(_MOST_ROUNDS):
+        try:
+            Z = _instruments(model, logs, loop, first, parameters)
+        except SettingError as error:
+            cure = ", give `nominal`" if nominal is None else ""
+            return found, Z, f"the axis cannot be simulated with the parameters found{cure}: {error}"
+        result = estimate_by_instruments(first.observations, Z, first.fit)
+        if result.correlation < _NONE:
+            return found, Z, f"the simulated axis does not move as the log does: {_CURE}"
+        latest = found_from(model, logs, first.observations, result.fit, instruments=Z, **given)
+        moved = np.abs(latest.fit.solution - found.fit.solution) / latest.standard_deviations
+        found, weak = latest, _weakness(latest, result)
+        if np.all(moved < _SETTLED):
+            break
+        parameters = _possible(found, nominal, loop.axis)
+    return found, Z, weak
 
 
 def _possible(found: Identification, nominal: Mapping[str, float] | None, axis: Axis) -> dict[str, float]:

@@ -13,11 +13,12 @@ from symid.data import Log
 from symid.diagnosis.effects import LIBRARY, Placed, effects_of
 from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect
 from symid.diagnosis.effects.presliding_friction import dahl_state
+from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
 from symid.diagnosis.fitting.start import fitted_axis
-from symid.diagnosis.fitting.state import first_state, law_to_integrate, with_effects
+from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.hidden_motion import (
     Pointwise,
     _discretised,

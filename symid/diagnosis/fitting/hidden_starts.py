@@ -16,9 +16,10 @@ import numpy as np
 
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Key, Placed
+from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import with_shapes_held
-from symid.diagnosis.fitting.state import State, first_state, law_to_integrate, with_effects
+from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting

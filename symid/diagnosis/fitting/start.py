@@ -10,9 +10,10 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.codegen import model_of
+from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit, masses_and_stiffnesses, stiffnesses
 from symid.diagnosis.fitting.gauss_newton import converged, fitted
-from symid.diagnosis.fitting.state import State, first_state, law_to_integrate, with_effects
+from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS

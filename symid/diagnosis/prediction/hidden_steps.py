@@ -22,10 +22,9 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
     by_driven, by_hidden, on_hidden, on_drive, reach, dry, courses = laws[:7]
     operations, operands, ends, arguments, stack = laws[7:]
     n_laws, n = dry.size, pushed.size
-    predicted, observed, forces, before = np.zeros(n), np.zeros(n), np.zeros((n_laws, n)), np.zeros(n_laws)
-    speed_before = np.zeros(n_laws)
-    x, rate, total, before_drive = 0.0, 0.0, 0.0, 0.0
-    off, off_rate, last_elastic = 0.0, 0.0, 0.0  # observed less predicted motion, which no force changes
+    observed, corrections, forces = np.zeros(n), np.zeros(n), np.zeros((n_laws, n))
+    before, speed_before = np.zeros(n_laws), np.zeros(n_laws)
+    x, rate, total, before_drive, last_elastic = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         last_total = total
         if i:  # the linear part is exact for inputs that are linear between two points
@@ -34,9 +33,6 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             ahead = transition[0, 0] * x + transition[0, 1] * rate + given - held[0] * total
             rate = transition[1, 0] * x + transition[1, 1] * rate + quickened - held[1] * total
             x = ahead
-            ahead = transition[0, 0] * off + transition[0, 1] * off_rate
-            off_rate = transition[1, 0] * off + transition[1, 1] * off_rate
-            off = ahead
         elastic = by_state[0] * x + by_state[1] * rate
         drive = load[i] + elastic
         if i:
@@ -80,12 +76,22 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             for j in range(n_laws):
                 acting = 0.5 * (forces[j, i - 1] + forces[j, i]) if dry[j] else forces[j, i - 1]
                 unexplained -= on_drive[j] * acting
-            correction = gain[i - 1] * unexplained
-            x += correction
-            off += correction
-        last_elastic = elastic
-        predicted[i], observed[i] = x - off, x
-    return predicted, observed, forces
+            corrections[i] = gain[i - 1] * unexplained
+            x += corrections[i]
+        last_elastic, observed[i] = elastic, x
+    return observed - _moved_by(corrections, transition), observed, forces
+
+
+@compiled
+def _moved_by(corrections, transition):  # type: ignore[no-untyped-def]
+    """Motion that corrections of the hidden coordinate leave behind, which no force changes."""
+    moved, x, rate = np.zeros(corrections.size), 0.0, 0.0
+    for i in range(corrections.size):
+        ahead = transition[0, 0] * x + transition[0, 1] * rate
+        rate = transition[1, 0] * x + transition[1, 1] * rate
+        x = ahead + corrections[i]
+        moved[i] = x
+    return moved
 
 
 @compiled

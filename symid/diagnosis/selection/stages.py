@@ -8,9 +8,9 @@ from dataclasses import replace
 from itertools import islice
 
 from symid.diagnosis.effects import Effect, Key, Placed
+from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
-from symid.diagnosis.fitting.state import law_to_integrate
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed

@@ -1,0 +1,106 @@
+"""Forces of effects and laws on the motion of a model: taken from the motion before, or integrated with it.
+
+A force of moderate strength on hidden motion is taken from the motion before (fixed-point iteration). A strong one is
+integrated in time, and the frequency response has an equivalent impedance in its place, unless the motion is observed:
+the outputs are then the linear response.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from symid.arrays import ComplexArray, norms_or_one
+from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
+from symid.diagnosis.prediction.hidden_motion import Pointwise
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction, prediction_of
+from symid.simulation.law_code import dry_level, not_below_zero
+from symid.simulation.plant import ScaledLaw
+
+
+def next_prediction(
+    before: Prediction, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool
+) -> Prediction:
+    """The prediction with the forces that effects have at the motion of the prediction before.
+
+    For `nearby` values the frequency response is kept.
+    """
+    record, forces, hidden = before.record, np.zeros_like(before.forces), before.record.hidden_terms
+    impedances, integrated, linear = [], [], nearby or before.follows
+    for item in placed:
+        if not isinstance(item.effect, JointEffect):
+            continue
+        joint = item.effect.joint(before, item.at)
+        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.integrated else None
+        if law is not None:
+            integrated.append((joint.direction, law))
+            if not linear:
+                impedances.append((joint.direction, _equivalent(_force(before, item, joint), joint)))
+        elif isinstance(item.effect, LinearEffect):
+            stiffness = item.effect.impedance(record.omega, item)
+            impedances.append((joint.direction, stiffness))
+            if hidden or any(other.integrated for other in placed):  # an integration has no impedances
+                forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)
+        else:
+            forces -= np.multiply.outer(_force(before, item, joint), joint.direction)
+    plant = record.dynamics.at(parameters) if nearby or hidden else before.response.plant
+    for i, k in hidden:
+        direction, term = plant.laws[i].direction, plant.laws[i].terms[k]
+        integrated.append((direction, _integrand(term)))
+        if not linear:
+            joint = before.along(direction)
+            impedances.append((direction, _equivalent(term.parameter * before.laws[i][1][k], joint)))
+    like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
+    return prediction_of(
+        record,
+        parameters,
+        before=before,
+        like=like,
+        forces=forces,
+        impedances=impedances,
+        integrated=integrated,
+        integrated_terms=hidden,
+        follows=before.follows,
+    )
+
+
+def _integrand(term: ScaledLaw) -> Pointwise:
+    """A declared law as it is integrated."""
+    level = dry_level(term.code)
+    force = f"parameter * ({level or term.code})"
+    return Pointwise(
+        not_below_zero(force) if level else force, {"parameter": term.parameter}, dry=level is not None
+    )
+
+
+def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
+    """Spectrum of the force of an effect at the motion of a prediction."""
+    assert isinstance(item.effect, JointEffect)
+    return np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
+
+
+def law_to_integrate(prediction: Prediction, item: Placed, *, read: bool = False) -> Pointwise | None:
+    """Law of an effect on hidden motion, or on any that is `read` too; None if it is none point by point."""
+    effect, record = item.effect, prediction.record
+    if not isinstance(effect, JointEffect):
+        return None
+    direction = effect.joint(prediction, item.at).direction
+    if not (record.is_predicted(direction) if read else record.is_hidden(direction)):
+        return None
+    return effect.pointwise(prediction, item.shape, item.amplitudes)
+
+
+def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
+    """Dynamic stiffness k + j w c - w^2 m closest to a force; the rest of the force moves hidden joints far less."""
+    if not np.isfinite(force).all():
+        raise OverflowError(f"the force at {joint.name} grows without bound")
+    s = 1j * joint.record.omega
+    motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
+    scale = norms_or_one(motion, axis=1)
+    unit = motion / scale[:, None]
+    share = np.linalg.lstsq((unit.conj() @ unit.T).real, (unit.conj() @ force).real, rcond=1e-10)[0]
+    k, c, m = share / scale
+    return np.asarray(k + c * s + m * s**2)
