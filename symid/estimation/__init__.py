@@ -5,6 +5,7 @@ from symid.estimation.corrected_covariance import (
     ObservationBlock,
     corrected_covariance,
     corrected_covariance_of_blocks,
+    independent_rows,
 )
 from symid.estimation.least_squares import LeastSquares, Method, estimate, residuals
 from symid.estimation.refinement import refine_blocks
@@ -19,6 +20,7 @@ __all__ = [
     "corrected_covariance",
     "corrected_covariance_of_blocks",
     "estimate",
+    "independent_rows",
     "refine_blocks",
     "residuals",
     "triangular_factors",

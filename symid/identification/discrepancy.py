@@ -23,10 +23,11 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.estimation import LeastSquares
+from symid.estimation import LeastSquares, independent_rows
+from symid.identification.coulomb import direction
 from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import shiftable
-from symid.identification.motion_shapes import QUARTER, Motion, shapes_of, waves
+from symid.identification.motion_shapes import QUARTER, Motion, shapes_of, speeds_of, waves
 from symid.identification.noise import coefficients
 from symid.identification.whitened import WhitenedRows, segments, whitened
 from symid.signal_names import split_derivative
@@ -41,7 +42,7 @@ _INDEPENDENT = 0.025
 """Least part of a column's power that the model does not explain: with less, the effect would have to be six times as
 large as what it explains (drawn machines with small effects; with 0.01, EMPS unfiltered has Fv within 59 %)."""
 _NOISY = 0.05
-"""Relative bias by noise in W from which the residual shows this bias rather than effects."""
+"""Relative bias by noise in W, beyond the deviation, from which the residual shows this bias rather than effects."""
 _PASSES = {"half": 4, "a quarter": 16}
 """Passes of a binomial filter over rows, whose Nyquist frequency is mostly twice the cutoff, for a part of the band."""
 _FEWEST = 6
@@ -73,7 +74,6 @@ def discrepancies_of(
     parts: Sequence[Excerpt],
     fit: LeastSquares,
     corrected: LeastSquares,
-    inflation: float,
 ) -> tuple[Discrepancy, ...]:
     """Effects that the residual shows, in the order in which they explain it.
 
@@ -87,13 +87,12 @@ def discrepancies_of(
         The parameters by least squares, all determined.
     corrected : LeastSquares
         The parameters without their bias by noise in W, which is less in the slow part of the band.
-    inflation : float
-        Rows for each one that is independent of the others.
     """
     found = _between_bands(parts, corrected)
-    if np.any(np.abs(corrected.solution - fit.solution) > _NOISY * np.abs(corrected.solution)):
+    bias = np.abs(corrected.solution - fit.solution)
+    if np.any(bias > np.maximum(_NOISY * np.abs(corrected.solution), fit.standard_deviations)):
         return tuple(found)  # the residual shows the noise of the columns
-    return (*_pursued(_Columns(model, parts, fit, list(whitened(parts, fit))), inflation), *found)
+    return (*_pursued(_Columns(model, parts, fit, list(whitened(parts, fit)))), *found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +109,7 @@ class _Columns:
         found = {f"a delay of {name}": self._late(name) for name in shiftable(self.model)}
         if not any(self.model.sliding):
             return found
+        found["friction that turns at another moment"] = self._turned()
         motions = [Motion.of(part) for part in self.parts]
         shapes = [shapes_of(motion, elsewhere=False) for motion in motions]
         shapes = [one | wave for one, wave in zip(shapes, waves(motions, self._rests()), strict=True)]
@@ -138,10 +138,23 @@ class _Columns:
             made.append(factors @ np.stack([derivatives[signals[i][1]] for i in mine]))
         return self._used(made)
 
+    def _turned(self) -> FloatArray:
+        """The column of friction that reverses before or after the velocity, as where an axis sticks for a while.
+
+        Rows beside a reversal are left out, but filters carry its impulse further.
+        """
+        signs = [direction(speeds_of(part)) for part in self.parts]
+        courses = [np.diff(sign, prepend=sign[:1]) for sign in signs]
+        pairs = zip(self.parts, courses, strict=True)
+        return self._left([part.made_by(self.model.force, course) for part, course in pairs])
+
     def _late(self, name: str) -> FloatArray:
         """The column of a delay of a signal."""
-        slopes = (part.moved(name).slope for part in self.parts)
-        return self._used([y - W @ self.fit.solution for W, y in slopes])
+        return self._left([part.moved(name).slope for part in self.parts])
+
+    def _left(self, made: Sequence[tuple[FloatArray, FloatArray]]) -> FloatArray:
+        """The column of W and y that an effect makes of each part."""
+        return self._used([y - W @ self.fit.solution for W, y in made])
 
     def _used(self, made: Sequence[FloatArray]) -> FloatArray:
         """Weighted values of the used rows, of those of each part and equation."""
@@ -154,6 +167,15 @@ class _Columns:
             ]
         )
 
+    def independent(self, rest: FloatArray) -> float:
+        """Number of independent rows of a residual."""
+        whole = [np.zeros(part.observation.y.shape) for part in self.parts]
+        ends = np.cumsum([r.residual.size for r in self.rows])[:-1]
+        for r, values in zip(self.rows, np.split(rest, ends), strict=True):
+            whole[r.part][r.equation][self.parts[r.part].observation.valid[r.equation]] = values
+        pairs = zip(whole, self.parts, strict=True)
+        return independent_rows((values, part.observation.valid) for values, part in pairs)
+
     def _rests(self) -> list[FloatArray]:
         """Sum of the residuals of all equations at the rows of each part."""
         found = [np.zeros(part.observation.time.size) for part in self.parts]
@@ -162,7 +184,7 @@ class _Columns:
         return found
 
 
-def _pursued(columns: _Columns, inflation: float) -> Iterator[Discrepancy]:
+def _pursued(columns: _Columns) -> Iterator[Discrepancy]:
     """Effects that explain the residual, one by one."""
     named = columns.all()
     Z, rest = (np.concatenate([getattr(r, name) for r in columns.rows]) for name in ("Z", "residual"))
@@ -170,27 +192,25 @@ def _pursued(columns: _Columns, inflation: float) -> Iterator[Discrepancy]:
     C = np.stack([column / (float(np.max(np.abs(column))) or 1.0) for column in named.values()], axis=1)
     along = np.linalg.lstsq(Z, C, rcond=None)[0]
     own = C - Z @ along
-    taken, products, square = own.T @ rest, own.T @ own, float(rest @ rest)
     least = np.maximum(_INDEPENDENT * np.sum(C**2, axis=0), np.finfo(float).tiny)
     for k in range(_MOST):
-        power = np.diag(products)
+        taken, power = own.T @ rest, np.sum(own**2, axis=0)
         factor = np.divide(taken, power, out=np.zeros_like(power), where=power > least)
-        explained = np.minimum(factor * taken, square) / max(square, np.finfo(float).tiny)
-        # squared deviations of each factor, for a residual that is what the effect leaves
-        independent = max(rest.size / inflation - len(root) - k - 1, 0.0)
-        certain = explained * independent > _CERTAIN**2 * (1.0 - explained)
+        explained = np.minimum(factor * taken / max(float(rest @ rest), np.finfo(float).tiny), 1.0)
         best = int(np.argmax(explained))
+        rest = rest - factor[best] * own[:, best]
+        # squared deviations of each factor, for noise that is what the best effect leaves
+        independent = max(columns.independent(rest) - len(root) - k - 1, 0.0)
+        certain = explained * independent > _CERTAIN**2 * (1.0 - explained)
         if not certain[best]:
             return
         alike = certain & (explained >= _AS_MUCH * explained[best])
         changes = -(root @ (along * factor)[:, alike]).T
         name = "cogging" if names[best] == QUARTER else names[best]
         yield Discrepancy(name, changes, np.zeros((len(root), len(root))))
-        # What is left of the residual and of the other columns beside this one
-        share = products[best] / power[best]
-        square -= factor[best] * taken[best]
-        taken = taken - share * taken[best]
-        products = products - np.outer(products[best], share)
+        # what is left of the other columns beside this one
+        share = own[:, best] @ own / power[best]
+        own = own - np.outer(own[:, best], share)
         along = along - np.outer(along[:, best], share)
 
 

@@ -61,6 +61,11 @@ class Excerpt:
             names, lambda: SignalRows.of(self.model, self.log, self.observation.preparation, *names)
         )
 
+    def made_by(self, force: str, course: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """W and y that a force of another course than the recorded one makes, prepared as that is."""
+        log = replace(self.log, signals={**self.log.signals, force: course})
+        return SignalRows.of(self.model, log, self.observation.preparation, force).rows
+
     def kept(self, key: object, computed: Callable[[], Kept]) -> Kept:
         """Cached result of a key, computed at the first call."""
         if key not in self._kept:

@@ -34,7 +34,7 @@ from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import with_constraint_check
 from symid.identification.cutoff import CutoffTrial, Estimation, disagreement_of, least_uncertain
 from symid.identification.discrepancy import discrepancies_of
-from symid.identification.examined_faults import faults_of, rows_per_independent
+from symid.identification.examined_faults import faults_of
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
 from symid.identification.identification_result import Identification, best_covariance
 from symid.identification.inseparable import estimates_by_priors
@@ -290,8 +290,7 @@ def with_checks(
     faults = replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
     checked = with_faults(examined, faults)
     if checked.status == "ok":
-        inflation = rows_per_independent(found)
-        checked = with_discrepancies(checked, discrepancies_of(model, parts, fit, found.fit, inflation))
+        checked = with_discrepancies(checked, discrepancies_of(model, parts, fit, found.fit))
     return with_constraint_check(checked)
 
 

@@ -10,7 +10,7 @@ its second derivative.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
 from symid.identification.motion_shapes import decaying, speeds_of
 from symid.identification.noise import noise_of_rows
-from symid.identification.observation import SignalRows
 from symid.identification.poor_fit import unexplained
 from symid.identification.reliability import is_beyond_intervals
 from symid.identification.whitened import WhitenedRows
@@ -182,10 +181,7 @@ class ColumnTests:
 
     def _made_by(self, force: str, shapes: Sequence[FloatArray]) -> FloatArray:
         """The column that a force of some course in each part makes, prepared as the recorded one."""
-        made = []
-        for part, shape in zip(self.parts, shapes, strict=True):
-            log = replace(part.log, signals={**part.log.signals, force: shape})
-            made.append(SignalRows.of(self.model, log, part.observation.preparation, force).rows)
+        made = [part.made_by(force, shape) for part, shape in zip(self.parts, shapes, strict=True)]
         return np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows])
 
     def gain_drift(self) -> str:

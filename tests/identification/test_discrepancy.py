@@ -55,6 +55,15 @@ def test_a_lacking_effect_is_within_the_printed_intervals(effect):
     assert np.all(off(found) < 2 * found.physical_deviations)
 
 
+def test_a_constant_force_hides_no_other_effect():
+    found = slide(lambda q, v: drag(q, v) + 3.0, noise=6.0)
+    assert [one.effect for one in found.discrepancies if one.is_seen] == [
+        "a constant force",
+        "friction with the square of the speed",
+    ]
+    assert np.all(off(found) < 2 * found.physical_deviations)
+
+
 def test_without_lacking_effects_deviations_are_those_of_the_noise():
     found = slide()
     assert found.status == "ok"
