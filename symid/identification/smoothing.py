@@ -7,7 +7,7 @@ as noise recur n samples later with the opposite sign.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -47,25 +47,44 @@ _ALONE = 0.25
 def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Statement on a channel that was interpolated, or averaged unlike the others; empty without one."""
     for part in parts:
-        averaged = {}
-        for name in model.highest_derivatives:
-            x = part.log[name]
+        signals = {name: part.log[name] for name in model.highest_derivatives}
+        for name, x in signals.items():
             if spacing := interpolated_from(x):
                 return slow_update(x, name) or (
                     f"{name} runs along straight lines of {spacing} samples each: it was interpolated, so its "
                     f"noise cannot be estimated; record it at the rate of the log, or thin the log by {spacing}"
                 )
-            averaged[name] = averaged_over(x)
         cutoff = part.observation.preparation.cutoff_hz
         assert cutoff is not None
-        lost = {n: 1.0 - float(np.sinc(k * cutoff * part.log.sampling_period)) for n, k in averaged.items()}
-        name = max(lost, key=lost.__getitem__)
-        if lost[name] - min(lost.values()) > CRITERIA.averaged:
-            return (
-                f"{name} is a mean over {averaged[name]} samples, which takes {100 * lost[name]:.2g} % at the cutoff, "
-                "and not of all signals: record it raw, or average all alike"
-            )
+        if uneven := uneven_averaging(signals, cutoff * part.log.sampling_period, "cutoff"):
+            return uneven
     return ""
+
+
+def uneven_averaging(
+    signals: Mapping[str, FloatArray], cycles: float, edge: str, least: float = CRITERIA.averaged
+) -> str:
+    """Statement on a signal that was averaged unlike the others; empty without one.
+
+    `cycles` is the frequency up to which the signals are used, in cycles per sample, `edge` its name, and `least` the
+    loss of amplitude there that counts.
+
+    >>> x = np.random.default_rng(0).standard_normal(4000)
+    >>> mean = np.convolve(x, np.full(21, 1 / 21), mode="same")
+    >>> uneven_averaging({"F": mean, "q": x}, 0.02, "cutoff")[:63]
+    'F is a mean over 21 samples, which takes 27 % at the cutoff, an'
+    >>> uneven_averaging({"F": mean, "q": mean}, 0.02, "cutoff")
+    ''
+    """
+    averaged = {name: averaged_over(x) for name, x in signals.items()}
+    lost = {name: 1.0 - float(np.sinc(n * cycles)) for name, n in averaged.items()}
+    name = max(lost, key=lost.__getitem__)
+    if lost[name] - min(lost.values()) <= least:
+        return ""
+    return (
+        f"{name} is a mean over {averaged[name]} samples, which takes {100 * lost[name]:.0f} % at the {edge}, "
+        "and not of all signals: record it raw, or average all alike"
+    )
 
 
 def updated_every(x: FloatArray) -> tuple[int, int]:

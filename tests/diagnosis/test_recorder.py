@@ -97,6 +97,21 @@ def test_a_filtered_force_is_no_flexible_machine() -> None:
     assert any(f"recorded through a first-order filter of {milliseconds}" in fault for fault in found.faults)
 
 
+@pytest.mark.parametrize("name", ["q", "F"])
+def test_no_effect_is_read_from_one_signal_that_is_averaged(name: str) -> None:
+    averaged = recorded(with_drag(), lambda x: scipy.ndimage.uniform_filter1d(x, 41), name)
+    found = diagnose(load_axis("rigid_1m"), averaged, nominal=RIGID)
+    assert found.verdict == "recording"
+    assert f"{name} is a mean over 41 samples" in found.sentence
+
+
+def test_a_short_mean_costs_no_effect_its_name() -> None:
+    averaged = recorded(with_drag(), lambda x: scipy.ndimage.uniform_filter1d(x, 9), "F")
+    found = diagnose(load_axis("rigid_1m"), averaged, nominal=RIGID)
+    assert found.verdict in ("effect", "partly")
+    assert found.effects[0].effect == "quadratic_drag"
+
+
 def test_a_sound_log_is_left_as_it_is() -> None:
     log = with_drag()
     found = recovered(load_axis("rigid_1m"), [log])

@@ -16,12 +16,16 @@ from symid.diagnosis.findings.cut_force import cut_force
 from symid.diagnosis.findings.force_sign import wrong_sign
 from symid.diagnosis.fitting.fit import Fit
 from symid.identification.recording import channel_fault, held_fault
+from symid.identification.smoothing import uneven_averaging
 
 _LOST = 0.05
 _REPEATED = 0.4
 """Share of lost and of repeated samples above which a log shows its recorder rather than its machine. Coarse encoders
 and slow controllers repeat values by nature; a channel that is updated at every second sample repeats half of them."""
 _WHOLE_SAMPLE = 0.15
+_AVERAGED = 0.1
+"""Loss at the end of the motion band by a mean of one signal and not of the others, above which effects are images of
+it: a tenth rounds off reversals of friction as presliding does."""
 
 
 @dataclass(frozen=True)
@@ -60,9 +64,14 @@ def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
         held_fault(log[name], name, log[positions[0]]) for log in logs for name in record.forces if positions
     ]
     notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
+    cycles = record.motion_hz * record.log.sampling_period
+    means = [
+        uneven_averaging({name: log[name] for name in names}, cycles, "end of the motion", _AVERAGED)
+        for log in logs
+    ]
     signs = [wrong_sign(begun, found, drive) for drive in range(record.n_drives)]
     cut = [cut_force(found, drive) for drive in range(record.n_drives)]
-    fatal = tuple(dict.fromkeys(text for text in (*signs, *faults, *held, *cut) if text))
+    fatal = tuple(dict.fromkeys(text for text in (*signs, *faults, *held, *means, *cut) if text))
     # Samples filled with 0 scale the force, and all values with it: a gap is then none of the model.
     forces = [log[name] for log in logs for name in record.forces]
     silent = any(np.mean(dropped(x)) >= _LOST for x in forces if not is_switched(x))
