@@ -242,7 +242,9 @@ def _strongest_first(
             break
         ordered = brought_first(accepted, int(at))
         other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
-        as_good = other.relative_error**2 < THRESHOLDS.as_good * comparison.relative_error**2
+        # A second fit leaves a little more or less of the noise, which is most of what a good model leaves.
+        most = comparison.relative_error**2
+        as_good = other.relative_error**2 < max(THRESHOLDS.as_good * most, most + THRESHOLDS.hardly_more_left)
         if as_good and other.validated > 0 and other.removed(1, 2).share >= least:
             return ordered, other
     return steps, comparison

@@ -73,6 +73,9 @@ class Thresholds:
     stands_in: float = 0.5  # share of what an effect takes away that another in its place must take
     # factor on the mean square of the whole model that another order of its effects may leave
     as_good: float = 1.25
+    # share of the gap by which another order may leave more of it (a drawn worldly case: 0.0006, which was a quarter of
+    # the noise left); the error of the other log limits the order too
+    hardly_more_left: float = 0.002
     # factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost
     # (friction by the load explained servo motors away)
     least_inertia: float = 2.0

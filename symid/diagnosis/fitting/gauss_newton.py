@@ -54,10 +54,8 @@ def continued(fit: Fit, iterations: int, free: BoolArray | None = None) -> Fit:
 def with_shapes_held(fit: Fit) -> Fit:
     """A fit after a step of all values but the shapes of effects; the error is mostly linear in these."""
     moves = np.ones(len(fit.columns), dtype=bool)
-    at = len(fit.state.prediction.record.dynamics.parameters)
-    for item in fit.state.placed:
-        moves[at + item.n_free - len(item.shape) : at + item.n_free] = False
-        at += item.n_free
+    for item, values in zip(fit.state.placed, fit.state.values_of, strict=True):
+        moves[values.stop - len(item.shape) : values.stop] = False
     return continued(fit, 1, moves)
 
 
@@ -135,10 +133,8 @@ def _step_within_bounds(fit: Fit, free: BoolArray | None) -> Fit | None:
 def _free_without(fit: Fit, free: BoolArray | None, keys: set[Key]) -> BoolArray:
     """The values that may change, without those of some effects."""
     moves = np.ones(len(fit.columns), dtype=bool) if free is None else free.copy()
-    at = len(fit.state.prediction.record.dynamics.parameters)
-    for item in fit.state.placed:
-        moves[at : at + item.n_free] &= item.key not in keys
-        at += item.n_free
+    for item, values in zip(fit.state.placed, fit.state.values_of, strict=True):
+        moves[values] &= item.key not in keys
     return moves
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symid.arrays import least_squares
 from symid.axis import Axis
 from symid.codegen import model_of
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
@@ -59,6 +60,8 @@ _OTHER = (0.6, 0.77, 1.3, 1.7)
 """Multiples of a stiffness, or of the shape of a declared imperfection, from which a fit restarts."""
 _FEW = 3
 """Iterations after which a restart is given up if it leaves more error than the first fit."""
+_TRIED = 4
+"""Most other shapes of an effect from which a fit restarts."""
 
 
 def fitted_axis(state: State, weighting: Weighting) -> Fit:
@@ -143,12 +146,30 @@ def _from_other_shapes(fit: Fit, factors: Sequence[float] = _OTHER) -> Fit:
     for i in range(len(fit.state.placed)):
         if fit.mean_square < THRESHOLDS.fit_of_noise:
             break
-        states = _with_other_shapes(fit.state, fit.weighting, i, factors)
-        tried = [fitted(state, fit.weighting, _FEW) for state in states]
+        states = list(_with_other_shapes(fit.state, fit.weighting, i, factors))
+        tried = [fitted(state, fit.weighting, _FEW) for state in _most_promising(fit, i, states)]
         best = min(tried, key=lambda one: one.mean_square, default=fit)
         if _is_clearly_better(best, fit):
             fit = converged(best.state, best.weighting).after(fit)
     return fit
+
+
+def _most_promising(fit: Fit, at: int, states: Sequence[State]) -> list[State]:
+    """The few of many states that would leave least after a step of all other values and of the effect's size."""
+    if len(states) <= _TRIED:
+        return list(states)
+    others = np.delete(fit.known_columns, fit.state.values_of[at], axis=0)
+    placed = fit.state.placed
+    plain = Fit(
+        with_effects(fit.state, fit.weighting, (*placed[:at], *placed[at + 1 :])), fit.weighting
+    ).error
+
+    def left(state: State) -> float:
+        error = Fit(state, fit.weighting).error
+        columns = np.concatenate([others, [plain - error]])
+        return float(np.sum((error - columns.T @ least_squares(columns.T, error)) ** 2))
+
+    return sorted(states, key=left)[:_TRIED]
 
 
 def _with_other_shapes(

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import chain
+from itertools import accumulate, chain, pairwise
 
 import numpy as np
 
@@ -26,7 +26,7 @@ _TAKES_PART = 0.2
 _LEAST_ROWS, _LEAST_HELD_OUT = 20, 8
 _BALANCED = 3
 """Further iterations for an implicit force: friction of half the load is then accurate to 6 %, and the next step
-continues from there."""
+continues from there. One is enough for nearby values, which begin at the balance of the others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +57,13 @@ class State:
     def inertia(self) -> float:
         """Inertia that the drive moves, see `Response.inertia`."""
         return self.prediction.response.inertia
+
+    @property
+    def values_of(self) -> tuple[slice, ...]:
+        """Places of the free values of each effect among the columns of a fit, after those of the parameters."""
+        first = len(self.prediction.record.dynamics.parameters)
+        edges = accumulate((item.n_free for item in self.placed), initial=first)
+        return tuple(slice(begin, end) for begin, end in pairwise(edges))
 
     def following(self) -> State:
         """The state whose hidden motion is drawn to the measured force from the next evaluation on.
@@ -187,7 +194,7 @@ def predicted(
     """
     prediction = next_prediction(state.prediction, parameters, placed, nearby=nearby)
     if any(item.effect.implicit and not item.integrated for item in placed):
-        for _ in range(_BALANCED):
+        for _ in range(1 if nearby else _BALANCED):
             prediction = next_prediction(prediction, parameters, placed, nearby=nearby)
     return prediction, output_errors(prediction, placed)
 

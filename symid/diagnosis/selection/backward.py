@@ -105,7 +105,13 @@ def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionSte
     """Steps with one effect moved to the front, fitted again; unchanged if one of them then explains nothing."""
     members, whole = _members(steps), steps[-1].confirmed[0].fit
     order = [members[at], *members[:at], *members[at + 1 :]]
-    chain = _chain(order, steps[0].before, math.inf, justified=True, whole=whole) or ()
+    for _ in range(2):
+        chain = _chain(order, steps[0].before, math.inf, justified=True, whole=whole) or ()
+        kept = {step.confirmed[0].key for step in chain}
+        # An effect that is not credible at its position may be so beside all others.
+        order.sort(key=lambda member: member.placed.key not in kept)
+        if len(kept) in (0, len(order)):
+            break
     other = tuple(step.fitted_on() for step in chain)
     as_good = other and other[-1].confirmed[0].fit.mean_square < THRESHOLDS.as_good * whole.mean_square
     return other if as_good else tuple(steps)
