@@ -43,6 +43,10 @@ class Program:
     operands: FloatArray
     depth: int
 
+    def asks_for(self, argument: int) -> bool:
+        """Whether the value depends on an argument."""
+        return bool(np.any((self.operations == ARGUMENT) & (self.operands == argument)))
+
 
 def program(code: str, arguments: tuple[str, ...]) -> Program:
     """Program of a law, given as NumPy code of the arguments; SymidError for any other code.

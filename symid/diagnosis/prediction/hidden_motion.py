@@ -29,6 +29,8 @@ from symid.simulation.postfix import Program, program
 
 ARGUMENTS = ("q", "v", "_course", "_z", "_load")
 """First arguments of the programs of laws, written at each step; the values of the law follow."""
+_MOST_ROUNDS = 8
+"""Most rounds in which the level of dry friction and the speed in a step settle."""
 _KEPT = 64
 """Number of cached directions and discretised equations, which derivatives by values of laws share."""
 _OBSERVER_RATE, _OBSERVED_BAND, _LARGEST_CORRECTION = 0.3, 4.0, 0.3
@@ -192,6 +194,8 @@ class _JointLaws(NamedTuple):
     on_drive: FloatArray  # share in the drive force
     reach: FloatArray  # of Dahl's state
     dry: BoolArray
+    # most rounds in which its level and the speed in a step settle: one for a level that has no speed in it
+    rounds: np.ndarray[Any, np.dtype[np.int64]]
     courses: FloatArray  # shape (n_laws, n_fine): factors as functions of time
     operations: np.ndarray[Any, np.dtype[np.int64]]
     operands: FloatArray
@@ -253,6 +257,7 @@ def _stepped(
         on_drive,
         np.array([law.reach for law in laws]),
         np.array([law.dry for law in laws]),
+        np.array([_MOST_ROUNDS if p.asks_for(ARGUMENTS.index("v")) else 1 for p in programs]),
         courses,
         np.concatenate([p.operations for p in programs]),
         np.concatenate([p.operands for p in programs]),

@@ -5,8 +5,8 @@ import numpy as np
 from symid.jit import compiled
 from symid.simulation.evaluation import built_up, evaluate
 
-_MOST_ROUNDS, _SETTLED = 8, 1e-6
-"""Most rounds in which the level of dry friction and the speed in a step settle, and the relative change at the end."""
+_SETTLED = 1e-6
+"""Relative change at which the level of dry friction and the speed in a step have settled."""
 
 
 @compiled
@@ -19,8 +19,8 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
     """
     # Numba counts references at each access to a field: the fields are read once, here.
     (transition, falling, rising, held), (pushed, load, by_state, q, v, rest, gain) = equation, driven
-    by_driven, by_hidden, on_hidden, on_drive, reach, dry, courses = laws[:7]
-    operations, operands, ends, arguments, stack = laws[7:]
+    by_driven, by_hidden, on_hidden, on_drive, reach, dry, rounds, courses = laws[:8]
+    operations, operands, ends, arguments, stack = laws[8:]
     n_laws, n = dry.size, pushed.size
     observed, corrections, forces = np.zeros(n), np.zeros(n), np.zeros((n_laws, n))
     before, speed_before = np.zeros(n_laws), np.zeros(n_laws)
@@ -62,7 +62,7 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             slowing = by_hidden[j] * held[1] * on_hidden[j]  # of the joint in a step, for a unit of force
             arguments[j, 0] = 0.5 * (before[j] + place)
             own = stop = speed / slowing  # stops the joint in the step; it is at most the level of the law
-            for _ in range(_MOST_ROUNDS):  # the level in the middle of the step depends on the force
+            for _ in range(rounds[j]):  # the level in the middle of the step may depend on the force
                 arguments[j, 1] = 0.5 * (speed_before[j] + (speed - slowing * own))
                 level = _value(j, operations, operands, ends, arguments, stack)
                 last, own = own, level if stop > level else -level if stop < -level else stop
@@ -79,7 +79,8 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             corrections[i] = gain[i - 1] * unexplained
             x += corrections[i]
         last_elastic, observed[i] = elastic, x
-    return observed - _moved_by(corrections, transition), observed, forces
+    predicted = observed - _moved_by(corrections, transition) if corrections.any() else observed.copy()
+    return predicted, observed, forces
 
 
 @compiled
