@@ -144,10 +144,10 @@ def _read_foreign(path: Path, encoding: str | None) -> ForeignFile:
         raise LogError(f"{path}: holds no columns of numbers: save each signal as a vector")
     columns = foreign_columns(table)
     described = {column.header for column in columns}
-    others = [place for place, header in enumerate(table.headers) if header and header not in described]
     left_out = {
-        table.headers[place]: values if isinstance(values, str) else "has no values"
-        for place, values in zip(others, table.read(others), strict=True)
+        header: values if isinstance(values, str) else "has no values"
+        for header, values in zip(table.headers, table.beginning(), strict=True)
+        if header and header not in described
     }
     period = stated_period(path, layout) if layout else None
     return ForeignFile(layout, table, columns, period, left_out)

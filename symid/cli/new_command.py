@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 from click import IntRange, argument, option
 
-from symid.axis import load_axis, sketch, sketch_source
+from symid.axis import load_axis, shipped_folder, sketch, sketch_source
 from symid.cli.options import give_result, json_option
 from symid.cli.outputs import SafeCommand
 from symid.cli.terminal import say
@@ -58,6 +58,10 @@ def command(
     if not is_signal_name(named) or iskeyword(named):
         raise SettingError(
             f"{axis!r} cannot name an axis: use letters, digits and underscores, a letter first"
+        )
+    if not axis.endswith(".py") and (shipped_folder("models") / f"{axis}.py").exists():
+        raise SettingError(
+            f"{axis!r} names an axis that comes with symid, which a file of models would hide: choose another name"
         )
     if path.exists():
         raise SettingError(f"axis file {str(path)!r} exists: choose another name, or delete it first")

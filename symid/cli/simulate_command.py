@@ -33,7 +33,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.terminal import say, tracked
-from symid.data import read_log, write_log
+from symid.data import columns_in, read_log, write_log
 from symid.errors import SettingError
 from symid.simulation import (
     Cascade,
@@ -51,6 +51,8 @@ from symid.simulation import (
     whole_periods,
 )
 
+SECONDS = 10.0
+"""Duration of a chirp or multisine."""
 _LINES = 21
 """Lines of a multisine."""
 
@@ -61,7 +63,11 @@ trajectory_options = shared(
         metavar="KIND",
         help="trapezoids, chirp, multisine, or a log whose reference is followed.",
     ),
-    option("--seconds", type=POSITIVE, default=10.0, help="Duration of a chirp or multisine."),
+    option(
+        "--seconds",
+        type=POSITIVE,
+        help="Duration [10; trapezoids: there and back once at each speed]; moves are repeated and cut to it.",
+    ),
     option("--band", default="0.5,20", metavar="HZ,HZ", help="Frequencies of a chirp or multisine."),
     option(
         "--amplitude-of",
@@ -201,6 +207,8 @@ def runs_of(
     else:
         unit = axis.signal_units[axis.controlled]
         own = {f"reference_{drive.signal}": unit for drive in axis.drives}
+        if not columns_in(file) & {"reference", *own}:
+            raise SettingError(f"{file}: has no column to follow: call one reference, in {unit}")
         log = read_log(file, expected={"reference": unit, **own})
         trajectories = tuple(from_log(log, name if name in log.signals else "reference") for name in own)
     return cascades_of(axis, plant, options), trajectories
@@ -215,7 +223,7 @@ def cascades_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Casc
 def _trajectory(options: dict[str, Any]) -> Trajectory:
     period, kind = 1.0 / options["rate"], options["trajectory"]
     if kind == "trapezoids":
-        return trapezoids(
+        once = trapezoids(
             options["travel"],
             [options["speed"] / 5, options["speed"] / 2, options["speed"]],
             acceleration=options["acceleration"],
@@ -223,8 +231,9 @@ def _trajectory(options: dict[str, Any]) -> Trajectory:
             dwell=options["dwell"],
             sampling_period=period,
         )
+        return once.lasting(options["seconds"]) if options["seconds"] else once
     low, high = band_of(options["band"])
-    seconds = options["seconds"]
+    seconds = options["seconds"] or SECONDS
     if kind == "chirp":
         swept = {"quantity": options["amplitude_of"], "sweep": "logarithmic"}
         return largest_within(partial(chirp, low, high, seconds, sampling_period=period, **swept), options)

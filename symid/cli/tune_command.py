@@ -28,7 +28,14 @@ from symid.cli.options import (
     signal_list,
 )
 from symid.cli.outputs import SafeCommand
-from symid.cli.simulate_command import band_of, cascades_of, controller_options, runs_of, trajectory_options
+from symid.cli.simulate_command import (
+    SECONDS,
+    band_of,
+    cascades_of,
+    controller_options,
+    runs_of,
+    trajectory_options,
+)
 from symid.cli.terminal import tracked
 from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
@@ -187,5 +194,5 @@ def _run_of(
     if not is_velocity or options["open_loop"]:
         return runs_of(axis, plant, {**options, "band": f"{low:g},{high:g}"})
     limits = {name: options[name] for name in ("travel", "speed", "acceleration")}
-    reference = tuning_chirp(plant, options["rate"], options["seconds"], (low, high), **limits)
+    reference = tuning_chirp(plant, options["rate"], options["seconds"] or SECONDS, (low, high), **limits)
     return cascades_of(axis, plant, options), reference

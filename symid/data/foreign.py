@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.clock import PLAUSIBLE_PERIODS
 from symid.data.column_words import COUNTS, NUMBERS, SETPOINT, SPELLED, UNITS, WORDS, Quantity
-from symid.data.table import Table, require_memory
+from symid.data.table import Table
 from symid.errors import LogError
 from symid.units import Unit, to_si
 
@@ -74,8 +74,7 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     table : Table
         Table in the file.
     """
-    require_memory(len(table.headers) * (table.n_rows or 0))
-    values = table.read(range(len(table.headers)))
+    values = table.beginning()
     clocks = dict.fromkeys(
         table.clocks.values(), "it holds the times of other columns, which are read in seconds"
     )

@@ -16,7 +16,7 @@ from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.layout import Layout
 from symid.data.log import Log
 from symid.data.long_log import BLOCK, AnyLog, scanned
-from symid.data.reading import read_table
+from symid.data.reading import BYTES_OF_A_SAMPLE, read_table
 from symid.data.resampling import Rate
 from symid.data.table import Table, naming_file
 from symid.errors import LogError
@@ -24,8 +24,6 @@ from symid.units import Unit
 
 MEMORY: Final = 1_000_000_000
 """Default memory for a log and its rows, bytes."""
-_BYTES_OF_A_SAMPLE: Final = 160
-"""Bytes per sample of identification in memory: columns as read and filtered, about ten columns of W."""
 _BYTES_OF_A_ROW: Final = 4
 """Fewest bytes of a row in a file."""
 
@@ -116,8 +114,8 @@ def open_log(
         As in `read_log`. MATLAB files, those of a layout or without a clock, and logs that are resampled are always
         read as a whole.
     memory : int, optional
-        Bytes that the log and the rows made of it may take; without it the log is read as a whole if its columns fit
-        in the memory that is free.
+        Bytes that the log and the rows made of it may take; without it the log is read as a whole if they fit in the
+        memory that is free.
     block : int
         Samples of a long log that are worked on at a time.
     whole : bool
@@ -140,10 +138,10 @@ def open_log(
         sources = sources_of(given, named=named.keys())
         if memory is not None and table.slices is not None and not whole and resample is None:
             size = file.stat().st_size / _BYTES_OF_A_ROW if table.n_rows is None else table.n_rows
-            if size * _BYTES_OF_A_SAMPLE > memory:
+            if size * BYTES_OF_A_SAMPLE > memory:
                 used = [source for source in sources if source.signal not in references_of(expected)]
                 slices = table.slices([source.position for source in used])
-                if slices.n_rows * _BYTES_OF_A_SAMPLE > memory:
+                if slices.n_rows * BYTES_OF_A_SAMPLE > memory:
                     headers = [table.headers[source.position] for source in used]
                     return scanned(file, slices, used, headers, expected, block)
         return read_table(file, table, expected, sources, named.keys(), memory, resample)

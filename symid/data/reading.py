@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from symid.data.table import Table, require_memory
 from symid.errors import LogError
 from symid.units import Unit
 
+BYTES_OF_A_SAMPLE: Final = 160
+"""Bytes per sample of identification in memory: columns as read and filtered, about ten columns of W."""
+
 
 def read_table(
     file: Path,
@@ -31,10 +35,11 @@ def read_table(
 ) -> Log:
     """Log of the whole of a file, which was opened as a table.
 
-    Columns of the signals that the user has named must be usable. They may take `memory` bytes, by default those that
-    are free.
+    Columns of the signals that the user has named must be usable. They may take `memory` bytes; by default, they and
+    what is made of them must fit in the memory that is free.
     """
-    require_memory(len(sources) * (table.n_rows or 0), memory)
+    values_of_a_row = len(sources) if memory else max(len(sources), BYTES_OF_A_SAMPLE // 8)
+    require_memory(values_of_a_row * (table.n_rows or 0), memory)
     values, notes = _read(
         table,
         sources,

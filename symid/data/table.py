@@ -18,6 +18,7 @@ from symid.arrays import FloatArray
 from symid.errors import LogError
 
 _VALUE = 8  # bytes of a number
+_MANY_ROWS = 1_000_000
 
 
 def require_memory(n_values: int, memory: int | None = None) -> None:
@@ -92,6 +93,14 @@ class Table:
     n_rows: int | None = None
     clocks: Mapping[int, int] = field(default_factory=dict)
     stamps: frozenset[int] = frozenset()
+
+    def beginning(self) -> list[FloatArray | str]:
+        """Columns up to a million rows; all rows of a file that can only be read as a whole."""
+        everything = range(len(self.headers))
+        if self.slices is None or self.n_rows is None:
+            require_memory(len(self.headers) * (self.n_rows or 0))
+            return self.read(everything)
+        return self.slices(everything).read(0, min(self.n_rows, _MANY_ROWS))
 
 
 @contextmanager

@@ -122,7 +122,7 @@ def _moves(limits: Limits, rate: float, seconds: float) -> Iterator[Trajectory]:
         once = _trapezoids(limits, rate, way, [part * top for part in speeds], 0.0)
         times = int(seconds // once.duration)
         if times:
-            repeated = _changed(lambda part, n=times: np.append(np.tile(part[:-1], n), part[-1]), once)
+            repeated = once.lasting(times * once.duration)
             kind = "one speed" if len(speeds) == 1 else f"{len(speeds)} speeds"
             yield replace(repeated, name=f"moves over {way:.3g} at {kind} up to {top:.3g}")
 

@@ -187,7 +187,7 @@ def whole_periods(
     >>> shaking.frequencies.tolist(), shaking.duration
     ([1.0, 2.5], 5.0)
     """
-    total = round(seconds * rate)
+    total = max(round(seconds * rate), 1)
     periods = -(-total // _LONGEST_PERIOD)
     period = max((total - 2 * (total // _FADES)) // periods, 1)
     cycles = np.unique(np.round(frequencies * period / rate).clip(1))

@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray, read_only
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
-from symid.simulation.limits import Extremes, Limits, positive
+from symid.simulation.limits import Extremes, Limits, intervals, positive
 
 _JOINT: Final = 1e-9  # share of the greatest value by which two trajectories may differ where they join
 
@@ -117,6 +117,22 @@ class Trajectory:
     def shifted(self, by: float) -> Trajectory:
         """The trajectory with `by` (m or rad) added to each position."""
         return self.with_motion(position=self.position + by)
+
+    def lasting(self, seconds: float) -> Trajectory:
+        """The trajectory repeated without a pause, and cut to `seconds`; it must end where it begins.
+
+        Examples
+        --------
+        >>> swing = Trajectory([0.0, 1.0, 0.0], [0.0] * 3, [0.0] * 3, sampling_period=0.5, name="swing")
+        >>> swing.lasting(2.5).position.tolist()
+        [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]
+        """
+        self._check_joint(self)
+        period = max(self.n_samples - 1, 1)
+        place = np.arange(intervals(seconds, self.sampling_period, self.name) + 1) % period
+        place[-1] = place[-1] or self.n_samples - 1  # the acceleration may jump where it begins again
+        motion = {kind: getattr(self, kind)[place] for kind in ("position", "velocity", "acceleration")}
+        return self.with_motion(**motion)
 
     def then(self, other: Trajectory) -> Trajectory:
         """The trajectory followed by `other`, whose first sample coincides with the last one here.

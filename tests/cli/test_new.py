@@ -55,6 +55,7 @@ def test_a_written_axis_is_identified_from_its_simulation(folder: Path) -> None:
         ("new 2masses", "cannot name an axis"),
         ("new my-axis", "cannot name an axis"),
         ("new lambda", "cannot name an axis"),
+        ("new rigid_1m", "comes with symid"),
         ("new mine --bodies 0", "at least 1"),
         ("new mine --bodies 1 --structure", "at least 2 with a structure"),
         ("new mine --bodies 3 --springs 1", "2 or 3 springs"),

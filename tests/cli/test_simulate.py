@@ -67,7 +67,7 @@ def test_a_log_leads_and_its_force_drives(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("seconds", ["10", "3.3"])
-@pytest.mark.parametrize("trajectory", ["chirp", "multisine"])
+@pytest.mark.parametrize("trajectory", ["chirp", "multisine", "trapezoids"])
 def test_the_reference_lasts_as_asked_and_its_reach_is_reported(
     folder: Path, trajectory: str, seconds: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -78,6 +78,9 @@ def test_the_reference_lasts_as_asked_and_its_reach_is_reported(
     log = pl.read_csv(folder / "run.csv")
     assert log["t"][-1] - log["t"][0] == pytest.approx(float(seconds), abs=1.1 / 2000)
     reach = log["reference"].abs().max()
+    if trajectory == "trapezoids":
+        assert reach == pytest.approx(0.2, rel=1e-9)
+        return
     assert f"travel {reach:.3g} of 0.2 m" in printed
     assert "acceleration is the limit" in printed
     acceleration = np.diff(log["reference"].to_numpy(), 2) * 2000**2
@@ -104,6 +107,7 @@ def test_a_chirp_reaches_the_travel_that_its_limits_allow(folder: Path) -> None:
     [
         ("--trajectory circle", "not known"),
         ("--trajectory chirp --band 3", "LOW,HIGH"),
+        ("--trajectory multisine --seconds 1e-9", "below half"),
         ("-o run.txt", ".parquet"),
         ("--controller-gain K=2", "Kpp"),
         ("--controller-gain Kpv=-1e9", "runs away"),

@@ -20,6 +20,8 @@ from symid.errors import LogError
 
 _TIMES_TEXT: Final = 4
 """Memory for the columns and the text, in multiples of the text."""
+_MEMORY: Final = 1_000_000_000
+"""Memory for them by default, bytes: a small file may hold text without end."""
 _Opener: TypeAlias = "Callable[[Path], Any]"
 
 
@@ -53,7 +55,7 @@ def open_compressed(path: Path, memory: int | None = None, layout: Layout | None
     LogError if it is damaged, or longer than the memory.
     """
     suffix = path.suffix.lower()
-    most = (free_memory() if memory is None else memory) / _TIMES_TEXT
+    most = min(free_memory(), memory or _MEMORY) / _TIMES_TEXT
     with parsing(path, suffix, *_FAILURES), OPENERS[suffix](path) as file:
         text = file.read(int(min(most, 2**62)) + 1)
     if len(text) > most:
