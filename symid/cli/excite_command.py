@@ -72,7 +72,12 @@ _run_options = shared(
 @argument("axis")
 @parameter_option("Rough values of the parameters, SI.")
 @fix_option
-@option("--noise", multiple=True, required=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
+@option(
+    "--noise",
+    multiple=True,
+    metavar="SIGNAL=STD",
+    help="White noise of a signal, SI [as the axis declares it].",
+)
 @option(
     "--limits",
     "limits_text",
@@ -96,10 +101,14 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     """
     reference_file(output)
     declared = with_imperfections(load_axis(axis), options)
-    parameters = parameter_file(file, declared, fixed_values(options["fixed"], declared))
+    if known := fixed_values(options["fixed"], declared):
+        declared = declared.with_known(known)
+    parameters = parameter_file(file, declared)
     limits, force, apart = _limits(options["limits_text"], declared)
     controllers = cascades_of(declared, plant_of(declared, parameters), {**options, "force_limit": math.inf})
-    model = model_of(axis, signal_list(options["measured"]))
+    model = model_of(
+        declared if known else axis, signal_list(options["measured"]) or _noisy_sensors(declared)
+    )
     method = options["method"]
     experiment = IdentificationTrial(declared, model, parameters, controllers, limits, force, apart, method)
     found = design(
@@ -112,6 +121,17 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     )
     write_log(references_log(declared, found.best.references), output)
     give_result(_record(found, experiment, output), json_file, lambda _: _print(found, experiment, output))
+
+
+def _noisy_sensors(axis: Axis) -> list[str]:
+    """Sensors whose noise is known: the log is identified by them."""
+    found = [sensor.signal for sensor in axis.sensors if sensor.noise > 0.0]
+    if found:
+        return found
+    signals = [*(sensor.signal for sensor in axis.sensors), axis.drives[0].signal]
+    raise SettingError(
+        f"no sensor of axis {axis.name!r} has noise: give --noise {signals[0]}=STD, also of {signals[-1]}"
+    )
 
 
 def references_log(axis: Axis, paths: Sequence[Trajectory]) -> Log:
@@ -154,6 +174,7 @@ def _record(found: Design, experiment: IdentificationTrial, output: str) -> dict
     every = {"designed": found.best, **found.defaults}
     return {
         "axis": experiment.axis.name,
+        "measured": list(experiment.model.measured),
         "reference": output,
         "name": found.best.trajectory.name,
         "seconds": found.best.trajectory.duration,

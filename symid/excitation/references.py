@@ -25,6 +25,7 @@ _WAYS = (1.0, 0.3, 0.1, 0.03)  # lengths of moves, relative to the stroke
 _SPEEDS = ((1.0,), (0.05, 0.3, 1.0))  # of the moves of one motion, relative to the largest
 _JERK_TIME = 0.01  # s, in which the acceleration builds up if the jerk is not limited
 _LINES = 21  # of a multisine
+_PARTS = (0.2, 0.5)  # of the limits, for a multisine on top of moves
 _CONSTANT: tuple[Quantity, ...] = ("velocity", "acceleration")
 _SWEEP: Literal["logarithmic"] = "logarithmic"
 _Maker = Callable[[float], Trajectory]
@@ -64,6 +65,7 @@ def references(
     for one, other in product(moves[1::2], halves):
         name = f"{one.name}, then {other.name}"
         found.append(replace(one.then(other), name=name))
+    found += _superposed(limits, rate, seconds, highest_mode)
     count = round(seconds * rate) + 1
     return [_lasting(one, count) for one in found]
 
@@ -77,8 +79,7 @@ def references_apart(
     >>> bool(max(np.abs(a.position - b.position).max() for a, b in found) <= 1e-3)
     True
     """
-    parts = {name: getattr(limits, name) / 2 for name in ("speed", "acceleration", "jerk")}
-    half = Limits((-apart / 4, apart / 4), **parts)
+    half = replace(_part(limits, 0.5), travel=(-apart / 4, apart / 4))
     count, found = round(seconds * rate) + 1, []
     bands = [(max(0.2, 2 / seconds), top) for top in sorted({_BAND[1], _BEYOND_MODES * highest_mode}) if top]
     for band, (i, move) in product(bands, enumerate(_moves(limits, rate, seconds))):
@@ -114,9 +115,11 @@ def _default_moves(limits: Limits, rate: float, seconds: float) -> Trajectory:
     return replace(made, name=DEFAULTS[0])
 
 
-def _moves(limits: Limits, rate: float, seconds: float) -> Iterator[Trajectory]:
+def _moves(
+    limits: Limits, rate: float, seconds: float, kinds: tuple[tuple[float, ...], ...] = _SPEEDS
+) -> Iterator[Trajectory]:
     """Moves of several lengths at one or three speeds, repeated as often as they fit."""
-    for share, speeds in product(_WAYS, _SPEEDS):
+    for share, speeds in product(_WAYS, kinds):
         way = share * _stroke(limits)
         top = _USED * min(limits.speed, float(np.sqrt(way * limits.acceleration)))
         once = _trapezoids(limits, rate, way, [part * top for part in speeds], 0.0)
@@ -125,6 +128,25 @@ def _moves(limits: Limits, rate: float, seconds: float) -> Iterator[Trajectory]:
             repeated = once.lasting(times * once.duration)
             kind = "one speed" if len(speeds) == 1 else f"{len(speeds)} speeds"
             yield replace(repeated, name=f"moves over {way:.3g} at {kind} up to {top:.3g}")
+
+
+def _superposed(limits: Limits, rate: float, seconds: float, highest_mode: float) -> Iterator[Trajectory]:
+    """Moves at one speed with a multisine on top; each uses its part of the limits."""
+    low = max(0.2, 2 / seconds)
+    for part, high in product(_PARTS, sorted({_BAND[1], _BEYOND_MODES * highest_mode} - {0.0})):
+        small, large = _part(limits, part), _part(limits, 1.0 - part)
+        wave = _largest(small, partial(_multisine, (low, high), seconds, rate, 0))
+        for move in _moves(large, rate, seconds, _SPEEDS[:1]):
+            name = f"{move.name}, with a multisine of {part:.0%} up to {high:.3g} Hz"
+            yield replace(_changed(np.add, _lasting(move, wave.n_samples), wave), name=name)
+
+
+def _part(limits: Limits, part: float) -> Limits:
+    """The limits multiplied by a factor."""
+    low, high = limits.travel
+    return Limits(
+        (part * low, part * high), part * limits.speed, part * limits.acceleration, part * limits.jerk
+    )
 
 
 def _trapezoids(limits: Limits, rate: float, way: float, speeds: list[float], dwell: float) -> Trajectory:

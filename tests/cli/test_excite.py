@@ -41,6 +41,7 @@ def test_a_reference_is_written_and_followed(folder: Path, capsys: pytest.Captur
         (f"{NOISE} --limits travel=2s,speed=1,acceleration=1", "converts to m"),
         (f"--noise z=1 {LIMITS}", "no signal 'z'"),
         (f"{NOISE} {LIMITS} -o r.txt", ".parquet"),
+        (f"--noise F=2 {LIMITS}", "no sensor of axis 'rigid_1m' has noise: give --noise q=STD"),
     ],
 )
 def test_a_mistake_is_one_line(
