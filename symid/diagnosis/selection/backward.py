@@ -66,9 +66,11 @@ def backward_elimination(
         members,
     )
     # Effects are fitted one by one in each order. The first order counts in which each is justified at its position and
-    # the last model is as good as the whole one.
+    # the last model is as good as the whole one. Fits from the model without effects may end in other minima: at last
+    # the values of the whole model are tried.
     most = THRESHOLDS.as_good * whole.mean_square
-    chains = (_chain(_whole_before_part(order), first, most) for order in orders)
+    tried = (*((order, None) for order in orders), (orders[0], whole))
+    chains = (_chain(_whole_before_part(order), first, most, whole=begun) for order, begun in tried)
     return next((chain for chain in chains if chain is not None), _beside_others(accepted, members))
 
 
