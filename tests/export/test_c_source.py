@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from axes.catalogue import cases, derived, generated
 from axes.effects import EFFECTS, values_of, with_effect
 from axes.plant import random_motion
 from driven import acceleration, driven
-from export.compiler import Compiled
+from export.compiler import Compiled, with_run
 
 from symid import Axis, Backlash, Position
 from symid.codegen.generated_models import compiled
@@ -41,12 +40,17 @@ def close(found: np.ndarray, wanted: np.ndarray, terms: np.ndarray) -> None:
     np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-12 * float(np.max(terms)))
 
 
-@pytest.mark.parametrize("name", list(cases()))
-def test_regressor_output_and_minimal_parameters_are_those_of_numpy(name: str, tmp_path: Path) -> None:
-    case = cases()[name]
-    measured = case.sensor_sets[-1]
-    model = generated(name, measured)
-    code = Compiled.of(c_source(derived(name, measured), case.values), name, tmp_path)
+@pytest.fixture(scope="module", params=list(cases()))
+def code(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Compiled:
+    """Each axis of the catalogue with its last set of sensors."""
+    name, case = request.param, cases()[request.param]
+    exported = c_source(derived(name, case.sensor_sets[-1]), case.values)
+    return Compiled.of(exported, name, tmp_path_factory.mktemp(name))
+
+
+def test_regressor_output_and_minimal_parameters_are_those_of_numpy(code: Compiled) -> None:
+    case = cases()[code.name]
+    model = generated(code.name, case.sensor_sets[-1])
     orders = max(model.highest_derivatives.values()) + 3
     motion = random_motion(case.plant(), orders, SAMPLES, seed=7)
     signals = motion.signals(case.declared.drive.signal, case.sensors, model.signals)
@@ -71,13 +75,11 @@ def test_known_values_among_the_parameters_keep_minimal_parameters(tmp_path: Pat
     np.testing.assert_allclose(found, X, rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", list(cases()))
-def test_forward_dynamics_are_those_written_by_hand_and_those_simulated(name: str, tmp_path: Path) -> None:
-    case = cases()[name]
-    code = Compiled.of(c_source(derived(name, case.sensor_sets[0]), case.values), name, tmp_path)
+def test_forward_dynamics_are_those_written_by_hand_and_those_simulated(code: Compiled) -> None:
+    case = cases()[code.name]
     machine, plant = case.plant(), plant_of(case.declared, case.values)
     motion = random_motion(machine, 3, SAMPLES, seed=3)
-    n, change = machine.bodies, COORDINATES.get(name, np.eye(machine.bodies))
+    n, change = machine.bodies, COORDINATES.get(code.name, np.eye(machine.bodies))
     x = np.vstack([change @ motion.x[0], change @ motion.x[1]])
     found = accelerations(code, case.values, x, motion.force[0])
     np.testing.assert_array_equal(found[:n], x[n:])
@@ -164,25 +166,6 @@ def test_a_rest_speed_smooths_friction(tmp_path: Path) -> None:
     assert any("rest" in loss for loss in exported.losses)
 
 
-def stepped(
-    code: Compiled, values: Mapping[str, float], forces: np.ndarray, held: float, h: float
-) -> np.ndarray:
-    """States by the step function after each held force, of shape (samples, 2 n)."""
-    x, p, states = np.zeros(2 * code_bodies(code)), code.parameters(values), []
-    step, period = code.library[f"{code.name}_step"], ctypes.c_double(h)
-    to_p, to_x = (ctypes.c_void_p(array.ctypes.data) for array in (p, x))  # millions of calls: made once
-    for force in map(ctypes.c_double, forces.tolist()):
-        for _ in range(round(held / h)):
-            step(to_p, to_x, force, period)
-        states.append(x.copy())
-    return np.array(states)
-
-
-def code_bodies(code: Compiled) -> int:
-    """Bodies of a compiled axis, by the number of states that its derivative has in the catalogue."""
-    return len(cases()[code.name].declared.free_bodies)
-
-
 @pytest.mark.parametrize(
     "name",
     [
@@ -198,7 +181,8 @@ def code_bodies(code: Compiled) -> int:
 )
 def test_steps_stick_and_slide_as_the_simulation_does(name: str, tmp_path: Path) -> None:
     case = cases()[name]
-    code = Compiled.of(c_source(derived(name, case.sensor_sets[0]), case.values), name, tmp_path)
+    exported = c_source(derived(name, case.sensor_sets[0]), case.values)
+    code = Compiled.of(with_run(exported, name), name, tmp_path)
     plant = plant_of(case.declared, case.values)
     t = np.arange(300) * 1e-3
     level = 0.5 * float(np.sum(np.diag(plant.mass))) + 2 * sum(law.limits(0.0)[1] for law in plant.laws)
@@ -206,7 +190,8 @@ def test_steps_stick_and_slide_as_the_simulation_does(name: str, tmp_path: Path)
     forces = np.where(t < 0.2, level * np.sin(2 * np.pi * 7 * t), 0.0) + weight
     wanted = driven(case.declared, case.values, forces, 1e-3)[1:]
     n = len(plant.bodies)
-    coarse, fine = (stepped(code, case.values, forces, 1e-3, h) for h in (2e-5, 1.25e-6))
+    sizes = (2 * n, len(case.declared.sensors))
+    coarse, fine = (code.run(case.values, forces, 1e-3, h, sizes)[0] for h in (2e-5, 1.25e-6))
     errors = [
         np.max(np.abs(found[:, :n] - wanted[:, :n])) / np.ptp(wanted[:, :n]) for found in (coarse, fine)
     ]

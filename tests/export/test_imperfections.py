@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from pathlib import Path
 
 import fmpy
@@ -10,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from axes.shipped import VALUES
-from export.compiler import Compiled
+from export.compiler import Compiled, with_run
 
 from symid import (
     ActuatorDelay,
@@ -86,29 +85,16 @@ def simulated(
 
 def compiled(axis: Axis, folder: Path, values: dict[str, float] = RIGID) -> Compiled:
     """The axis in C, with any warning an error."""
-    return Compiled.of(c_source(derive(axis), values), axis.name, folder)
+    return Compiled.of(with_run(c_source(derive(axis), values), axis.name), axis.name, folder)
 
 
 def by_c(axis: Axis, folder: Path, values: dict[str, float] = RIGID, force: np.ndarray = FORCE) -> np.ndarray:
     """Readings by the compiled functions at the samples, of shape (sensors, samples)."""
-    code, dynamics = compiled(axis, folder, values), symbolic_dynamics(axis)
-    late = any(path.delay for path in dynamics.imperfect.drives) or any(s.delay for s in axis.sensors)
-    p, way = code.parameters(values), ctypes.create_string_buffer(10_000_000)
-    x, y, change = np.zeros(dynamics.n_states), np.zeros(len(axis.sensors)), np.zeros(dynamics.n_states)
-    code.library[f"{axis.name}_sensors"](x.ctypes, change.ctypes, y.ctypes)
-    h, found = ctypes.c_double(STEP), []
-    for held in force:
-        found.append(y.copy())
-        for _ in range(round(PERIOD / STEP)):
-            f = ctypes.c_double(float(held))
-            if late:
-                code.library[f"{axis.name}_advance"](p.ctypes, way, x.ctypes, f, h, y.ctypes)
-                continue
-            before = x.copy()
-            code.library[f"{axis.name}_step"](p.ctypes, x.ctypes, f, h)
-            change = (x - before) / STEP
-            code.library[f"{axis.name}_sensors"](x.ctypes, change.ctypes, y.ctypes)
-    return np.array(found).T
+    code, sizes = compiled(axis, folder, values), (symbolic_dynamics(axis).n_states, len(axis.sensors))
+    rest = np.zeros(sizes[0])
+    first = code.function("sensors", rest, rest, shape=(sizes[1],))
+    _, readings = code.run(values, force[:-1], PERIOD, STEP, sizes)
+    return np.vstack([first, readings]).T
 
 
 def by_unit(axis: Axis, folder: Path) -> np.ndarray:
