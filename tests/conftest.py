@@ -3,7 +3,9 @@
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
+import pytest
 from hypothesis import settings
 
 HERE = Path(__file__).parent
@@ -16,3 +18,14 @@ settings.register_profile(
     "same examples every time", derandomize=True, deadline=None, database=None, max_examples=50
 )
 settings.load_profile("same examples every time")
+
+
+@pytest.fixture
+def plain_pages(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages without their pictures, which take most of the time and say nothing to a test of the text."""
+    monkeypatch.setattr("symid.report.figures.drawn.svg_of", lambda figure, name: "<svg></svg>")
+    from symid.report.pages import interactive  # loads the library of its plots
+
+    nothing: Any = dict.fromkeys(("script", "signals", "over_velocity", "over_position", "spectrum"), "")
+    plots = interactive.Plots(**nothing, responses={}, others={})
+    monkeypatch.setattr("symid.report.pages.interactive.plots_of", lambda found: plots)

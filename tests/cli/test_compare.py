@@ -66,6 +66,7 @@ def test_another_mass_differs_and_the_same_does_not(folder: Path, capsys: pytest
     assert "setting cutoff_hz" in printed
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_the_console_prints_the_deviation_of_page_and_comparison(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -82,6 +82,7 @@ def test_emps_by_the_command_of_the_readme(capsys: pytest.CaptureFixture[str]) -
         assert digits in shown
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_demo_needs_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -213,6 +214,7 @@ def test_help_of_each_command_has_an_example(capsys: pytest.CaptureFixture[str])
         assert f"Example: symid {command}" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_output_error_on_the_command_line(tmp_path, capsys):
     values = {"M": 40.0, "Fv": 30.0, "Fs": 12.0}
     parameters, log = tmp_path / "P.json", tmp_path / "run.parquet"

@@ -35,6 +35,7 @@ def simulated(*more: str) -> int:
     return run("simulate", "gantry", "--parameters", "P.json", "-o", "run.csv", "--rate", "4000", *more)
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_two_drives_from_simulation_to_a_page_and_a_batch(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

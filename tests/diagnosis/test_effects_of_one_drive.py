@@ -20,6 +20,7 @@ from symid import (
 from symid.codegen import declared_delays
 from symid.data import Log
 from symid.diagnosis import diagnose
+from symid.diagnosis.effects import LIBRARY
 from symid.diagnosis.in_motion.declared import explained_axis
 from symid.errors import DeclarationError
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascades
@@ -30,6 +31,8 @@ FRICTION = (
     *(ViscousFriction(LEFT, "Fv1"), CoulombFriction(LEFT, "Fs1")),
     *(ViscousFriction(RIGHT, "Fv2"), CoulombFriction(RIGHT, "Fs2")),
 )
+OF_DRIVES = ("delay", "actuator_lag", "recorded_lag", "saturation", "gain_nonlinearity", "gain_asymmetry")
+LIBRARY_OF_DRIVES = [effect for effect in LIBRARY if effect.name in OF_DRIVES]
 VALUES = {"Mb": 80.0, "Fv1": 110.0, "Fs1": 25.0, "Fv2": 140.0, "Fs2": 32.0}
 
 
@@ -83,7 +86,7 @@ def test_the_hold_of_two_drives_is_recognised() -> None:
 
 def test_delays_of_both_drives_are_two_and_written_with_their_drives() -> None:
     machine = gantry().with_effect(ActuatorDelay(0.8e-3, drive="F1"), ActuatorDelay(1.6e-3, drive="F2"))
-    found = diagnose(gantry(), logged(machine))
+    found = diagnose(gantry(), logged(machine), library=LIBRARY_OF_DRIVES)
     times = {effect.at: effect.parameters["T"].value for effect in found.effects if effect.effect == "delay"}
     assert times == pytest.approx({"F1": 0.8e-3, "F2": 1.6e-3}, abs=2e-5)
     assert len(found.effects) == 2
@@ -93,6 +96,7 @@ def test_delays_of_both_drives_are_two_and_written_with_their_drives() -> None:
 
 
 def test_a_limit_of_one_drive() -> None:
-    found = diagnose(gantry(), logged(gantry().with_effect(ForceLimit(400.0, drive="F2"))))
+    machine = gantry().with_effect(ForceLimit(400.0, drive="F2"))
+    found = diagnose(gantry(), logged(machine), library=LIBRARY_OF_DRIVES)
     assert [(effect.effect, effect.at) for effect in found.effects] == [("saturation", "F2")]
     assert found.effects[0].parameters["limit"].value == pytest.approx(400.0, rel=0.02)

@@ -8,6 +8,7 @@ import pytest
 from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import diagnose
+from symid.diagnosis.effects import LIBRARY
 from symid.diagnosis.findings.strength import FixedBand
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit
@@ -23,6 +24,7 @@ diagnose_module = sys.modules["symid.diagnosis.diagnose"]  # the package holds t
 RIGID = load_axis("rigid_1m")
 VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
 ELASTIC = load_axis("direct_2m1s")
+BOTH = [effect for effect in LIBRARY if effect.name in ("cogging", "quadratic_drag")]
 FLEXIBLE = {"Mm": 90.0, "Ms": 60.0, "Ks": 60 * (2 * np.pi * 25) ** 2, "Fvs": 200.0, "Fvm": 150.0, "Fsm": 30.0}
 
 
@@ -40,7 +42,7 @@ def test_the_strongest_of_the_validation_log_is_first(monkeypatch: pytest.Monkey
     slow, fast = slide([0.05, 0.1, 0.3], 1), slide([0.5, 0.8, 1.0], 2)
 
     def found() -> list[str]:
-        effects = diagnose(RIGID, slow, validation=fast, nominal=VALUES, held=True).effects
+        effects = diagnose(RIGID, slow, validation=fast, nominal=VALUES, held=True, library=BOTH).effects
         return [effect.effect for effect in effects]
 
     assert found() == ["quadratic_drag", "cogging"]
@@ -51,7 +53,9 @@ def test_the_strongest_of_the_validation_log_is_first(monkeypatch: pytest.Monkey
 def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
     log = slide([0.5, 0.8, 1.0], 2)
     fit = (
-        next(s for s in diagnose(RIGID, log, nominal=VALUES, held=True).search[::-1] if s.accepts)
+        next(
+            s for s in diagnose(RIGID, log, nominal=VALUES, held=True, library=BOTH).search[::-1] if s.accepts
+        )
         .confirmed[0]
         .fit
     )
@@ -79,7 +83,9 @@ def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
 
 def test_what_is_brought_first_keeps_what_spoke_for_it() -> None:
     log = slide([0.05, 0.1, 0.3], 1)
-    steps = [step for step in diagnose(RIGID, log, nominal=VALUES, held=True).search if step.accepts]
+    steps = [
+        step for step in diagnose(RIGID, log, nominal=VALUES, held=True, library=BOTH).search if step.accepts
+    ]
     assert len(steps) == 2
     last_first = brought_first(steps, 1)
     assert [step.confirmed[0].key for step in last_first] == [step.confirmed[0].key for step in steps[::-1]]
@@ -122,7 +128,7 @@ def test_a_model_that_grows_without_bound_on_the_validation_log_is_left_out(
 
 def test_the_interval_of_a_share_holds_what_the_effect_removes_beside_the_others() -> None:
     slow, fast = slide([0.05, 0.1, 0.3], 1), slide([0.5, 0.8, 1.0], 2)
-    found = diagnose(RIGID, slow, validation=fast, nominal=VALUES, held=True)
+    found = diagnose(RIGID, slow, validation=fast, nominal=VALUES, held=True, library=BOTH)
     assert [effect.effect for effect in found.effects] == ["quadratic_drag", "cogging"]
 
     # by the drawn forces: what the plain axis leaves of them, with the drag taken away and without

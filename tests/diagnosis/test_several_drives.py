@@ -93,6 +93,7 @@ def test_effects_of_both_drives_are_found_together() -> None:
         assert own.gap.explained.rms < 1.15 * own.gap.noise_floor.rms
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_print_and_page_show_each_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     print_diagnosis(diagnosis_record(found("delay")))
     printed = capsys.readouterr().out

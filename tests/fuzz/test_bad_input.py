@@ -19,7 +19,7 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, str]
     return folder, good_folder(folder)
 
 
-MOST_SECONDS, SPENT = 2.0, Counter[str]()
+MOST_SECONDS, SPENT = 1.0, Counter[str]()
 """Processor time after which the other options of a slow command are left to another run, and that of each so far."""
 
 

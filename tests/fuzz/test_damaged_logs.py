@@ -23,7 +23,7 @@ FOUND_BY_FUZZING = (
 )
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(damages)
 def test_drawn_damage(damage: Damage) -> None:
     outcome = outcome_of(damage)

@@ -54,6 +54,7 @@ def test_99_per_cent_of_coloured_noise_lie_in_the_band() -> None:
     assert 0.002 < np.mean(across) < 0.02
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_the_page_says_how_it_was_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for seed in (1, 2):

@@ -68,6 +68,7 @@ def test_the_page_of_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         assert section in page.text
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_numbers_of_the_page(tmp_path: Path) -> None:
     recording(tmp_path / "a.csv", 0.5 * np.random.default_rng(0).standard_normal(6000))
     log = symid.read_axis_log("rigid_1m", tmp_path / "a.csv")
@@ -128,6 +129,7 @@ def test_a_page_that_cannot_be_written_is_refused_first(
     assert "p.txt" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_numbers_of_the_page_of_output_error(tmp_path: Path) -> None:
     recording(tmp_path / "a.csv")
     frame = pl.read_csv(tmp_path / "a.csv")[::5]

@@ -84,6 +84,7 @@ def test_an_axis_that_reads_no_position() -> None:
     assert identified_motion(AXIS, RIGID, fast).message == "none of its signals is a position"
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_the_page_says_how_the_axis_was_driven(tmp_path: Path) -> None:
     log = rigid_log(seconds=4.0)
     found = symid.identify(AXIS, log)

@@ -83,6 +83,7 @@ def test_an_axis_is_shown_as_its_file_declares_it() -> None:
     assert "inertia=None" not in printed
 
 
+@pytest.mark.usefixtures("plain_pages")
 def test_an_identification_shows_the_motion_of_its_logs(tmp_path: Path) -> None:
     found = results()["identification"]
     labels = [axes.get_xlabel() for axes in found.plot().axes]
