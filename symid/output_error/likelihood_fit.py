@@ -156,5 +156,6 @@ def _is_same(trial: Search, better: Search) -> bool:
 def _visible_parameters(model: GeneratedModel, values: Mapping[str, float]) -> tuple[str, ...]:
     """Physical parameters on which any minimal parameter depends."""
     names = list(model.physical_units)
-    slopes = jacobian(model, np.array([values[name] for name in names]))
+    with np.errstate(divide="ignore", invalid="ignore"):  # some divide by a friction that starts at 0
+        slopes = jacobian(model, np.array([values[name] for name in names]))
     return tuple(name for name, column in zip(names, slopes.T, strict=True) if np.any(column != 0))

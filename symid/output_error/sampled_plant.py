@@ -21,6 +21,9 @@ import scipy
 from symid.arrays import FloatArray
 from symid.simulation import Plant
 
+_UNFELT = 1e-9
+"""Part of a displacement in readings and springs below which nothing depends on it."""
+
 
 @dataclass(frozen=True, eq=False)
 class SampledPlant:
@@ -97,7 +100,9 @@ def sampled_plant(
 
 
 def _observed(plant: Plant, signals: Sequence[str]) -> FloatArray:
-    """Basis of the states without the place of a free axis, which neither springs nor a reading of a speed depend on.
+    """Basis of the states without displacements that neither a spring nor a reading depends on.
+
+    Such are the place of a free axis of which only a speed is read, and that of a free base under a relative sensor.
 
     >>> from symid import Axis, Body, Drive, Position, Velocity
     >>> from symid.simulation import plant_of
@@ -107,10 +112,11 @@ def _observed(plant: Plant, signals: Sequence[str]) -> FloatArray:
     [(2, 2), (2, 1)]
     """
     n = len(plant.bodies)
-    if any(plant.sensors[signal][1] == 0 for signal in signals):
-        return np.eye(2 * n)
-    felt = scipy.linalg.orth(plant.stiffness.T) if plant.stiffness.any() else np.zeros((n, 0))
-    return scipy.linalg.block_diag(felt, np.eye(n)) if felt.shape[1] else np.eye(2 * n)[:, n:]
+    rows = np.stack([*plant.stiffness, *(plant.sensors[signal].motion[0] for signal in signals)])
+    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
+    rows = rows / np.where(sizes > 0.0, sizes, 1.0)
+    felt = scipy.linalg.orth(rows.T, rcond=_UNFELT) if rows.any() else np.zeros((n, 0))
+    return np.eye(2 * n) if felt.shape[1] == n else scipy.linalg.block_diag(felt, np.eye(n))
 
 
 def _continuous(plant: Plant, disturbed: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
