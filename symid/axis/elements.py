@@ -112,7 +112,7 @@ class Body(Parametrised):
         The body that carries it; its coordinate is relative to that body. The ground by default.
     geared : Geared or tuple of Geared, optional
         Rigid transmission from another body, or from several, whose contributions add up. A geared body has no
-        coordinate of its own.
+        separate coordinate.
 
     Examples
     --------

@@ -22,7 +22,7 @@ class ReadingPart(NamedTuple):
 class Sensor(Parametrised):
     """A reading of a quantity of the axis: quantity = gain * signal + offset.
 
-    A kind of sensor is a subclass that says what is read in `parts`. Its derivation, identification and simulation
+    A kind of sensor is a subclass that states what is read in `parts`. Its derivation, identification and simulation
     follow from that.
 
     Parameters

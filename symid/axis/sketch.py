@@ -219,7 +219,10 @@ def _joint(made: dict[str, Body], body: str, tag: str, *, held: bool, coulomb: b
 
 _COMMENTS = (
     ("structure = ", "the machine bed, on the ground; it yields by the spring `foundation`"),
-    ("motor = ", "what the drive pushes; `on=` says what carries it, and its coordinate is relative to that"),
+    (
+        "motor = ",
+        "the driven body; `on=` names the body that carries it, to which its coordinate is relative",
+    ),
     (
         "load = ",
         "joined to the motor by the spring `transmission`; geared=Geared(to=motor, ratio=...) makes it rigid",

@@ -191,7 +191,7 @@ def _number_faults(
         of, to = getattr(sensor, "body", None), getattr(sensor, "relative_to", None)
         ratio = getattr(sensor, "ratio", None)
         if ratio is not None and to is None:
-            yield f"{label_of(sensor)}: ratio is that of what it is measured from: give relative_to= too"
+            yield f"{label_of(sensor)}: ratio scales the body that relative_to= names: give that too"
         elif ratio is not None:
             numbers.append((f"{label_of(sensor)}: ratio", ratio))
         if ratio is None and isinstance(of, Body) and isinstance(to, Body) and of.turns != to.turns:

@@ -107,7 +107,7 @@ batch_options = shared(
 def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: Any) -> None:
     """Identify AXIS from each LOG alone, in parallel: one row per log.
 
-    LOG is a file, a folder or a pattern. A log that cannot be used is a row that says why. Stopped at any time,
+    LOG is a file, a folder or a pattern. A log that cannot be used becomes a row with the reason. Stopped at any time,
     the same command continues: finished logs are done again only if the log, the axis or the settings changed.
     """
     notes_on_guesses(options)

@@ -138,7 +138,7 @@ def _read_foreign(path: Path, encoding: str | None) -> ForeignFile:
     """Layout, columns and the stated sampling period."""
     layout = layout_found(path, encoding)
     if encoding and layout is None:
-        raise SettingError(f"--encoding {encoding}: {path} is no plain text: leave it out")
+        raise SettingError(f"--encoding {encoding}: {path} is not plain text: leave it out")
     table = open_table(path, layout)
     if not table.headers:
         raise LogError(f"{path}: holds no columns of numbers: save each signal as a vector")

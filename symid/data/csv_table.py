@@ -216,7 +216,7 @@ def values_of_texts(
 ) -> FloatArray | str:
     """Values of a column of texts, the whole of it, or the rows after some `before`, or what is wrong with them."""
     cleaned = texts.str.strip_chars(" \t\"'").str.replace(_NO_VALUE, "")
-    whole = before is None  # only a whole column tells marks of thousands from decimal ones
+    whole = before is None  # only a whole column distinguishes separators of thousands from decimal marks
     points, commas = (bool(cleaned.str.contains(mark, literal=True).any()) for mark in ".,")
     marked = points and (commas or decimal == ",")
     if whole and marked and (plain := without_groups(cleaned.fill_null("").to_list(), decimal)):

@@ -50,7 +50,7 @@ def is_stamp(text: str) -> bool:
 
 
 def has_time_of_day(text: str) -> bool:
-    """Whether a text is a moment, which tells samples apart, and not a day alone.
+    """Whether a text is a moment, which distinguishes samples, and not a day alone.
 
     >>> has_time_of_day("20261121T100000"), has_time_of_day("21.11.2026")
     (True, False)
@@ -83,7 +83,7 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
     within, turn = _seconds_within(parts)
     if days is None or np.isnan(within).any():
         return None
-    if parts["day"].is_null().all():  # each start anew is one more turn
+    if parts["day"].is_null().all():  # each restart is one more turn
         turns = np.cumsum(np.diff(within, prepend=within[0]) < -turn / 2, dtype=np.float64)
         days = turns * (turn / _SECONDS_OF_A_DAY)
     seconds: FloatArray = np.round(_SECONDS_OF_A_DAY * (days - days[0]) + (within - within[0]), 9)
@@ -104,7 +104,7 @@ def _days(written: pl.Series) -> FloatArray | None:
 
 
 def _seconds_within(parts: pl.DataFrame) -> tuple[FloatArray, float]:
-    """Seconds since midnight, or since the full hour, and the time after which they begin anew; nan for no time."""
+    """Seconds since midnight, or since the full hour, and the time after which they start again; nan for no time."""
     compact, half = parts["compact"], parts["half"]
     if not compact.is_null().all():
         hours, minutes = _number(compact.str.slice(0, 2)), _number(compact.str.slice(2, 2))

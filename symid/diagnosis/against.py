@@ -2,10 +2,10 @@
 
 The simulator's log is diagnosed first: values of the axis's parameters, and effects that the simulator has beyond the
 axis. That model, under the machine's log, is the nominal one. It is then identified from the machine's log, and its
-effects are kept where that log asks for them; the rest the machine does not have. What this model leaves is searched
+effects are kept where that log needs them; the machine does not have the others. The error of this model is searched
 as in any diagnosis: effects found now are those that the simulator lacks.
 
-So that little errors of a simulator without noise do not count as effects, its readings get the noise of the machine's.
+So that small errors of a simulator without noise do not count as effects, its readings get the noise of the machine's.
 """
 
 from __future__ import annotations
@@ -78,8 +78,8 @@ def diagnose_against(
     Returns
     -------
     Diagnosis
-        Its nominal model is the simulator, its effects are those that the simulator lacks; `simulated` states what the
-        simulator's log says.
+        Its nominal model is the simulator, its effects are those that the simulator lacks; `simulated` holds the
+        findings from the simulator's log.
 
     Raises
     ------

@@ -18,7 +18,7 @@ _TEXT = "{} read {:.3g} ms {} against {}, which looks like negative friction"
 
 
 def lateness(axis: Axis, found: Diagnosis) -> dict[str, float]:
-    """Time by which the reading of a load is late, s, if a friction far below zero says so; else empty.
+    """Time by which the reading of a load is late, s, if a friction far below zero shows it; else empty.
 
     A negative time is that of an early reading. Axes of two bodies joined by a spring, each with a position, count.
     """
@@ -45,7 +45,7 @@ def lateness(axis: Axis, found: Diagnosis) -> dict[str, float]:
 def with_late_reading(found: Diagnosis, late: Diagnosis, times: Mapping[str, float]) -> Diagnosis:
     """The diagnosis with the late reading if it explains as much by values that a machine can have.
 
-    If its values are possible, but it explains less, the other one says that the reading may be late.
+    If its values are possible, but it explains less, the other one gets a note that the reading may be late.
     """
     if any(own.is_far_from_physical for own in late.parameters):
         return found

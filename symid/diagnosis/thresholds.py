@@ -43,7 +43,7 @@ class Thresholds:
     hardly: float = 0.05
     # share of the best candidate's gain by projection from which on another is fitted
     promising: float = 0.15
-    # mean square from which on candidates are fitted whatever a projection says of them, and more than noise is left
+    # mean square from which on candidates are fitted regardless of their projection, and more than noise is left
     clear_gap: float = 9.0
     # multiple of the least mean square beyond which another candidate is not fitted to the end
     hopeless: float = 4.0

@@ -62,7 +62,7 @@ class JointForce(NamedTuple):
 
 
 class DrivePath(NamedTuple):
-    """What is between the force that a drive is sent and the one that acts."""
+    """The chain from the force that a drive is sent to the one that acts."""
 
     drive: Drive
     elements: tuple[tuple[DriveImperfection, Memory | None], ...]  # in signal-flow order, with their states

@@ -1,4 +1,4 @@
-"""What a review of a fleet says first."""
+"""The summary of a review of a fleet in words."""
 
 from __future__ import annotations
 

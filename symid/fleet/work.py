@@ -180,7 +180,7 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
 def _columns_of(found: Identification) -> dict[str, Value]:
     """Deviations are those that `symid identify` prints, of correlation, scatter between segments and bias.
 
-    What a model lacks moves all logs of a machine alike: it has a column of its own, as part of the values.
+    Effects that the model lacks move all logs of a machine alike: they have a separate column, relative to the values.
     """
     wide, found = found, replace(found, discrepancies=())
     prepared, residual = found.observations[0].preparation, found.residuals[0]

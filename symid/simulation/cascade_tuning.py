@@ -104,7 +104,7 @@ def tuned_cascades(
 def _moved_masses(plant: Plant, rows: FloatArray, rate: float) -> FloatArray:
     """Mass that each drive moves if all rows move together slowly; negative where it drives its row backwards.
 
-    The force at this rate tells it, unless friction or springs to the ground make most of that force: the loop would
+    The force at this rate shows it, unless friction or springs to the ground make most of that force: the loop would
     then cross over far from its bandwidth.
     """
     # Slower, rounding would hide the mass beside the stiffest spring.

@@ -74,7 +74,7 @@ def _reduced_by(
 ) -> EliminationRow | None:
     """The row reduced by a multiple of another whose signals it all contains; None if there is no such multiple.
 
-    `shared` says that the other row determines parameters that are those of this row too.
+    `shared`: the other row determines parameters that this row holds too.
     """
     if shared and row.is_linear:
         return None

@@ -5,7 +5,7 @@ vanish and displacements known from a derivative only (an accelerometer) appear 
 form a minimal basis (`symid.symbolic.kernel`): every balance is differentiated as little as possible. For the
 paper's axis this gives [14]-[16] from q2, and [17]-[19] from q2 and ddq1.
 
-The derivative of a jump, such as that of sign(v), is taken as zero, as the paper does; each result says so.
+The derivative of a jump, such as that of sign(v), is taken as zero, as in the paper; each result states it.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     driven = tuple(_driven(equation, row, pairs, signals) for equation, row in pairs if equation.parameters)
     assumptions = (
         *signals.assumptions(equations),
-        *(f"{signal} repeats what its drive's record says and is not used" for signal in same),
+        *(f"{signal} repeats the record of its drive and is not used" for signal in same),
         *([_SEPARATE] if separate else []),
     )
     return InputOutputModel(model, operators, tuple(measured), driven, assumptions)

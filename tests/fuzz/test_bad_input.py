@@ -35,7 +35,7 @@ def test_drawn_cases(good: tuple[Path, dict[str, str]], data: st.DataObject) -> 
     check(data.draw(cases(texts)), folder)
 
 
-@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("base", [base for base in BASES if base != "demo"])  # run in tests/cli
 @settings(max_examples=2, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_each_option_of_each_command(

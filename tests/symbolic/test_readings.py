@@ -72,7 +72,7 @@ def test_a_transducer_at_a_drive_whose_force_is_known_adds_no_equation() -> None
     axis = celled((Position("qm", MOTOR), Force("fd", DRIVE)))
     both, one = derive(axis, ("qm", "fd")), derive(axis, ("qm",))
     assert both.minimal.written == one.minimal.written
-    assert "fd repeats what its drive's record says and is not used" in both.assumptions
+    assert "fd repeats the record of its drive and is not used" in both.assumptions
 
 
 @pytest.mark.parametrize(

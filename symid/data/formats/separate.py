@@ -23,7 +23,7 @@ Parser: TypeAlias = "Callable[[Path, int | None], Sequence[Channel]]"
 _LONGEST: Final = 600.0
 """Seconds that reading a file may take."""
 _REFUSED: Final = 3
-"""Exit code of a process that says what is wrong with the file."""
+"""Exit code of a process that reports what is wrong with the file."""
 
 
 def channels_apart(module: str, path: Path, memory: int | None, kind: str) -> list[Channel]:

@@ -81,7 +81,7 @@ class LawEffect(JointEffect):
     Parameters
     ----------
     law : Law class
-        What is missing.
+        The missing law.
     hypothesis : Hypothesis
         How it is considered, one of those of the law.
     """

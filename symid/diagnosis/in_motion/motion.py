@@ -89,7 +89,7 @@ def is_contradicted(found: Diagnosis) -> bool:
 def _against(found: Diagnosis, motion: SimulatedMotion) -> list[bool]:
     """Whether the simulated motion speaks against each effect found.
 
-    It says nothing of a force that repeats along the stroke where the axis without it is off by a quarter of the pitch:
+    It does not judge a force that repeats along the stroke where the axis without it is off by a quarter of the pitch:
     the force acts there with another phase than on the machine.
     """
     errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]

@@ -47,7 +47,7 @@ def _of_candidates(step: SelectionStep) -> dict[Key, float]:
     least = min(gains.values(), default=0.0)
     for candidate in step.screened:
         put_aside = any(candidate.placed.contains(own.key) for own in step.confirmed)
-        if not put_aside:  # a refinement that explains no more than the simpler effect is no candidate
+        if not put_aside:  # a refinement that explains no more than the simpler effect is not a candidate
             gains.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
     if not gains:
         return {}

@@ -106,7 +106,7 @@ class _Projection:
         self, left: FloatArray, norms: FloatArray, target: FloatArray, *, fixed: bool
     ) -> tuple[float, FloatArray]:
         """Gain and amplitudes of one group."""
-        if fixed:  # a negative gain tells how far a shape is from one that helps
+        if fixed:  # a negative gain shows how far a shape is from one that helps
             closed = float(2 * target.sum() - left.sum()) / self.square
             return self._of(closed), np.ones(1)
         share = np.asarray(target / norms)

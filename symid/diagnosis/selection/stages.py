@@ -50,7 +50,7 @@ def stages(
     if least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square and nominal is not None:
         # values may still be far off
         yield [Start.of(nominal, c.placed) for c in best_first(confirmed)[:_AGAIN]]
-        # A body that sticks at times moves as no frequency response says, even where its motion is read.
+        # No frequency response describes a body that sticks at times, even where its motion is read.
         best, *others = best_first(confirmed)
         alike = (best, *(c for c in others if best.placed.contains(c.key)))
         yield integrated([Start.of(nominal, c.placed) for c in alike], nominal, read=True)
