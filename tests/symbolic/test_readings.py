@@ -114,7 +114,7 @@ def test_a_ratio_is_that_of_a_reference() -> None:
     assert str(read.signal_units["d"]) == "m"
     with pytest.raises(DeclarationError, match="or with the ratio= of a deflection"):
         Axis("s", *turning, (Position("q", screw), Position("d", nut, relative_to=screw)))
-    with pytest.raises(DeclarationError, match="give relative_to= too"):
+    with pytest.raises(DeclarationError, match="ratio scales the body that relative_to= names"):
         Axis("s", *turning, (Position("q", screw), Position("d", nut, ratio=0.002)))
 
 
