@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.effects import LIBRARY, Effect
+from symid.diagnosis.findings.changed_span import changed_span
 from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
@@ -130,11 +131,16 @@ def _either_way(
     if validation is None or not _shows_in_validation(found):
         return found
     other = _diagnosed(axis, (validation, None), nominal, recorded, library)
-    if other.verdict not in ("effect", "partly"):
+    if other.verdict not in ("effect", "partly") or _leads(other) == _leads(found):
         return found
     if found.verdict == "partly" and not other.gap.unexplained_share < found.gap.unexplained_share:
         return found
     return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
+
+
+def _leads(found: Diagnosis) -> tuple[tuple[str, str], ...]:
+    """Name and place of the first effect, if there is one."""
+    return tuple((one.effect, one.at) for one in found.effects[:1])
 
 
 def _physically_read(
@@ -201,7 +207,7 @@ def _diagnosed(
         found = concluded(models, steps, fits, nominal, logs, damaged)
         if found.verdict in ("unexplained", "partly") and len(parts) == 1:
             moment = momentary(models.with_effects(len(found.effects)), fits[len(found.effects)])
-            found = replace(found, next_experiment=moment or found.next_experiment)
+            found = replace(found, next_experiment=moment or changed_span(base) or found.next_experiment)
         return with_motion(found, models, runs, data.held_out, controller=recorded.controller)
 
     found = concluded_from(comparison)

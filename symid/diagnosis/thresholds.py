@@ -76,6 +76,9 @@ class Thresholds:
     # share of the gap by which another order may leave more of it (a drawn worldly case: 0.0006, which was a quarter of
     # the noise left); the error of the other log limits the order too
     hardly_more_left: float = 0.002
+    # share of the error that separate parameters of a span must explain to be named as what to look at: two machines in
+    # one log took 0.85, a gain halved in a fifth of it 0.92, laws that the library lacks 0.6
+    changed_span: float = 0.7
     # factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost
     # (friction by the load explained servo motors away)
     least_inertia: float = 2.0

@@ -31,7 +31,7 @@ def faults_of(
     """Statements on faults that contradict the estimate: a channel, a part of the logs, the force or its clock."""
     model = found.model
     inflation = rows_per_independent(found)
-    change = greatest_change(sums, fit)
+    change = greatest_change(sums, fit.solution, fit.rank.inverse_root)
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
     return Faults(
         recording=fault_of(model, parts, fit)

@@ -30,7 +30,7 @@ class Change:
     """A span whose parameters differ from those of the rest."""
 
     begins: float  # start time, s
-    # inside, outside: shape (n_parameters,): minimal parameters in the span and in the rest
+    # inside, outside: shape (n_parameters,): parameters in the span and in the rest
     inside: FloatArray
     outside: FloatArray
     deviations: FloatArray  # shape (n_parameters,): standard deviations of their difference
@@ -77,13 +77,14 @@ def scatter(parts: Sequence[Segment], fit: LeastSquares) -> FloatArray:
     return np.asarray(root @ (slopes.T @ slopes) @ root.T * n / (n - 1))
 
 
-def greatest_change(parts: Sequence[Segment], fit: LeastSquares) -> Change | None:
+def greatest_change(parts: Sequence[Segment], values: FloatArray, root: FloatArray) -> Change | None:
     """The span of segments, in time order, whose own parameters take most from the residual; None if there are too few.
 
-    The number of rows for each independent one follows from the scatter of the segments about both parameters, as the
-    change itself correlates the whole residual.
+    `root` takes coordinates in which the columns of all segments are orthonormal to the parameters, whose estimates
+    are `values`. The number of rows for each independent one follows from the scatter of the segments about both
+    parameters, as the change itself correlates the whole residual.
     """
-    n, p = len(parts), fit.solution.size
+    n, p = len(parts), values.size
     if n < _FEWEST:
         return None
     normals, slopes = np.stack([s.normal for s in parts]), np.stack([s.slope for s in parts])
@@ -101,15 +102,13 @@ def greatest_change(parts: Sequence[Segment], fit: LeastSquares) -> Change | Non
     if not whole > 0.0 or gain <= 0.0:
         return None
     inside, outside, spread = compared.inside[best], compared.outside[best], compared.spread(best)
-    root, rows = fit.rank.inverse_root, sum(s.rows for s in parts)
+    rows = sum(s.rows for s in parts)
     sigma2 = max(whole - gain, np.finfo(float).eps * whole) / max(rows - 2 * p, 1)
     is_inside = (np.arange(n) >= i) & (np.arange(n) < j)
     rest = slopes - np.einsum("bij,bj->bi", normals, np.where(is_inside[:, None], inside, outside))
     inflation = np.sum(rest**2) / (sigma2 * np.trace(normal[-1])) * n / (n - 2)
     deviations = np.sqrt(np.diag(root @ spread @ root.T) * sigma2 * max(float(inflation), 1.0))
-    return Change(
-        parts[i].time, fit.solution + root @ inside, fit.solution + root @ outside, deviations, gain / whole
-    )
+    return Change(parts[i].time, values + root @ inside, values + root @ outside, deviations, gain / whole)
 
 
 @dataclass(frozen=True, eq=False)

@@ -74,7 +74,7 @@ class LikelihoodFit:
     @cached_property
     def change(self) -> Change | None:
         """The span of the logs whose own parameters take most from the innovations."""
-        return greatest_change(self.parts, self.linear)
+        return greatest_change(self.parts, self.linear.solution, self.linear.rank.inverse_root)
 
     @property
     def noise(self) -> dict[str, float]:

@@ -105,6 +105,14 @@ def test_no_effect_is_read_from_one_signal_that_is_averaged(name: str) -> None:
     assert f"{name} is a mean over 41 samples" in found.sentence
 
 
+def test_a_gain_that_changes_within_the_log_is_pointed_at() -> None:
+    log, later = rigid_log(), np.arange(rigid_log().n_samples) > 0.6 * rigid_log().n_samples
+    changed = recorded(log, lambda x: np.where(later, x / 2, x), "F")
+    found = diagnose(load_axis("rigid_1m"), changed, nominal=RIGID)
+    assert found.verdict == "unexplained"
+    assert found.next_experiment.startswith("Look at what changed: in a part of the log from")
+
+
 def test_a_short_mean_costs_no_effect_its_name() -> None:
     averaged = recorded(with_drag(), lambda x: scipy.ndimage.uniform_filter1d(x, 9), "F")
     found = diagnose(load_axis("rigid_1m"), averaged, nominal=RIGID)

@@ -23,6 +23,7 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray, norms_or_one
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
+from symid.identification.whitened import Segment
 
 N_BLOCKS = 16
 """Long enough that errors of different blocks hardly correlate, enough of them to draw from."""
@@ -92,6 +93,27 @@ class Blocks:
         n = len(self.members)
         meat = self._gradients.T @ self._gradients * (n / max(n - len(inverse) / 2, 1))
         return np.asarray(inverse @ meat @ inverse / np.outer(self.scale, self.scale))
+
+    def segments(self, times: FloatArray) -> tuple[tuple[Segment, ...], FloatArray]:
+        """Blocks as segments of an estimate of all columns, and what takes its coordinates to the values.
+
+        `times`, shape (n_kept,), are those of the rows.
+        """
+        strengths, V = np.linalg.eigh(self._normal.sum(axis=0))
+        root = V[:, strengths > _RANK] / np.sqrt(strengths[strengths > _RANK])
+        found = (
+            Segment(
+                float(times[rows.start]),
+                0,
+                root.T @ normal @ root,
+                root.T @ gradient,
+                float(np.sum(self.errors[:, rows] ** 2)),
+                self.errors[:, rows].size,
+            )
+            for rows, normal, gradient in zip(self.members, self._normal, self._gradients, strict=True)
+            if rows.stop > rows.start
+        )
+        return tuple(found), root / self.scale[:, None]
 
 
 def cross_validation_blocks(
