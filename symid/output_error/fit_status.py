@@ -65,6 +65,8 @@ def verdict_of(
             "not_physical",
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
         )
+    if doubt := _hidden_friction_remark(found):
+        return "poor_fit", doubt
     if vague := _uncertain_parameters(found, CRITERIA.undetermined):
         if lost := open_by_structure(found.model):
             return "undetermined", not_by_structure(lost)
@@ -79,7 +81,6 @@ def verdict_of(
         or _change_remark(found)
         or _log_remark(alone)
         or _regression_remark(found, regression)
-        or _hidden_friction_remark(found)
     ):
         return "poor_fit", doubt
     if _inflation(found) > _CORRELATED:

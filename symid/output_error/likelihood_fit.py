@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from symid.estimation import (
 from symid.identification.physical import jacobian
 from symid.identification.stability import Change, greatest_change, scatter
 from symid.identification.whitened import Segment, segments_of_rows
+from symid.output_error.prediction_error import PredictionError
 from symid.output_error.search import RunError, Search
 from symid.simulation import ForwardDynamics
 
@@ -51,6 +52,7 @@ class LikelihoodFit:
     # parameters of the trials that were left after their first iterations, best first
     promising: tuple[Mapping[str, float], ...]
     parts: tuple[Segment, ...]  # sums over segments of the linearised model's rows
+    bias: FloatArray  # expected shift of each parameter by noise in the record of the forces
 
     @property
     def cost(self) -> float:
@@ -59,12 +61,12 @@ class LikelihoodFit:
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Covariance corrected for correlation, with deviations as large as those by scatter between segments."""
+        """Covariance corrected for correlation, as large as that by scatter between segments, with the bias in it."""
         corrected = self.correlated.covariance
         by_segments = np.diag(scatter(self.parts, self.linear))
         with np.errstate(divide="ignore", invalid="ignore"):
             wider = np.fmax(np.sqrt(by_segments / np.diag(corrected)), 1.0)
-        return np.asarray(corrected * np.outer(wider, wider))
+        return np.asarray(corrected * np.outer(wider, wider) + np.outer(self.bias, self.bias))
 
     @cached_property
     def inflation(self) -> float:
@@ -114,7 +116,30 @@ def fit_errors(
     linear = estimate(triangular_factors(W[None], y[None]))
     correlated = corrected_covariance(W[None], y[None], linear)
     parts = segments_of_rows(W, y, linear, best.rows)
-    return LikelihoodFit(best, linear, correlated, tuple(trial.parameters for trial in promising), parts)
+    tried = tuple(trial.parameters for trial in promising)
+    return LikelihoodFit(best, linear, correlated, tried, parts, _bias_by_noise(best, linear))
+
+
+def _bias_by_noise(best: Search, linear: LeastSquares) -> FloatArray:
+    """Expected shift of the parameters by noise in the record of the forces.
+
+    The likelihood takes this noise for a disturbance, which moves the axis. Noise of the record alone is in the
+    innovations and in their slopes, as in the columns of a regression with errors in variables: their product is
+    taken from noise of the same levels. It is 0 for a disturbance and for forces that are simulated.
+    """
+    pairs = [
+        error.of_noise(best.parameters, nuisance)
+        for error, nuisance in zip(best.errors, best.nuisance, strict=True)
+        if isinstance(error, PredictionError)
+    ]
+    if not pairs:
+        return np.zeros(best.x.size)
+    ahead, behind = (replace(best, errors=side) for side in zip(*pairs, strict=True))
+    W = (ahead.linearised()[0] - behind.linearised()[0]) / 2
+    rest = (ahead.residual(best.x) - behind.residual(best.x)) / 2
+    share = np.repeat(np.array(best.rows) / ahead.rows, ahead.rows)
+    root = linear.rank.inverse_root * linear.weights[0]
+    return np.asarray(root @ (root.T @ (W.T @ (share * rest))))
 
 
 def _promising(

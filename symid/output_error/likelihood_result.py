@@ -111,7 +111,7 @@ class OutputErrorIdentification(Shown):
 
     @property
     def bias(self) -> None:
-        """None: maximum likelihood models the noise, and no other bias is estimated."""
+        """None: the deviations hold the expected shift by noise in the record of the forces."""
         return
 
     def predict(self, log: Log) -> OutputErrorPrediction:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 import scipy
@@ -111,6 +112,25 @@ class PredictionError:
         run = self.run.excerpt(_EXCERPT_SAMPLES)
         return replace(self, run=run, motions=run.known_motions)
 
+    def of_noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> tuple[Self, Self]:
+        """Excerpts that hold noise of the levels found and nothing else, and the same noise with the other sign.
+
+        Half their difference is what noise alone makes of the innovations, without laws and constant forces.
+        """
+        rng, levels, run = np.random.default_rng(0), self.noise(parameters, nuisance), self.excerpt().run
+        drives = [levels[drive.signal] for drive in self.dynamics.axis.drives]
+        forces = rng.standard_normal(run.forces.shape) * drives
+        readings = rng.standard_normal(run.readings.shape) * [levels[name] for name in run.signals]
+        ahead, behind = (
+            replace(
+                self,
+                run=replace(run.driven_by(sign * forces), readings=sign * readings),
+                motions=run.known_motions,
+            )
+            for sign in (1.0, -1.0)
+        )
+        return ahead, behind
+
     @property
     def is_settled(self) -> bool:
         """Whether nothing follows from the parameters: the motion of all joints is measured, the timing known."""
@@ -152,14 +172,6 @@ class PredictionError:
     def _stretches(self) -> tuple[tuple[int, int], ...]:
         ends = [*self.run.starts[1:], len(self.run.readings)]
         return tuple(zip(self.run.starts, ends, strict=True))
-
-    @cached_property
-    def _units(self) -> FloatArray:
-        """Units of the noise of the readings: rms of their second differences within stretches."""
-        joints = [start - k for start in self.run.starts[1:] for k in (1, 2)]
-        steps = np.delete(np.diff(self.run.readings, n=2, axis=0), joints, axis=0)
-        typical = np.sqrt(np.mean(steps**2, axis=0))
-        return np.asarray(np.where(typical > 0, typical, 1.0))
 
     @cached_property
     def _forces(self) -> tuple[FloatArray, FloatArray]:
@@ -204,7 +216,7 @@ class PredictionError:
         own, others = levels[: len(first)], levels[len(first) :]
         sources = np.append(own[[first.index(i) for i in self._driven]], others[: len(self._disturbed)])
         readings = np.append(1.0, others[len(self._disturbed) :])
-        return sources * self._units[places] / seen, self._units * readings
+        return sources * self.run.steps[places] / seen, self.run.steps * readings
 
     def _predictor(self, plant: Plant, nuisance: FloatArray) -> tuple[SampledPlant, Predictor]:
         sampled = self._sampled(plant)

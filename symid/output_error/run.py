@@ -1,4 +1,4 @@
-"""Forces of a log between its samples, and the stretches in which its axis moves."""
+"""The stretches of a log in which its axis moves, with its forces between the samples."""
 
 from __future__ import annotations
 
@@ -6,25 +6,19 @@ import math
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from symid.arrays import BoolArray, FloatArray
-from symid.data import Log, LowPass, QuinticSpline, central_difference
+from symid.data import Log, LowPass, central_difference
+from symid.output_error.force_course import Course, force_between
 from symid.simulation import ForwardDynamics
 from symid.simulation.plant import JointLaw, ScaledLaw
-
-Course = Literal["held", "smooth"]
-"""Course of the drive force between two samples: held from each to the next, or the smooth one through all values."""
 
 _FINEST = 8
 _FINE_ENOUGH = 8000.0
 """Rate of the parts of the sampling intervals that is fine enough, Hz."""
-_INTERPOLATION_REACH = 24
-"""Samples on either side that the band-limited interpolation of a force uses."""
 _STANDSTILL_SHARE = 0.01
 _SHORTEST_STANDSTILL = 3
 _REVERSALS_APART = 12
@@ -71,6 +65,7 @@ class LogRun:
     # motion of each joint with nonlinear laws; None where sensors do not determine it
     motions: tuple[JointMotion | None, ...]
     starts: tuple[int, ...]  # first sample of each stretch
+    steps: FloatArray  # shape (n_outputs,): rms of the second differences of each reading
 
     @property
     def parts(self) -> int:
@@ -120,11 +115,14 @@ class LogRun:
 
     def recorded_later(self, samples: float) -> LogRun:
         """The run with the forces taken as recorded later by a number of samples."""
-        late = self.late + samples
+        return replace(self, late=self.late + samples).driven_by(self.forces)
+
+    def driven_by(self, forces: FloatArray) -> LogRun:
+        """The run with other forces of the whole log."""
         drive, at, rate, rate_at = (
-            x[self.kept] for x in _between(self.forces, self.course, self.parts, late)
+            x[self.kept] for x in force_between(forces, self.course, self.parts, self.late)
         )
-        return replace(self, drive=drive, drive_at=at, drive_rate=rate, drive_rate_at=rate_at, late=late)
+        return replace(self, forces=forces, drive=drive, drive_at=at, drive_rate=rate, drive_rate_at=rate_at)
 
 
 def run_of(
@@ -145,7 +143,7 @@ def run_of(
     recorded = np.stack([log[drive.signal] for drive in dynamics.axis.drives], axis=-1)
     parts = min(_FINEST, max(1, math.ceil(_FINE_ENOUGH * log.sampling_period)))
     samples = late / log.sampling_period
-    forces = _between(recorded, course, parts, samples)
+    forces = force_between(recorded, course, parts, samples)
     lowpass = LowPass(min(cutoff_hz, 0.4 * log.sampling_frequency))
     motions = tuple(
         _measured_motion(dynamics, direction, log, lowpass, parts) for direction, _ in dynamics.laws
@@ -174,45 +172,16 @@ def run_of(
         kept=kept,
         motions=tuple(m and m.at(kept) for m in motions),
         starts=starts,
+        steps=_steps(readings[kept], starts),
     )
 
 
-def _between(
-    forces: FloatArray, course: Course, parts: int, late: float
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Forces at the middle of each part of the intervals and at the samples, and the change of both with `late`."""
-    n = len(forces)
-    if course == "held":
-        places = np.arange(n)[:, None] + (np.arange(parts) + 0.5) / parts + late
-        held = forces[np.clip(np.floor(places).astype(int), 0, n - 1)]
-        before = forces[np.clip(np.ceil(np.arange(n) + late).astype(int) - 1, 0, n - 1)]
-        return held, before, np.zeros_like(held), np.zeros_like(before)
-    moved = [QuinticSpline(force).earlier(late) if late else force for force in forces.T]
-    rates = [(8 * _step(one, 1) - _step(one, 2)) / 12 for one in moved]
-    within, change = ([_upsampled(one, parts) for one in some] for some in (moved, rates))
-    return (
-        np.stack(within, axis=-1),
-        np.stack(moved, axis=-1),
-        np.stack(change, axis=-1),
-        np.stack(rates, axis=-1),
-    )
-
-
-def _step(x: FloatArray, width: int) -> FloatArray:
-    """x[k + width] - x[k - width], with the ends held."""
-    extended = np.pad(x, width, mode="edge")
-    return np.asarray(extended[2 * width :] - extended[: -2 * width])
-
-
-def _upsampled(values: FloatArray, parts: int) -> FloatArray:
-    """Band-limited course of a signal at the middle of each part of the interval after each sample."""
-    n, fine = values.size, 2 * parts
-    taps = scipy.signal.firwin(2 * fine * _INTERPOLATION_REACH + 1, 1 / fine, window=("kaiser", 8.0))
-    edge = min(2 * _INTERPOLATION_REACH, n - 1)
-    extended = np.pad(values, edge, mode="reflect", reflect_type="odd")
-    first = (_INTERPOLATION_REACH + edge) * fine
-    whole = scipy.signal.upfirdn(fine * taps, extended, up=fine)[first : first + n * fine]
-    return np.asarray(whole).reshape(n, fine)[:, 1::2]
+def _steps(readings: FloatArray, starts: Sequence[int]) -> FloatArray:
+    """Rms of the second differences of readings within their stretches; 1 where they are 0."""
+    joints = [start - k for start in starts[1:] for k in (1, 2)]
+    bends = np.delete(np.diff(readings, n=2, axis=0), joints, axis=0)
+    squares = np.sum(bends**2, axis=0)
+    return np.asarray(np.sqrt(np.divide(squares, len(bends), out=np.ones_like(squares), where=squares > 0)))
 
 
 def read_orders(dynamics: ForwardDynamics, log: Log) -> dict[str, int]:
