@@ -13,6 +13,7 @@ from symid.cli.options import give_result, json_option
 from symid.cli.outputs import SafeCommand
 from symid.cli.terminal import say
 from symid.errors import SettingError
+from symid.files import write_whole
 from symid.signal_names import is_signal_name
 
 
@@ -77,8 +78,7 @@ def command(
         drives=drives,
     )
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("x", encoding="utf-8") as file:
-        file.write(sketch_source(sketched))
+    write_whole(path, sketch_source(sketched))
     load_axis(str(path))
     record = {"axis": sketched.name, "file": str(path)}
     give_result(record, json_file, lambda _: say(f"wrote {path}: edit it, then symid show {axis}"))

@@ -8,6 +8,7 @@ import os
 import re
 import sys
 import time
+import warnings
 from collections.abc import Iterable, Iterator, Sized
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from typing import Any, Final, TextIO, TypeVar
@@ -147,13 +148,14 @@ def fail(message: str, code: int = 2) -> int:
 
 
 def prepare_streams() -> None:
-    """Let both streams escape characters that are not in their encoding, and open those that are closed on nothing.
+    """Let streams escape characters that are not in their encoding, and open those that are closed on nothing.
 
     Worker processes flush them, and a file must not get their number: what a library prints would be written into it.
     """
-    for name in ("stdout", "stderr"):
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - until the process ends
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - until the process ends
+    warnings.filterwarnings("ignore", module="joblib")  # of work that is not needed after a fault
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

@@ -32,6 +32,9 @@ Task = TypeVar("Task")
 Result = TypeVar("Result")
 Finished = Generator[tuple[Task, Result | None]]
 
+_DEATHS = (TerminatedWorkerError, BrokenPipeError)
+"""Exceptions for a worker that has died, at its work or before it took any."""
+
 
 class Scheduler(Protocol):
     """Runs tasks in processes or on a cluster."""
@@ -76,8 +79,8 @@ class Processes:
             try:
                 for place, result in _pool(self.jobs)(calls()):
                     yield left.pop(place), result
-            except TerminatedWorkerError:
-                for place in [place for place in begun if place in left]:
+            except _DEATHS:
+                for place in [place for place in begun if place in left] or list(left)[:1]:
                     task = left.pop(place)
                     yield task, self._alone(work, task)
 
@@ -90,7 +93,7 @@ class Processes:
             begun = time.monotonic()
             try:
                 ((_, result),) = _pool(2)([joblib.delayed(_placed)(work, 0, task, self.seconds)])
-            except TerminatedWorkerError:
+            except _DEATHS:
                 if time.monotonic() - begun > self.seconds / 2:
                     break
             else:

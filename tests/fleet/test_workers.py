@@ -51,6 +51,16 @@ def test_a_task_that_kills_its_process_twice_has_no_result_and_one_that_does_it_
     assert results(Processes(2), work) == {**SQUARES, 5: None}
 
 
+def test_workers_that_die_before_they_take_a_task_leave_rows_without_results(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def broken(*_: object, **__: object) -> Any:
+        raise BrokenPipeError
+
+    monkeypatch.setattr("symid.fleet.schedulers.joblib.Parallel", broken)
+    assert dict(Processes(2).run(abs, [1, 2])) == {1: None, 2: None}
+
+
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[LocalCluster]:
     """A scheduler and two worker processes, which a nanny starts anew when they die."""
