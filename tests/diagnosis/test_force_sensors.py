@@ -17,10 +17,12 @@ TRANSDUCER = Force("fd", DRIVE, noise=0.1)
 SCALED = Position("ql", LOAD, gain="cq", offset="oq", noise=5e-8)
 
 
-def diagnosed(axis: Axis, *effects: symid.Element, **values: float) -> Diagnosis:
+def diagnosed(
+    axis: Axis, *effects: symid.Element, nominal: dict[str, float] | None = None, **values: float
+) -> Diagnosis:
     machine, known = axis.with_effect(*effects) if effects else axis, VALUES | values
     log = simulate(machine, known, REFERENCE, tuned_cascade(plant_of(axis, known), "qm"), seed=3).log
-    return diagnose(axis, log)
+    return diagnose(axis, log, nominal=nominal)
 
 
 @pytest.mark.parametrize(
@@ -50,6 +52,15 @@ def test_an_axis_is_written_with_the_scale_that_was_identified() -> None:
     written = explained_axis(found)
     assert written.axis.sensors[1] == SCALED
     assert written.axis.known == {"cq": pytest.approx(1.02, rel=1e-4), "oq": pytest.approx(0.003, rel=1e-3)}
+
+
+def test_a_nominal_scale_that_the_log_contradicts_is_identified() -> None:
+    wrong = VALUES | {"cq": 1.15, "oq": 0.0}
+    found = diagnosed(
+        celled((MOTOR_SCALE, SCALED)), CoulombFriction(LOAD, "Fsl"), nominal=wrong, Fsl=6.0, cq=1.02, oq=0.003
+    )
+    assert [(one.effect, one.at) for one in found.effects] == [("coulomb_friction", "load")]
+    assert any(statement.startswith("ql is taken with gain 1.02") for statement in found.assumptions)
 
 
 def test_a_delay_of_the_drive_is_one_of_the_drive_and_not_of_its_transducer() -> None:

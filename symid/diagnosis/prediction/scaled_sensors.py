@@ -17,6 +17,9 @@ from symid.data import Log
 from symid.errors import SettingError, SymidError
 from symid.identification import identify
 
+_CONTRADICTS = 5.0
+"""Deviations by which a gain of the log must differ from the nominal one to be taken instead."""
+
 
 class Unscaled(NamedTuple):
     """An axis and its logs after `with_quantities`."""
@@ -37,7 +40,7 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
     >>> table = Body("table", mass="M")
     >>> axis = Axis("t", (table,), Drive("F", table), (Position("q", table, gain="c", offset="o"),))
     >>> log = Log.from_arrays({"q": np.ones(3), "F": np.ones(3)}, sampling_period=0.1)
-    >>> plain = with_quantities(axis, [log], {"M": 1.0, "c": 2.0, "o": 0.5})
+    >>> plain = with_quantities(axis.with_known({"c": 2.0, "o": 0.5}), [log])
     >>> plain.axis.sensors[0].gain, plain.logs[0]["q"].tolist(), plain.notes[0]
     (None, [2.5, 2.5, 2.5], 'q is taken with gain 2 and offset 0.5.')
     """
@@ -80,17 +83,36 @@ def _parameters_of(sensors: Sequence[Sensor]) -> list[str]:
 
 
 def _values(axis: Axis, names: Sequence[str], log: Log, nominal: Mapping[str, float]) -> dict[str, float]:
-    """Known, nominal or else identified values of gains and offsets."""
-    values = axis.with_known_values(nominal)
-    if any(name not in values for name in names):
-        measured = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
-        try:
-            found = identify(model_of(axis, measured), log, examine=False).physical_parameters
-        except SymidError as error:
-            raise SettingError(f"no gains can be identified ({error}): give `nominal`") from error
-        values = {**found, **values}
+    """Known or nominal values of gains and offsets, or those of the log if there are none or it contradicts them."""
+    given = axis.with_known_values(nominal)
+    constants = {name: given[name] for name in (drive.constant for drive in axis.drives) if name in given}
+    if any(name not in {**axis.known, **constants} for name in names):
+        values = given | _of_log(axis.with_known(constants), log, names, given)
+    else:
+        values = given
     if lacking := [name for name in names if not np.isfinite(values.get(name, np.nan))]:
         raise SettingError(
             f"the log does not determine {', '.join(lacking)}: give what is known with `fixed`, or `nominal`"
         )
     return values
+
+
+def _of_log(axis: Axis, log: Log, names: Sequence[str], given: Mapping[str, float]) -> dict[str, float]:
+    """Gains and offsets from the log: those that are not given, and all if it contradicts a given one."""
+    measured = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
+    lacking = [name for name in names if name not in given]
+    try:
+        found = identify(model_of(axis, measured), log, nominal=given)
+    except SymidError as error:
+        if lacking:
+            raise SettingError(f"no gains can be identified ({error}): give `nominal`") from error
+        return {}
+    values = found.physical_parameters
+    deviations = dict(zip(values, found.physical_deviations, strict=True))
+    off = [
+        abs(value - given.get(name, value)) > _CONTRADICTS * deviations[name]
+        for name, value in values.items()
+        if name in names
+    ]
+    taken = names if found.status == "ok" and any(off) else lacking
+    return {name: values[name] for name in taken if name in values}
