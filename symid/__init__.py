@@ -33,40 +33,39 @@ from symid.axis.sensors import *  # noqa: F403
 from symid.errors import SymidError
 
 if TYPE_CHECKING:
+    from symid.codegen import compiled, load_generated
     from symid.codegen.generate import generate
     from symid.data import Log, read_log
-    from symid.diagnosis import Diagnosis
+    from symid.diagnosis import Diagnosis, diagnose
     from symid.fleet import Batch, BatchSettings, identify_batch
-    from symid.identification import Identification, Preparation, predict
-    from symid.symbolic import DerivedModel
-    from symid.tuning import Tuning
-    from symid.verbs.diagnose_any import diagnose
+    from symid.identification import Identification, Preparation, predict, read_axis_log
+    from symid.simulation import simulate
+    from symid.symbolic import DerivedModel, derive
+    from symid.tuning import Tuning, tune
     from symid.verbs.identify_any import identify
-    from symid.verbs.logs import read_axis_log
-    from symid.verbs.simulate_any import compiled, derive, load_generated, simulate, tune
 
 __version__ = "0.1.0"
 
 _LAZY = {
     "Batch": "symid.fleet",
     "BatchSettings": "symid.fleet",
-    "compiled": "symid.verbs.simulate_any",
-    "derive": "symid.verbs.simulate_any",
+    "compiled": "symid.codegen",
+    "derive": "symid.symbolic",
     "DerivedModel": "symid.symbolic",
-    "diagnose": "symid.verbs.diagnose_any",
+    "diagnose": "symid.diagnosis",
     "Diagnosis": "symid.diagnosis",
     "generate": "symid.codegen.generate",
     "identify": "symid.verbs.identify_any",
     "identify_batch": "symid.fleet",
     "Identification": "symid.identification",
-    "load_generated": "symid.verbs.simulate_any",
+    "load_generated": "symid.codegen",
     "Log": "symid.data",
     "predict": "symid.identification",
     "Preparation": "symid.identification",
-    "read_axis_log": "symid.verbs.logs",
+    "read_axis_log": "symid.identification",
     "read_log": "symid.data",
-    "simulate": "symid.verbs.simulate_any",
-    "tune": "symid.verbs.simulate_any",
+    "simulate": "symid.simulation",
+    "tune": "symid.tuning",
     "Tuning": "symid.tuning",
 }
 """Packages that load sympy or scipy, imported when a name is used: declaring an axis needs neither."""

@@ -6,30 +6,26 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from symid.axis import Axis, axis_file, axis_of
+from symid.axis import AnyAxis, Axis, axis_file, axis_of
 from symid.codegen.model import GeneratedModel, declared_delays, passed_over
 from symid.codegen.store import FORMAT, generated_folder, module_name, text_of
 from symid.codegen.vetting import vetted
 from symid.errors import GeneratedModuleError, SymidError
 
-if TYPE_CHECKING:
-    from symid.symbolic.pipeline import DerivedModel
-
-
 _FORMAT = re.compile(r"^FORMAT = (\d{1,9})$", re.MULTILINE)
 
 
 def load_generated(
-    axis: str | Axis, measured: Sequence[str] | None = None, folder: Path | None = None
+    axis: AnyAxis, measured: Sequence[str] | None = None, folder: Path | None = None
 ) -> GeneratedModel:
     """Generated model of an axis and a set of sensors. Needs no sympy.
 
     Parameters
     ----------
-    axis : str or Axis
-        Name or path of an axis file; an `Axis` object needs `folder`, unless its file is found by its name.
+    axis : Axis, str, path-like or model
+        Name or path of an axis file; an `Axis` object needs `folder`, unless its file is found by its name. A model has
+        its own sensors.
     measured : sequence of str, optional
         Signals of the sensors; the first sensor by default.
     folder : Path, optional
@@ -45,6 +41,9 @@ def load_generated(
     >>> load_generated("direct_2m1s", ("q2",)).signals
     ('Fm', 'Fm_d1', 'Fm_d2', 'q2_d1', 'q2_d2', 'q2_d3', 'q2_d4')
     """
+    if not isinstance(axis, (Axis, str)):
+        measured = measured or getattr(axis, "measured", None)
+        axis = axis_of(axis)
     return stored_module(axis, measured, folder).compiled()
 
 
@@ -82,15 +81,6 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
         text = module_text(derive(declared, signals))
         DERIVED[declared.signature, declared.name, signals] = text
         return load_generated(declared, signals)
-
-
-def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
-    """Generated model of a derived one; a generated model is returned as it is.
-
-    >>> as_generated(load_generated("rigid_1m")).output_names
-    ('F',)
-    """
-    return model if isinstance(model, GeneratedModel) else compiled(model)
 
 
 @dataclass(frozen=True)
@@ -163,18 +153,27 @@ def compile_module(text: str, name: str, cure: str = "generate it again") -> Gen
         ) from error
 
 
-def compiled(model: DerivedModel) -> GeneratedModel:
-    """Generated model of a derived one, in memory.
+def compiled(axis: AnyAxis, measured: Sequence[str] | None = None) -> GeneratedModel:
+    """Generated model of an axis or of a derived model, in memory; a generated model is returned as it is.
+
+    Parameters
+    ----------
+    axis : Axis, str, path-like or model
+        The axis, the name or path of its file, or a model of it, which has its own sensors.
+    measured : sequence of str, optional
+        Sensors to use; by default those that the axis requires.
 
     Examples
     --------
-    >>> from symid.axis import load_axis
-    >>> from symid.symbolic import derive
-    >>> compiled(derive(load_axis("rigid_1m"))).output_names
+    >>> compiled("rigid_1m").output_names
     ('F',)
     """
-    from symid.codegen.module import module_text  # sympy is loaded already, as the model is derived
+    if isinstance(axis, GeneratedModel):
+        return axis
+    from symid.codegen.module import module_text  # loads sympy
+    from symid.symbolic.pipeline import DerivedModel, derive
 
+    model = axis if isinstance(axis, DerivedModel) else derive(axis, measured)
     found = compile_module(module_text(model), module_name(model.axis.name, model.measured))
     return replace(
         found, delays=declared_delays(model.axis, model.measured), passed_over=passed_over(model.axis)

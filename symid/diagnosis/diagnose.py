@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from symid.axis import Axis
-from symid.data import Log
+from symid.axis import AnyAxis, Axis, axis_of
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.findings.changed_span import changed_span
 from symid.diagnosis.findings.comparison import Comparison, compared
@@ -36,6 +36,7 @@ from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, sh
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.identification.axis_logs import require_changing
+from symid.identification.log_like import LogLike, logs_of
 from symid.simulation import Cascade
 
 _ELSEWHERE = 5.0
@@ -50,29 +51,33 @@ _ONLY_IN_VALIDATION = (
 
 
 def diagnose(
-    axis: Axis,
-    log: Log | Sequence[Log],
+    axis: AnyAxis,
+    log: LogLike | Sequence[LogLike],
     *,
-    validation: Log | Sequence[Log] | None = None,
+    validation: LogLike | Sequence[LogLike] | None = None,
     nominal: Mapping[str, float] | None = None,
+    measured: Sequence[str] | None = None,
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
     controller: Cascade | Sequence[Cascade] | None = None,
+    **columns: Any,
 ) -> Diagnosis:
     """Find out why simulation and machine differ.
 
     Parameters
     ----------
-    axis : Axis
-        The declared axis: the simulation.
-    log : Log or sequence of Log
+    axis : Axis, str, path-like or model
+        The simulation: a declaration, the name or path of its file, or a model of it.
+    log : Log, path-like, data frame or mapping, or a list of them
         Logs of the machine, from which everything is identified: values and effects are common to them.
-    validation : Log or sequence of Log, optional
+    validation : the same, optional
         Other logs, on which the gap is measured. By default the last of several logs, or every third part of a single
         one, which then takes no part in the identification.
     nominal : mapping of str to float, optional
         Parameter values of the simulation, SI.
+    measured : sequence of str, optional
+        Sensors to read from files and frames; all of them by default.
     late : mapping of str to float, optional
         Time by which signals were recorded late, s; negative for a force that acts later than recorded.
     held : bool, optional
@@ -83,11 +88,14 @@ def diagnose(
     controller : Cascade or sequence of Cascade, optional
         That of the machine, or one for each drive, under which the axis is simulated for `Gap.motion`; read from the
         log if it is not given.
+    **columns
+        ``columns``, ``units``, ``gains``, ``layout`` and ``sampling_period`` of files and frames, as in
+        `symid.read_axis_log`.
 
     Raises
     ------
     LogError
-        If a log is too short or holds neither position nor speed, or sampling periods of logs differ.
+        If a log cannot be read, is too short or holds neither position nor speed, or sampling periods of logs differ.
     SettingError
         If there are no nominal values and none can be identified to begin with.
 
@@ -104,8 +112,9 @@ def diagnose(
     >>> found.verdict, found.effects[0].effect
     ('effect', 'offset_force')
     """
-    logs = [log] if isinstance(log, Log) else list(log)
-    others = [validation] if isinstance(validation, Log) else list(validation or ())
+    axis = axis_of(axis)
+    logs = logs_of(axis, log, measured, **columns)
+    others = logs_of(axis, () if validation is None else validation, measured, **columns)
     if not others and len(logs) > 1:
         others = [logs.pop()]
     for each in (*logs, *others):

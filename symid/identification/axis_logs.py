@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Unpack
 
-from symid.axis import Axis
+from symid.axis import Axis, of_any_axis
 from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, open_log, read_log
 from symid.data.checks import constant_fault
 from symid.errors import LogError
@@ -44,6 +44,7 @@ def _asked(foreign: ForeignColumns, axis: Axis, expected: Mapping[str, Unit]) ->
     }
 
 
+@of_any_axis
 def read_axis_log(
     axis: Axis,
     path: str | os.PathLike[str] | Frame,

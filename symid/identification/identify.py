@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.codegen import GeneratedModel, as_generated
+from symid.codegen import GeneratedModel, compiled
 from symid.data import AnyLog, Log, LongLog
 from symid.errors import SettingError
 from symid.estimation import (
@@ -109,7 +109,7 @@ def identify(
     >>> round(found["M"], 2), round(found["Fv"], 1), round(found["Fs"], 1)
     (5.0, 1.0, 2.0)
     """
-    model = as_generated(model)
+    model = compiled(model)
     every = (logs,) if isinstance(logs, Log | LongLog) else tuple(logs)
     _require_usable(model, every)
     estimation = Estimation(model, every, preparation or Preparation(), method, ddof)

@@ -18,7 +18,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.axis import Axis
-from symid.codegen import GeneratedModel, as_generated, declared_delays
+from symid.codegen import GeneratedModel, compiled, declared_delays
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import (
@@ -100,7 +100,7 @@ def identify_by_instruments(
     >>> round(found.physical_parameters["M"], 2)
     5.0
     """
-    model, runs = as_generated(model), (logs,) if isinstance(logs, Log) else tuple(logs)
+    model, runs = compiled(model), (logs,) if isinstance(logs, Log) else tuple(logs)
     for log in runs:
         loop.check(log)
     plain = partial(

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.axis import Axis
+from symid.axis import Axis, of_any_axis
 from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
@@ -52,6 +52,7 @@ class Simulation:
     forces: FloatArray
 
 
+@of_any_axis
 def simulate(
     axis: Axis,
     parameters: Mapping[str, float],

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from symid.axis import Axis
+from symid.axis import Axis, of_any_axis
 from symid.shown import Shown
 from symid.symbolic.elimination import eliminate
 from symid.symbolic.lagrange import inverse_dynamics
@@ -53,6 +53,7 @@ class DerivedModel(Shown):
         return self.minimal.source.assumptions
 
 
+@of_any_axis
 def derive(axis: Axis, measured: Sequence[str] | None = None) -> DerivedModel:
     """Derive the minimal identification model of an axis.
 

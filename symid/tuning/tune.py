@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from symid.axis import Axis
+from symid.axis import Axis, of_any_axis
 from symid.codegen import GeneratedModel
 from symid.codegen.generated_models import compiled
 from symid.data import differencing_bandwidth
@@ -115,6 +115,7 @@ def first_sampling_frequency(cutoff_hz: float, differences: int) -> float:
     return cutoff_hz / differencing_bandwidth(max(differences, 1), 10 ** (-distortion_db(differences) / 20))
 
 
+@of_any_axis
 def tune(
     axis: Axis,
     parameters: Mapping[str, float],

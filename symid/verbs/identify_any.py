@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overl
 
 from symid.arrays import FloatArray
 from symid.axis import AnyAxis, Axis, axis_of
-from symid.codegen import GeneratedModel, as_generated, model_of
+from symid.codegen import GeneratedModel, compiled, model_of
 from symid.data import AnyLog, Log, first_block
 from symid.errors import SettingError, SymidError
 from symid.identification import (
@@ -23,7 +23,7 @@ from symid.identification import (
     with_fixed,
 )
 from symid.identification.axis_logs import require_changing
-from symid.verbs.logs import Recorded, each_of, log_of
+from symid.identification.log_like import LogLike, each_of, log_of
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification
@@ -37,7 +37,7 @@ Method: TypeAlias = Literal["wls", "ols", "iv", "oe"]
 @overload
 def identify(
     axis: AnyAxis,
-    logs: Recorded | Sequence[Recorded],
+    logs: LogLike | Sequence[LogLike],
     *,
     known: Mapping[str, Sequence[float]],
     **settings: Any,
@@ -46,14 +46,14 @@ def identify(
 
 @overload
 def identify(
-    axis: AnyAxis, logs: Recorded | Sequence[Recorded], *, method: Literal["oe"], **settings: Any
+    axis: AnyAxis, logs: LogLike | Sequence[LogLike], *, method: Literal["oe"], **settings: Any
 ) -> OutputErrorIdentification: ...
 
 
 @overload
 def identify(
     axis: AnyAxis,
-    logs: Recorded | Sequence[Recorded],
+    logs: LogLike | Sequence[LogLike],
     *,
     method: Literal["wls", "ols", "iv"] = "wls",
     known: None = None,
@@ -63,7 +63,7 @@ def identify(
 
 def identify(
     axis: AnyAxis,
-    logs: Recorded | Sequence[Recorded],
+    logs: LogLike | Sequence[LogLike],
     *,
     measured: Sequence[str] | None = None,
     method: Method = "wls",
@@ -178,7 +178,7 @@ def identify(
 
 
 def _opened(
-    axis: AnyAxis, given: Sequence[Recorded], measured: Sequence[str] | None, columns: dict[str, Any]
+    axis: AnyAxis, given: Sequence[LogLike], measured: Sequence[str] | None, columns: dict[str, Any]
 ) -> tuple[list[AnyLog], tuple[str, ...]]:
     """The logs, those of files and frames read, and the sensors to use: those of a model where one is given."""
     if isinstance(axis, (Axis, str)):
@@ -213,7 +213,7 @@ def _model_given(axis: AnyAxis) -> GeneratedModel:
     """A model given in place of an axis; SettingError for anything else."""
     if not hasattr(axis, "axis"):
         axis_of(axis)
-    return as_generated(cast("GeneratedModel | DerivedModel", axis))
+    return compiled(cast("GeneratedModel | DerivedModel", axis))
 
 
 def _require_possible(method: str, given: Mapping[str, object]) -> None:

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 from command_line import run
@@ -10,7 +9,6 @@ from fleet_logs import TRUE, write_log
 
 import symid
 from symid.axis import shipped_folder
-from symid.diagnosis import diagnose as diagnose_axis
 from symid.errors import SettingError, SymidError
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.plan import fleet_axes
@@ -75,25 +73,22 @@ def test_a_stale_module_is_not_used(folder: Path) -> None:
     assert set(symid.identify("aged", frame).physical_parameters) == set(axis.physical_parameters)
 
 
-def test_diagnose_takes_names_and_frames(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[object] = []
-    monkeypatch.setattr(
-        "symid.verbs.diagnose_any.diagnose_axis", lambda *given, **settings: seen.append((given, settings))
-    )
-    symid.diagnose("rigid_1m", pd.read_csv("a.csv"), validation="a.csv", nominal=TRUE)
-    symid.diagnose(own("Fdiag"), ["a.csv", "a.csv"])
-    ((axis, logs), settings), ((_, several), others) = seen
-    assert axis == symid.load_axis("rigid_1m")
-    assert np.array_equal(logs[0]["q"], settings["validation"][0]["q"])
-    assert settings["nominal"] == TRUE
-    assert [log.n_samples for log in several] == [2000, 2000]
-    assert others["validation"] == []
+def test_diagnose_takes_names_and_frames(folder: Path) -> None:
+    axis, log = symid.load_axis("rigid_1m"), symid.read_axis_log("rigid_1m", "a.csv")
+    given = {"nominal": TRUE, "library": ()}
+    by_name = symid.diagnose("rigid_1m", pd.read_csv("a.csv"), validation="a.csv", **given)
+    by_log = symid.diagnose(axis, log, validation=log, **given)
+    for name in ("nominal", "reidentified"):
+        assert getattr(by_name.gap, name).rms == pytest.approx(getattr(by_log.gap, name).rms)
+    assert by_log.axis == axis
+    several = symid.diagnose(axis, ["a.csv", "a.csv"], **given)
+    assert several.gap.reidentified.rms == pytest.approx(by_log.gap.reidentified.rms)
 
 
 def test_diagnose_of_a_declaration_needs_no_nominal_values(folder: Path) -> None:
     axis = own("Fbegins")
     log = symid.read_axis_log(axis, "a.csv")
-    for found in (symid.diagnose(axis, "a.csv"), diagnose_axis(axis, log)):
+    for found in (symid.diagnose(axis, "a.csv"), symid.diagnose(axis, log)):
         values = {change.name: change.reidentified for change in found.parameters}
         assert values["M"] == pytest.approx(TRUE["M"], rel=0.02)
 
