@@ -2,7 +2,7 @@
 
 import math
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from symid.data import Log
 from symid.diagnosis import Diagnosis, diagnose
 from symid.diagnosis.effects import LIBRARY
 from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.selection import backward
 from symid.diagnosis.selection.backward import _chain, _members, _with_values_of
 from symid.diagnosis.selection.lack_of_fit import lack_of_fit
 from symid.diagnosis.selection.step import takes
@@ -93,6 +94,22 @@ def test_the_last_effect_of_an_order_is_also_fitted_from_the_values_of_the_whole
     found_again = _chain([drag, cogging], first, math.inf, justified=True, whole=whole)
     assert found_again is not None
     assert found_again[-1].confirmed[0].fit.mean_square == pytest.approx(whole.mean_square, rel=1e-2)
+
+
+def test_where_fits_begin_astray_the_values_of_the_whole_model_are_tried(
+    found: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    accepted = [step for step in found.search if step.accepts]
+    begun_from_whole = []
+
+    def astray(*orders: Any, whole: Fit | None = None, **options: Any) -> Any:
+        begun_from_whole.append(whole is not None)
+        return whole and _chain(*orders, whole=whole, **options)
+
+    monkeypatch.setattr(backward, "_chain", astray)
+    steps = backward.backward_elimination(accepted, LIBRARY)
+    assert begun_from_whole == [False, False, False, True]
+    assert {step.confirmed[0].key for step in steps} == {step.confirmed[0].key for step in accepted}
 
 
 def test_a_change_of_one_percent_of_a_mass_is_found_where_it_is() -> None:
