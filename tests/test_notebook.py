@@ -13,12 +13,12 @@ VALUE = re.compile(r"= (\d+(?:\.\d+)?)")
 
 
 def shown(cell: nbformat.NotebookNode) -> list[tuple[str, tuple[str, ...], str]]:
-    """Kind, formats and text of each output of a cell, without numbers."""
+    """Kind, formats and text of each output of a cell, without numbers and the width of their columns."""
     return [
         (
             one.output_type,
             tuple(sorted(one.get("data", {}))),
-            NUMBER.sub("#", one.get("data", {}).get("text/plain", "")),
+            re.sub(" +", " ", NUMBER.sub("#", one.get("data", {}).get("text/plain", ""))),
         )
         for one in cell.get("outputs", [])
     ]
