@@ -23,13 +23,13 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     (
         "force",
         r"torque|trq|tcmd|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|forza|fuerza|coppia|"
-        r"couple|сила|момент|\w*(?:力|转矩|扭矩|トルク)|fm?|tau",
+        r"couple|сила|усилие|момент|\w*(?:力|转矩|扭矩|トルク)|fm?|tau",
     ),
     ("current", r"current|cur|iq|i|strom\w*|courant|corr?iente|corrente|ток|\w*[电電]流|amps?"),
     ("voltage", r"voltage|volts?|spannung|tensione?|voltaje|напряжение|\w*(?:电压|電圧)"),
     (
         "position",
-        r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|encoder|scale|положение|\w*(?:位置|位移|角度)|q\w?|x|y|z",
+        r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|encoder|scale|положение|перемещение|координата|\w*(?:位置|位移|角度)|q\w?|x|y|z",
     ),
 )
 """Words in the name of a column of each quantity; the first that fits counts."""
@@ -52,5 +52,22 @@ SPELLED: Final = {
     "sec": "s",
     "Arms": "A",
     "A rms": "A",
+    "с": "s",
+    "мс": "ms",
+    "м": "m",
+    "мм": "mm",
+    "мкм": "um",
+    "м/с": "m/s",
+    "мм/с": "mm/s",
+    "рад": "rad",
+    "град": "deg",
+    "об/мин": "rpm",
+    "Н": "N",
+    "кН": "kN",
+    "Нм": "N*m",
+    "Н·м": "N*m",
+    "Н*м": "N*m",
+    "А": "A",
+    "В": "V",
 }
 """Units as written, and as they are read."""

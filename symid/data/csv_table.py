@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bisect
 import csv
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +25,7 @@ from symid.data.table import (
     source_of,
     values_of,
 )
-from symid.data.text_table import fields, is_number_text, uncommented
+from symid.data.text_table import FORTRAN, fields, is_number_text, split_cell, uncommented, with_units
 from symid.data.time_stamps import has_time_of_day, seconds_of_stamps
 from symid.errors import LogError
 
@@ -45,8 +46,9 @@ def open_csv(path: Path) -> Table:
         raise LogError(
             f"{path}: the first line holds numbers: it must hold the names of the columns, or let symid import look"
         )
-    file = _Csv(path, separator, max(len(headers), len(_fields(second, separator))))
-    return Table(headers, file.read, file.slices)
+    row = _fields(second, separator)
+    file = _Csv(path, separator, max(len(headers), len(row)), headers)
+    return Table(with_units(headers, row), file.read, file.slices)
 
 
 def open_laid_out(path: Path, layout: Layout) -> Table:
@@ -61,8 +63,8 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
         raise LogError(
             f"{path}: ends above the values, which the layout expects below line {skipped}: correct it"
         )
-    headers = layout.headers(lines)
     row = fields(lines[skipped], layout.separator)
+    headers = with_units(layout.headers(lines), row)
     # a day alone, in a column beside the time of day, does not tell samples apart
     stamps = frozenset(i for i, text in enumerate(row) if has_time_of_day(text.strip(" \t\"'")))
     file = _Csv(path, layout.separator, max(len(headers), len(row)))
@@ -72,7 +74,8 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
             text = content().decode(layout.encoding).replace("\r\n", "\n").replace("\r", "\n")
         except UnicodeError as error:
             raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
-        text = without_footer(text.split("\n", skipped)[-1], layout.separator)
+        *above, text = text.split("\n", skipped)
+        text = without_footer(_without_lines(text, above), layout.separator)
         if layout.separator == " ":
             text = "\n".join(" ".join(line.split()) for line in text.split("\n"))
         values = text.encode("utf-8", errors="replace")
@@ -82,6 +85,14 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
         return [values_of_texts(series, layout.separator, decimal=layout.decimal) for series in columns]
 
     return Table(headers, read, stamps=stamps)
+
+
+def _without_lines(text: str, above: Sequence[str]) -> str:
+    """Lines of values without those that repeat one above them, as files that were joined do."""
+    repeated = {line for line in above if line.strip()}
+    if not any(f"\n{line}\n" in text for line in repeated):
+        return text
+    return "\n".join(line for line in text.split("\n") if line and line not in repeated)
 
 
 def _first_lines(path: Path) -> tuple[str, str]:
@@ -112,12 +123,19 @@ class _Csv:
     path: Path
     separator: str
     width: int
+    headers: tuple[str, ...] = ()
 
     def read(self, positions: Sequence[int]) -> list[FloatArray | str]:
         """Values of columns, as those of a `Table`."""
         frame, numeric = self._frame(self.path, positions, header_rows=1)
-        texts = _without_blank_end(frame)
+        texts = _without_blank_end(frame if numeric else self._without_names(frame, positions))
         return [values_of(x) if numeric else values_of_texts(x, self.separator) for x in texts]
+
+    def _without_names(self, frame: pl.DataFrame, positions: Sequence[int]) -> pl.DataFrame:
+        """Rows of texts without those that repeat the line of names, as files that were joined do."""
+        names = [self.headers[position] for position in positions]
+        columns = zip(frame.columns, names, strict=True)
+        return frame.filter(~pl.all_horizontal(pl.col(c).str.strip_chars().eq_missing(n) for c, n in columns))
 
     def slices(self, positions: Sequence[int]) -> Slices:
         """Slices of rows. Lines are counted once: numbers contain no quoted line ends, so that a line is a row."""
@@ -211,11 +229,18 @@ def _without_blank_end(frame: pl.DataFrame) -> pl.DataFrame:
     return frame.head(int(filled[-1]) + 1 if filled.size else 0)
 
 
+def _without_unit(texts: pl.Series) -> pl.Series:
+    """Texts without the unit of the first of them, which stands behind the number."""
+    unit = split_cell(next((text for text in texts if text), ""))[1]
+    return texts.str.replace(rf"\s*{re.escape(unit)}$", "") if unit else texts
+
+
 def values_of_texts(
     texts: pl.Series, separator: str, before: int | None = None, decimal: str = ""
 ) -> FloatArray | str:
     """Values of a column of texts, the whole of it, or the rows after some `before`, or what is wrong with them."""
-    cleaned = texts.str.strip_chars(" \t\"'").str.replace(_NO_VALUE, "")
+    cleaned = _without_unit(texts.str.strip_chars(" \t\"'").str.replace(_NO_VALUE, ""))
+    cleaned = cleaned.str.replace(FORTRAN.pattern, "${1}e${2}")
     whole = before is None  # only a whole column distinguishes separators of thousands from decimal marks
     points, commas = (bool(cleaned.str.contains(mark, literal=True).any()) for mark in ".,")
     marked = points and (commas or decimal == ",")

@@ -18,7 +18,8 @@ from symid.units import Unit, to_si
 
 _BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*")
 _TRAILING: Final = re.compile(
-    r"(?P<name>.*?\S)[ _/](?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|ms|us|deg|kN|Nm|rpm|A|V|N|s|m)"
+    r"(?P<name>.*?\S)[ _/](?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|ms|us|deg|kN|Nm|rpm|A|V|N|s|m|"
+    r"мм/с|мм|мкм|м/с|мс|кН|Нм|град|рад|об/мин|А|В|Н|с|м)"
 )
 _SIGN_BITS: Final = (10, 11, 15)
 _MOST_OF_BIT, _CHANGES = 0.75, 3

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from symid.data.foreign import quantity_named, split_header
 from symid.data.text_table import (
     LEAST_ROWS,
     are_units,
@@ -24,6 +25,8 @@ _BEGINNING = 200_000  # characters from which the layout is guessed
 _LINES = 400  # most lines above the values
 _SEPARATORS = ("\t", ";", ",", "|", " ")
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
+_OLD = ("cp1252", "cp932", "cp1251", "koi8-r", "gbk", "euc_jp", "big5")
+"""Encodings of files that are not in UTF-8; cp932 is that of Shift-JIS on Windows."""
 _BINARY = {
     b"PK\x03\x04": "a .zip, .xlsx or .ods file",
     b"\x1f\x8b": "a .gz file",
@@ -156,8 +159,28 @@ def guessed_layout(path: Path, encoding: str | None = None) -> Layout:
 
 
 def layout_of_text(path: Path, content: bytes, encoding: str | None = None) -> Layout:
-    """The layout that the bytes of a text file seem to have; errors as those of `guessed_layout`."""
-    encoding = Layout(encoding).encoding if encoding else encoding_of(content[:_BEGINNING])
+    """The layout that the bytes of a text file seem to have; errors as those of `guessed_layout`.
+
+    Of the encodings of text that is no UTF-8 it is the first by which most names are known words.
+    """
+    seems = Layout(encoding).encoding if encoding else encoding_of(content[:_BEGINNING])
+    if encoding or seems != _OLD[0]:
+        return _layout_in(path, content, seems)
+    found, faults = [], []
+    for one in _OLD:
+        try:
+            layout = _layout_in(path, content, one)
+        except LogError as error:
+            faults.append(error)
+            continue
+        names = layout.headers(lines_of(path, content, one))
+        found.append((sum(quantity_named(split_header(name)[0]) is not None for name in names), layout))
+    if not found:
+        raise faults[0]
+    return max(found, key=lambda one: one[0])[1]
+
+
+def _layout_in(path: Path, content: bytes, encoding: str) -> Layout:
     lines = lines_of(path, content, encoding)
     for beside_texts in (False, True):
         found = [
@@ -204,7 +227,7 @@ def encoding_of(begin: bytes) -> str:
     try:
         codecs.getincrementaldecoder("utf-8")().decode(begin)
     except UnicodeDecodeError:
-        return "cp1252"
+        return _OLD[0]
     return "utf-8-sig"
 
 

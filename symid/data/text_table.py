@@ -6,6 +6,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
+from itertools import zip_longest
 from typing import Final
 
 from symid.data.grouped_numbers import is_grouped
@@ -20,6 +21,9 @@ _MOST_NAMES: Final = 3
 """Lines of names, units and remarks directly above the values."""
 _COMMENT: Final = re.compile(r"\s*(#+|%+|//+)\s*")
 _UNIT_APART: Final = re.compile(r"(?<=\w)\s+(?=[\[(])")
+FORTRAN: Final = re.compile(r"^([-+]?\d*\.?\d+|[-+]?\d+\.)[dD]([-+]?\d+)$")
+"""A number as Fortran writes it, with D before its exponent."""
+_NUMBER_WITH_UNIT: Final = re.compile(r"([-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?)\s*([^\W\d_][^\s\d]*|[°%])")
 _NO_UNIT: Final = ("", "-", "--", "%", "[]", "none", "None")
 _BRACKETS: Final = re.compile(r".*[\w.]\s*[\[(]([^\]):]+)[\])]\s*")
 
@@ -50,11 +54,38 @@ def fields(line: str, separator: str) -> list[str]:
 
 def is_number_text(text: str, *, comma: bool) -> bool:
     """Whether a field holds a number, with marks of thousands or without, or a moment, or nothing."""
+    plain = FORTRAN.sub(r"\1e\2", text)
     try:
-        float(text.replace(",", ".") if comma else text)
+        float(plain.replace(",", ".") if comma else plain)
     except ValueError:
-        return text == "" or is_stamp(text) or is_grouped(text)
+        number, unit = split_cell(text)
+        return text == "" or is_stamp(text) or is_grouped(number) or bool(unit)
     return True
+
+
+def split_cell(text: str) -> tuple[str, str]:
+    """Number and unit of a field; the unit is empty if the field is no number with a unit behind it.
+
+    >>> split_cell("1.5 mm"), split_cell("-3kN"), split_cell("7"), split_cell("3 axes")
+    (('1.5', 'mm'), ('-3', 'kN'), ('7', ''), ('3 axes', ''))
+    """
+    found = _NUMBER_WITH_UNIT.fullmatch(text)
+    return (found[1], found[2]) if found and _is_unit(found[2]) else (text, "")
+
+
+def with_units(headers: Sequence[str], row: Sequence[str]) -> tuple[str, ...]:
+    """Headers with the units of the fields of the first row of values, where they have none in brackets.
+
+    >>> with_units(["t", "q [mm]", "F"], ["0 s", "1 mm", "2"])
+    ('t [s]', 'q [mm]', 'F')
+    """
+    found = []
+    for header, text in zip_longest(headers, row[: len(headers)], fillvalue=""):
+        unit, named = split_cell(text.strip(" \t\"'"))[1], _BRACKETS.fullmatch(header)
+        if unit and named and named[1].strip() != unit:
+            raise LogError(f"column {header!r} holds numbers in {unit}: correct its name")
+        found.append(f"{header} [{unit}]" if header and unit and not named else header)
+    return tuple(found)
 
 
 def values_in(

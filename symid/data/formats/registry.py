@@ -27,6 +27,7 @@ from symid.data.formats.mdf import open_mdf
 from symid.data.formats.messages import open_mcap, open_rosbag
 from symid.data.formats.own_clocks import with_own_clocks
 from symid.data.formats.scope_text import open_scope_text, writer_of
+from symid.data.formats.split_times import with_joined_times
 from symid.data.formats.tdms import open_tdms
 from symid.data.layout import Layout, guessed_layout
 from symid.data.table import Table, first_line, naming_file
@@ -203,9 +204,9 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         if layout is not None and READERS.get(suffix) is open_compressed:
             return open_compressed(path, memory, layout)
         if layout is not None and _is_text(path):
-            return with_own_clocks(open_laid_out(path, layout))
+            return with_own_clocks(with_joined_times(open_laid_out(path, layout)))
         with naming_file(path):
-            return READERS[suffix](path, memory)
+            return with_joined_times(READERS[suffix](path, memory))
     except OSError as error:
         raise _not_readable(path, error) from error
 

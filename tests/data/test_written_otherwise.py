@@ -1,0 +1,96 @@
+"""Text whose numbers, times, repeated lines and encodings are not those of a plain CSV file."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from symid.data import Log, foreign_columns, open_table, read_log
+from symid.data.formats import layout_found
+from symid.errors import LogError
+from symid.units import Unit
+
+EXPECTED = {"q": Unit.of("m"), "F": Unit.of("N")}
+T = 1e-3 * np.arange(60)
+Q, F = 0.01 * np.sin(50 * T), 3.0 * np.cos(70 * T)
+
+
+def written(file: Path, header: str, form: str, *, encoding: str = "utf-8", repeat: bool = False) -> Path:
+    lines = [
+        form.format(t=t, q=q, F=f, s=17 + int(t), n=round(t % 1 * 1e9))
+        for t, q, f in zip(T, Q, F, strict=True)
+    ]
+    if repeat:
+        lines.insert(30, header)
+    file.write_bytes("\n".join([header, *lines, ""]).encode(encoding))
+    return file
+
+
+def check(log: Log) -> None:
+    assert log["q"] == pytest.approx(Q, abs=1e-8)
+    assert log["F"] == pytest.approx(F, abs=1e-8)
+    assert log.sampling_period == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(
+    ("header", "form"),
+    [
+        ("t,q,F", "{t:.3f},{q:.9f} m,{F:.9f}N"),
+        ("t,q [m],F", "{t:.3f} s,{q:.9f} m,{F:.9f}"),
+        ("secs,nsecs,q,F", "{s},{n},{q:.9f},{F:.9f}"),
+        ("stamp.sec,stamp.nanosec,q,F", "{s},{n},{q:.9f},{F:.9f}"),
+    ],
+)
+@pytest.mark.parametrize("repeat", [False, True])
+def test_units_in_cells_split_times_and_repeated_names_are_read(
+    tmp_path: Path, header: str, form: str, repeat: bool
+) -> None:
+    file = written(tmp_path / "log.csv", header, form, repeat=repeat)
+    check(read_log(file, expected=EXPECTED))
+    check(read_log(file, expected=EXPECTED, layout=layout_found(file)))
+
+
+@pytest.mark.parametrize("mark", "Dd")
+def test_exponents_of_fortran_are_read(tmp_path: Path, mark: str) -> None:
+    file = written(tmp_path / "log.csv", "t,q,F", "{t:.9e},{q:.9e},{F:.9e}")
+    file.write_text(file.read_text().replace("e", mark))
+    check(read_log(file, expected=EXPECTED))
+    check(read_log(file, expected=EXPECTED, layout=layout_found(file)))
+
+
+def test_a_unit_in_cells_that_is_not_that_of_the_name_is_refused(tmp_path: Path) -> None:
+    file = written(tmp_path / "log.csv", "t,q [mm],F", "{t:.3f},{q:.9f} m,{F:.9f}")
+    with pytest.raises(LogError, match=r"'q \[mm\]' holds numbers in m"):
+        read_log(file, expected=EXPECTED)
+
+
+def test_cells_of_several_units_are_refused(tmp_path: Path) -> None:
+    file = written(tmp_path / "log.csv", "t,q,F", "{t:.3f},{q:.9f} m,{F:.9f}")
+    text = file.read_text().splitlines()
+    text[20] = text[20].replace(" m", " mm")
+    file.write_text("\n".join(text))
+    with pytest.raises(LogError, match=r"mm' in row 20"):
+        read_log(file, expected=EXPECTED)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "header"),
+    [
+        ("cp1251", "Время [с],Положение [м],Сила [Н]"),
+        ("koi8-r", "Время, с;Положение, м;Усилие, Н"),
+        ("cp932", "時間[s],位置[m],推力[N]"),
+        ("euc_jp", "時間[s],位置[m],推力[N]"),
+        ("gbk", "时间(s),位置(m),力(N)"),
+        ("cp1252", "Zeit [s],Lage [m],Größe,Kraft [N]"),
+    ],
+)
+def test_the_encoding_is_the_one_whose_names_are_words(tmp_path: Path, encoding: str, header: str) -> None:
+    mark = ";" if ";" in header else ","
+    form = mark.join(["{t:.3f}", "{q:.9f}", *["7"] * ("Größe" in header), "{F:.9f}"])
+    file = written(tmp_path / "log.csv", header, form, encoding=encoding)
+    layout = layout_found(file)
+    assert layout.encoding == encoding
+    found = {column.quantity: column.unit for column in foreign_columns(open_table(file, layout))}
+    found.pop(None, None)
+    units = {"time": "s", "position": "m", "force": "N"}
+    assert found == units
