@@ -235,9 +235,9 @@ class _Problem:
                 free=by_log,
                 by_prior=by_prior @ by_prior.T,
                 held=costs,
-                instead={
+                priors={
                     int(i): (float(self.mean[i]), float(1 / self.precision[i]))
-                    for i in np.flatnonzero(np.isnan(by_log.parameters) & (self.precision > 0))
+                    for i in np.flatnonzero(self.precision > 0)
                 },
             ),
         )

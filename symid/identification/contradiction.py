@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.identification.identification_result import Identification
-from symid.identification.physical import PhysicalEstimate
+from symid.identification.physical import PhysicalEstimate, Restricted
 
 _INTERVAL = 1.96
 """Half width of the 95 % interval, in standard deviations."""
+_FAR = 3.0
+"""Deviations between a prior and the log beyond which they contradict each other."""
 
 
 def with_constraint_check(found: Identification) -> Identification:
@@ -23,7 +25,7 @@ def with_constraint_check(found: Identification) -> Identification:
     if not found.physical or found.physical[0].restricted is None:
         return found
     estimate, restricted = found.physical[0], found.physical[0].restricted
-    notes = (*found.notes, *_of_bounds(found, estimate, restricted.held), *_of_priors(found, estimate))
+    notes = (*found.notes, *constraint_notes(found.model.physical_units, estimate))
     outside = against(found.model.physical_units, estimate, found.widened_deviations(restricted.free))
     if found.status not in ("ok", "undetermined") or not outside:
         return replace(found, notes=notes)
@@ -95,27 +97,43 @@ def _beyond_priors(
     )
 
 
-def _of_bounds(found: Identification, estimate: PhysicalEstimate, held: Mapping[int, float]) -> list[str]:
-    units = list(found.model.physical_units.items())
-    return [
-        f"{units[i][0]} is held at its bound {estimate.parameters[i]:g} {units[i][1]}: "
-        f"that costs {cost:.3g} in chi-square ({np.sqrt(cost):.2g} deviations)"
-        for i, cost in held.items()
-    ]
-
-
-def _of_priors(found: Identification, estimate: PhysicalEstimate) -> list[str]:
-    """Parameters whose deviation is half due to priors, and those that the log alone does not determine."""
+def constraint_notes(units: Mapping[str, str], estimate: PhysicalEstimate) -> tuple[str, ...]:
+    """Bounds that hold an estimate, with their cost, and priors that narrow, contradict or replace the log."""
     assert estimate.restricted is not None
-    free, now = estimate.restricted.free.standard_deviations, estimate.standard_deviations
-    names = [
+    restricted, named = estimate.restricted, list(units.items())
+    held = [
+        f"{named[i][0]} is held at its bound {estimate.parameters[i]:g} {named[i][1]}: "
+        f"that costs {cost:.3g} in chi-square ({np.sqrt(cost):.2g} deviations)"
+        for i, cost in restricted.held.items()
+    ]
+    return (*held, *_of_priors(named, estimate, restricted))
+
+
+def _of_priors(
+    named: Sequence[tuple[str, str]], estimate: PhysicalEstimate, restricted: Restricted
+) -> list[str]:
+    own, free, now = (
+        restricted.free.parameters,
+        restricted.free.standard_deviations,
+        estimate.standard_deviations,
+    )
+    halved = [
         f"{name} ({before:.2g} to {after:.2g} {unit})"
-        for (name, unit), before, after in zip(found.model.physical_units.items(), free, now, strict=True)
+        for (name, unit), before, after in zip(named, free, now, strict=True)
         if 0 < after < before / 2
     ]
-    narrowed = [f"priors and bounds narrow {', '.join(names)}: these say more than the log"] if names else []
-    units, instead = list(found.model.physical_units), estimate.restricted.instead
-    if not instead:
-        return narrowed
-    rest = [units[i] for i in np.flatnonzero(np.isnan(free)) if np.isfinite(now[i])]
-    return [*narrowed, f"{', '.join(rest)} rest on the prior of {', '.join(units[i] for i in instead)}"]
+    notes = [f"priors and bounds narrow {', '.join(halved)}: these say more than the log"] if halved else []
+    for i, (mean, deviation) in restricted.priors.items():
+        away = abs(mean - own[i]) / np.hypot(deviation, free[i])
+        if away > _FAR:
+            name, unit = named[i]
+            notes.append(
+                f"the prior of {name}, {mean:.4g} +- {deviation:.2g} {unit}, is {away:.2g} deviations from the "
+                f"{own[i]:.4g} {unit} of the log alone"
+            )
+    if restricted.instead:
+        rest = [named[i][0] for i in map(int, np.flatnonzero(np.isnan(free))) if np.isfinite(now[i])]
+        notes.append(
+            f"{', '.join(rest)} rest on the prior of {', '.join(named[i][0] for i in restricted.instead)}"
+        )
+    return notes

@@ -21,7 +21,7 @@ from symid.codegen import model_of
 from symid.data import AnyLog
 from symid.errors import SettingError
 from symid.identification.constraints import Bounds, Constraints, Priors
-from symid.identification.contradiction import against
+from symid.identification.contradiction import against, constraint_notes
 from symid.identification.identification_result import Identification, headline_of
 from symid.identification.identify import identify
 from symid.identification.physical import negative_parameters
@@ -55,6 +55,8 @@ class SharedIdentification(Shown):
         Chi-square of the disagreement between the groups, and its degrees of freedom.
     status, message : str
         "ok", or what keeps the result from being complete.
+    constraint_notes : tuple of str
+        What bounds and priors do to the result.
     """
 
     axis: str
@@ -67,6 +69,14 @@ class SharedIdentification(Shown):
     relations: int
     status: str
     message: str
+    constraint_notes: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What bounds and priors do to the result, and notes on the groups of logs."""
+        return tuple(
+            dict.fromkeys((*self.constraint_notes, *(n for group in self.groups for n in group.notes)))
+        )
 
     @property
     def physical_parameters(self) -> dict[str, float]:
@@ -207,11 +217,13 @@ def _shared(
     parameters, cost = min((f for f in fits if f is not None), key=lambda one: one[1])
     covariance, loose = stacked.covariance(parameters, list(units))
     outside = ""
+    notes: tuple[str, ...] = ()
     if constraints:
         alone = np.where(np.isin(list(units), loose), np.nan, parameters)
         if (one := stacked.constrained(alone, covariance, constraints)) is not None:
             parameters, loose = one.parameters, []
             covariance, outside = one.covariance, against(units, one, np.sqrt(np.diag(covariance)))
+            notes = constraint_notes(units, one)
     relations = stacked.white.minimal.size - parameters.size
     found = SharedIdentification(
         axis.name, groups, known, units, parameters, covariance, cost, relations, "ok", ""
@@ -219,7 +231,7 @@ def _shared(
     status, message = _verdict(found, loose, outside)
     values = np.where(np.isin(list(units), loose), np.nan, parameters)
     return SharedIdentification(
-        axis.name, groups, known, units, values, covariance, cost, relations, status, message
+        axis.name, groups, known, units, values, covariance, cost, relations, status, message, notes
     )
 
 

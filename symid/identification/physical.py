@@ -83,14 +83,19 @@ class PhysicalEstimate:
 class Restricted:
     """Effect of bounds and priors on an estimate and on its covariance.
 
-    `held` gives, for each parameter at a bound, what the bound costs, as a chi-square; `instead` gives mean and
-    deviation of the priors of parameters that the log alone leaves open.
+    `held` gives, for each parameter at a bound, what the bound costs, as a chi-square; `priors` gives mean and
+    deviation of the priors.
     """
 
     free: PhysicalEstimate
     by_prior: FloatArray
     held: Mapping[int, float]
-    instead: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    priors: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def instead(self) -> dict[int, tuple[float, float]]:
+        """Priors of parameters that the log alone leaves open."""
+        return {i: prior for i, prior in self.priors.items() if np.isnan(self.free.parameters[i])}
 
 
 def negative_parameters(model: GeneratedModel, physical: FloatArray) -> tuple[str, ...]:

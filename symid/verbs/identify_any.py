@@ -120,7 +120,7 @@ def identify(
     Returns
     -------
     Identification, OutputErrorIdentification by "oe", or SharedIdentification with `known`
-        All results have `parameters`, `covariance`, `standard_deviations`, `bias`, `notes` and `predict`. The status
+        All results have `physical_parameters`, `covariance`, `standard_deviations` and `notes`. The status
         states what cannot be determined, without an error. It is "contradicted" if the result lies outside the
         intervals of the estimate without `fixed`, `bounds` or `prior`.
 

@@ -68,6 +68,22 @@ def test_two_payloads_tell_the_constant_of_the_drive() -> None:
     assert found.physical_parameters["M"] == pytest.approx(12.5 * empty / (loaded - empty), rel=5e-3)
 
 
+def test_bounds_and_priors_of_shared_parameters_are_noted_with_their_cost() -> None:
+    runs, known = [log_with(0.0, 1), log_with(12.5, 2)], {"Ml": [0.0, 12.5]}
+    free = identify(AXIS, runs, known=known)
+    mass, deviation = free.parameters[0], free.standard_deviations[0]
+    bound = mass - 0.7 * deviation
+    held = identify(AXIS, runs, known=known, bounds={"M": (None, bound)})
+    assert held.status == "ok"
+    assert held.physical_parameters["M"] == pytest.approx(bound, rel=1e-9)
+    assert held.notes[0].startswith(
+        f"M is held at its bound {bound:g} kg: that costs 0.49 in chi-square (0.7 dev"
+    )
+    doubted = identify(AXIS, runs, known=known, prior={"Kt": (70.0, 1.0)})
+    away = (70.0 - free.physical_parameters["Kt"]) / np.hypot(1.0, free.standard_deviations[-1])
+    assert f"the prior of Kt, 70 +- 1 N/A, is {away:.2g} deviations from the" in doubted.notes[0]
+
+
 def test_the_verb_takes_one_value_for_each_log() -> None:
     logs = [log_with(0.0, 1), log_with(12.5, 2)]
     found = identify(AXIS, logs, known={"Ml": (0.0, 12.5)}, fixed={"Fv": 120.0}, examine=False)

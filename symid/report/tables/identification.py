@@ -206,7 +206,11 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
 
 def shared_record(found: SharedIdentification) -> dict[str, Any]:
     """Record of `symid identify --known ... --json`: the physical parameters, and each group of logs."""
-    first = found.groups[0]
+    first, units, deviations = (
+        found.groups[0],
+        found.physical_units.items(),
+        found.standard_deviations.tolist(),
+    )
     return {
         "axis": found.axis,
         "measured": list(first.model.measured),
@@ -214,14 +218,10 @@ def shared_record(found: SharedIdentification) -> dict[str, Any]:
         "log": [log for group in found.groups for log in group.logs],
         "status": found.status,
         "message": found.message,
+        "notes": list(found.constraint_notes),
         "physical": {
             name: {"value": value, "std": std, "deviation": std, "unit": unit}
-            for (name, unit), value, std in zip(
-                found.physical_units.items(),
-                found.parameters.tolist(),
-                found.standard_deviations.tolist(),
-                strict=True,
-            )
+            for (name, unit), value, std in zip(units, found.parameters.tolist(), deviations, strict=True)
         },
         "relations": {
             "number": found.relations,
@@ -247,9 +247,10 @@ def print_shared(record: dict[str, Any], console: Console | None = None) -> None
         console.print(f"  {given}: {', '.join(group['log'])}", markup=False)
     table = TextTable("", "parameter", "value", "deviation", "% of value", "unit")
     for name, one in record["physical"].items():
-        numbers = (f"{one['value']:.6g}", f"{one['deviation']:.2g}", _relative(one))
-        table.add(name, *numbers, one["unit"])
+        table.add(name, f"{one['value']:.6g}", f"{one['deviation']:.2g}", _relative(one), one["unit"])
     console.print(table)
+    for line in record["notes"]:
+        console.print(f"note: {line}", markup=False)
 
 
 def _settings_line(record: dict[str, Any]) -> str:
