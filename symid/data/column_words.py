@@ -18,14 +18,14 @@ UNITS: Final[tuple[tuple[Quantity, tuple[str, ...]], ...]] = (
 """Units in SI of each quantity."""
 WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     ("time", r"t|time|timestamp|zeit\w*|temps|tempo|tiempo|время|\w*[时時][间間]|sec|ms"),
-    ("acceleration", r"acc\w*|acel\w*|beschl\w*|ddq\w*|ускорение|\w*加速度"),
-    ("velocity", r"vel\w*|speed|geschw\w*|drehzahl\w*|vitesse|скорость|\w*(?:速度|转速)|v"),
+    ("acceleration", r"acc\w*|acel\w*|(?:ist|soll)?beschl\w*|ddq\w*|ускорение|\w*加速度"),
+    ("velocity", r"vel\w*|speed|(?:ist|soll)?(?:geschw|drehzahl)\w*|vitesse|скорость|\w*(?:速度|转速)|v"),
     (
         "force",
         r"torque|trq|tcmd|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|forza|fuerza|coppia|"
         r"couple|сила|усилие|момент|\w*(?:力|转矩|扭矩|トルク)|fm?|tau",
     ),
-    ("current", r"current|cur|iq|i|strom\w*|courant|corr?iente|corrente|ток|\w*[电電]流|amps?"),
+    ("current", r"current|cur|iq|i|(?:ist|soll)?strom\w*|courant|corr?iente|corrente|ток|\w*[电電]流|amps?"),
     ("voltage", r"voltage|volts?|spannung|tensione?|voltaje|напряжение|\w*(?:电压|電圧)"),
     (
         "position",
@@ -52,6 +52,8 @@ SPELLED: Final = {
     "sec": "s",
     "Arms": "A",
     "A rms": "A",
+    "Aeff": "A",
+    "A eff": "A",
     "с": "s",
     "мс": "ms",
     "м": "m",

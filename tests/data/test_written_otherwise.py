@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from symid.data import Log, foreign_columns, open_table, read_log
+from symid.data.foreign import described_column
 from symid.data.formats import layout_found
 from symid.errors import LogError
 from symid.units import Unit
@@ -94,3 +95,16 @@ def test_the_encoding_is_the_one_whose_names_are_words(tmp_path: Path, encoding:
     found.pop(None, None)
     units = {"time": "s", "position": "m", "force": "N"}
     assert found == units
+
+
+@pytest.mark.parametrize(
+    ("header", "quantity", "unit"),
+    [
+        ("Iststrom [Aeff]", "current", "A"),
+        ("Istdrehzahl [U/min]", "velocity", "rpm"),
+        ("Istgeschwindigkeit", "velocity", None),
+    ],
+)
+def test_actual_values_of_german_drives_have_quantities(header: str, quantity: str, unit: str | None) -> None:
+    found = described_column(header, np.linspace(0, 1, 9))
+    assert (found.quantity, found.unit, found.setpoint) == (quantity, unit, False)
