@@ -22,6 +22,7 @@ from symid.errors import SettingError
 from symid.report.figures import colours
 from symid.report.tables import number_text
 from symid.report.tables.diagnosis import removes
+from symid.report.tables.fleet import spread_size
 from symid.report.tables.motion_gap import fit, motion_line, motion_rows, motions, unit_of_errors
 from symid.text import spoken
 
@@ -52,8 +53,18 @@ def page_templates() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    for write in (fit, motion_line, motion_rows, motions, unit_of_errors, removes, spoken, colours.in_dark):
-        templates.filters[write.__name__] = write
+    own = (
+        fit,
+        motion_line,
+        motion_rows,
+        motions,
+        unit_of_errors,
+        removes,
+        spread_size,
+        spoken,
+        colours.in_dark,
+    )
+    templates.filters |= {write.__name__: write for write in own}
     templates.filters |= {name: write for name, write in vars(number_text).items() if isfunction(write)}
     templates.filters["packed"] = _packed
     templates.globals.update(colours=colours)

@@ -176,8 +176,8 @@ def _parameters_table(axis: dict[str, Any]) -> TextTable:
             name,
             str(one["logs"]),
             with_deviation(one["median"], one["mean_std"]),
-            _size(one, "between"),
-            _size(one, "promised"),
+            spread_size(one, "between"),
+            spread_size(one, "promised"),
             probability(one["probability_adjusted"]),
             one["unit"],
             "differs" if one["differs"] else "",
@@ -195,7 +195,7 @@ def _joint_table(joint: dict[str, Any]) -> TextTable:
     return table
 
 
-def _size(one: dict[str, Any], which: str) -> str:
+def spread_size(one: dict[str, Any], which: str) -> str:
     """A standard deviation for each unit of the mean, as the parameter itself where the mean may be 0."""
     if not math.isfinite(one[which]):
         return MISSING
