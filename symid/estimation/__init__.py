@@ -5,8 +5,8 @@ from symid.estimation.corrected_covariance import (
     ObservationBlock,
     corrected_covariance,
     corrected_covariance_of_blocks,
-    independent_rows,
 )
+from symid.estimation.correlation import independent_rows
 from symid.estimation.least_squares import LeastSquares, Method, estimate, residuals
 from symid.estimation.refinement import refine_blocks
 from symid.estimation.triangular import TriangularFactor, triangular_factors

@@ -20,11 +20,10 @@ from symid.errors import SettingError
 from symid.estimation.correlation import (
     KernelSpectra,
     ResidualCovariance,
-    correlation_length,
     default_max_lag,
     effective_samples,
-    flat_top,
     pair_sum,
+    tapered,
     with_nonnegative_spectrum,
 )
 from symid.estimation.least_squares import LeastSquares, residuals
@@ -176,7 +175,7 @@ def corrected_covariance_of_blocks(
     samples = max(fit.rows)
     lags = default_max_lag(samples) if max_lag is None else max_lag
     by_log = _residual_covariances(read, fit, lags)
-    kernel, length = _tapered(np.stack(list(by_log.values())), samples)
+    kernel, length = tapered(np.stack(list(by_log.values())), samples)
     bandwidth = kernel.shape[-1] // 2 + 1
     # The taper has negative side lobes and can make Gamma indefinite; its spectrum is clipped to be positive.
     weighted = {
@@ -204,36 +203,6 @@ def corrected_covariance_of_blocks(
         effective_parameters=absorbed * sum(fit.rows),
         degrees_of_freedom=max(independent - fit.rank.rank, 1.0),
     )
-
-
-def independent_rows(blocks: Iterable[tuple[FloatArray, BoolArray]]) -> float:
-    """Number of independent rows with the same information as correlated residuals.
-
-    Of each block, the residuals of its equations and which of them count, both of shape (n_equations, n_samples).
-
-    >>> pairs = np.repeat(np.random.default_rng(1).standard_normal((1, 5000)), 2, axis=1)
-    >>> bool(6000 < independent_rows([(pairs, pairs < np.inf)]) < 7000)
-    True
-    """
-    every = list(blocks)
-    counts = np.concatenate([np.count_nonzero(valid, axis=1) for _, valid in every])
-    samples = int(counts.max())
-    sums = [ResidualCovariance.empty(len(r), default_max_lag(samples)).update(r, valid) for r, valid in every]
-    kernel, _ = _tapered(np.stack([one.covariance() for one in sums]), samples)
-    return effective_samples(kernel, tuple(counts.tolist()))
-
-
-def _tapered(gamma: FloatArray, samples: int) -> tuple[FloatArray, int | None]:
-    """Autocovariances of the residuals of each log, and the lag beyond which they are noise; None if there is none.
-
-    Gamma, the covariance of the residual, is banded and Toeplitz: its autocovariances are tapered to zero beyond the
-    lag at which their sampling error exceeds them, since larger lags would add noise only.
-    """
-    lags = gamma.shape[-1] // 2
-    length = correlation_length(gamma, samples)
-    taper = flat_top(lags, lags // 2 if length is None else min(length, lags // 2))
-    reach = int(np.count_nonzero(taper)) // 2
-    return (gamma * taper)[..., lags - reach : lags + reach + 1], length
 
 
 def _gain_of_instruments(read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares) -> FloatArray:

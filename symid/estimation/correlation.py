@@ -5,6 +5,7 @@ The residual of filtered signals is not white, which classical standard deviatio
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from math import ceil, log10, sqrt
@@ -244,3 +245,33 @@ def pair_sum(U: FloatArray, kernel: KernelSpectra) -> FloatArray:
             filtered += g * other
         total += own.view(np.float64) @ filtered.view(np.float64).T  # the real part of conj(own) @ filtered.T
     return total
+
+
+def independent_rows(blocks: Iterable[tuple[FloatArray, BoolArray]]) -> float:
+    """Number of independent rows with the same information as correlated residuals.
+
+    Of each block, the residuals of its equations and which of them count, both of shape (n_equations, n_samples).
+
+    >>> pairs = np.repeat(np.random.default_rng(1).standard_normal((1, 5000)), 2, axis=1)
+    >>> bool(6000 < independent_rows([(pairs, pairs < np.inf)]) < 7000)
+    True
+    """
+    every = list(blocks)
+    counts = np.concatenate([np.count_nonzero(valid, axis=1) for _, valid in every])
+    samples = int(counts.max())
+    sums = [ResidualCovariance.empty(len(r), default_max_lag(samples)).update(r, valid) for r, valid in every]
+    kernel, _ = tapered(np.stack([one.covariance() for one in sums]), samples)
+    return effective_samples(kernel, tuple(counts.tolist()))
+
+
+def tapered(gamma: FloatArray, samples: int) -> tuple[FloatArray, int | None]:
+    """Autocovariances of the residuals of each log, and the lag beyond which they are noise; None if there is none.
+
+    Gamma, the covariance of the residual, is banded and Toeplitz: its autocovariances are tapered to zero beyond the
+    lag at which their sampling error exceeds them, since larger lags would add noise only.
+    """
+    lags = gamma.shape[-1] // 2
+    length = correlation_length(gamma, samples)
+    taper = flat_top(lags, lags // 2 if length is None else min(length, lags // 2))
+    reach = int(np.count_nonzero(taper)) // 2
+    return (gamma * taper)[..., lags - reach : lags + reach + 1], length

@@ -1,0 +1,161 @@
+"""Effects of a model selected again, each beside all others.
+
+Forward selection never reconsiders an effect, but the first one also stood in for those found later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from symid.diagnosis.effects import Effect, Key, Placed, is_part
+from symid.diagnosis.fitting.cross_validation import deviation
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import fitted
+from symid.diagnosis.fitting.hidden_starts import Start
+from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
+from symid.diagnosis.selection.screening import screened
+from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, takes
+from symid.diagnosis.thresholds import THRESHOLDS
+
+_ITERATIONS = 3
+_RIVALS = 3
+"""Candidates from earlier and from new screening that compete with an effect when it is selected again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """An effect of the model with all effects."""
+
+    placed: Placed  # with its values beside all others
+    step: SelectionStep  # in which it was chosen, with its rivals
+    lost: float  # cross-validated sum of squared force errors of the model without it
+
+    @property
+    def is_timing(self) -> bool:
+        """Whether it is the delay of a reading, which goes first: other effects need readings of one instant."""
+        return self.placed.effect.name == LATE_READING
+
+    @property
+    def taken(self) -> float:
+        """Decrease of the mean square when it was chosen."""
+        return self.step.before.mean_square - self.step.confirmed[0].fit.mean_square
+
+
+def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> list[Member]:
+    """The effects, each selected again beside all others; effects that explain nothing are dropped.
+
+    Empty if an effect matters but is not credible beside the others, and no rival can replace it.
+    """
+    first = accepted[0].before
+    whole = accepted[-1].confirmed[0].fit.after(first)
+    n, members, dropped = len(accepted), list[Member](), list[Member]()
+    for i, step in enumerate(accepted):
+        # A reselected effect moves to the end, so the next one is the first of the last n.
+        at = len(whole.state.placed) - n
+        begun = _without(whole, at)
+        own, before = begun.placed, fitted(begun.state, begun.weighting, _ITERATIONS).after(whole)
+        simpler = [member for member in dropped if own.contains(member.placed.key)]
+        sought = library if not any(is_part(item, own) for item in before.state.placed) else ()
+        found = _chosen(first, before, begun, step, sought if i == 0 else (), simpler)
+        matters = takes(before, whole, first)
+        needed = matters and not before.mean_square < THRESHOLDS.as_good * whole.mean_square
+        if found is None and matters and i > 0:
+            found = _chosen(first, before, begun, step, sought)
+        if found is not None and not _stands_in(found, before, whole):
+            found = None
+        if found is None and needed:
+            return []
+        if found is None:
+            whole, n = before, n - 1
+            dropped.append(Member(own, step, 0.0))
+            continue
+        whole = found.confirmed[0].fit.after(first)
+        n_drives = first.state.prediction.record.n_drives
+        lost = float(before.blocks.squares[:n_drives].sum())
+        members.append(Member(whole.state.placed[-1], found, lost))
+    return members
+
+
+def _stands_in(found: SelectionStep, before: Fit, whole: Fit) -> bool:
+    """Whether an effect removes most of the error that the effect in its place removes."""
+    taken = before.mean_square - found.confirmed[0].fit.mean_square
+    return taken > THRESHOLDS.stands_in * (before.mean_square - whole.mean_square)
+
+
+def _chosen(
+    first: Fit,
+    before: Fit,
+    begun: Start,
+    step: SelectionStep,
+    library: Sequence[Effect],
+    simpler: Sequence[Member] = (),
+) -> SelectionStep | None:
+    """The step of an effect beside all others; None if no candidate is justified.
+
+    Fits begin with the values of the whole model: without a large effect, small ones would go astray. A `simpler`
+    effect that was dropped because this one contains it competes again.
+    """
+    own = begun.placed
+    starts = [begun, *(Start.of(before, member.placed) for member in simpler)]
+    if library:
+        present = {item.key for item in before.state.placed}
+        rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS] if c.key not in present}
+        rivals |= {c.placed.key: c.placed for c in screened(before, library)[:_RIVALS]}
+        starts += [Start.of(before, item) for item in rivals.values()]
+    found: dict[Key, Confirmed] = {}
+    for start in starts:
+        one = confirmed_from(before, start)
+        if one is not None and (one.key not in found or one.gain > found[one.key].gain):
+            found[one.key] = one
+    refused = step.refused | {start.placed.key for start in starts}
+    refused -= found.keys()
+    prefer_coulomb(found)
+    best = ranked(found.values(), before)
+    kept = next((c for c in best if c.key == own.key), found.get(own.key))
+    if best and kept is not None and not _is_clearly_better(best[0], kept):
+        best = [kept, *(c for c in best if c is not kept)]
+    chosen = SelectionStep(before.released(), tuple(best), step.screened, refused)
+    if not chosen.justifies_another(first):
+        return None
+    if len(best) > 1:
+        return chosen
+    steps = {member.placed.key: member.step for member in simpler}
+    return in_place_of(steps.get(best[0].key, step), before, best[0])
+
+
+def _is_clearly_better(best: Confirmed, own: Confirmed) -> bool:
+    """Whether a rival predicts blocks better than the effect that was found, by more than their scatter.
+
+    A refinement of the effect, such as presliding of Coulomb friction, replaces it only if its prior odds are higher or
+    it gains much more.
+    """
+    least = max(THRESHOLDS.least_penalised_gain, deviation(own.squares, best.squares, own.fit.n_rows))
+    if best.placed.contains(own.key):
+        if best.log_prior_odds > own.log_prior_odds:
+            return True
+        least = max(least, THRESHOLDS.refined * own.penalised_gain)
+    return best.penalised_gain - own.penalised_gain > least
+
+
+def _without(whole: Fit, at: int) -> Start:
+    """The model without one of its effects, all other values unchanged, and that effect."""
+    placed = list(whole.state.placed)
+    own = placed.pop(at)
+    return Start(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, own)
+
+
+def in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> SelectionStep:
+    """A step after another model; its rivals keep their distance from the best candidate."""
+    best, *rivals = step.confirmed
+    behind = [rival.beside(best, found) for rival in rivals]
+    screened = tuple(
+        replace(candidate, gain=found.gain + candidate.gain - best.gain) for candidate in step.screened
+    )
+    return SelectionStep(
+        before.released(),
+        (replace(found, log_prior_odds=best.log_prior_odds), *behind),
+        screened,
+        step.refused,
+    )
