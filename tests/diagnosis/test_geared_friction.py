@@ -1,9 +1,29 @@
-"""Declared friction of a body that is geared to the motor: a diagnosis sees it in the motor's joint."""
+"""Friction behind a gear: forces of a slide are far larger than the torque of the motor that moves it."""
 
+import math
+
+import numpy as np
 import pytest
 
-from symid import Axis, Body, CoulombFriction, Drive, Geared, Position, ViscousFriction, simulate
+from symid import (
+    Axis,
+    Between,
+    Body,
+    CoulombFriction,
+    Drive,
+    Geared,
+    Position,
+    Spring,
+    ViscousFriction,
+    load_axis,
+    simulate,
+)
+from symid.data import Log
 from symid.diagnosis import diagnose
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.drive_force import drive_force_of
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.simulation import plant_of, trapezoids, tuned_cascade
 
 MOTOR = Body("motor", inertia="J")
@@ -24,3 +44,52 @@ def test_parameters_of_friction_behind_a_gear() -> None:
     assert found.verdict == "parameters", found.sentence
     for change in found.parameters:
         assert change.reidentified == pytest.approx(TRUE[change.name], rel=0.01), change.name
+
+
+SCREW, SLIDE = Body("screw", inertia="J"), Body("slide", mass="M")
+LEAD = 0.0127 / (2 * math.pi)
+NUT = Spring("nut", Between(first=SCREW, second=SLIDE, ratio=LEAD), stiffness="K", damping="D")
+ELEMENTS = (SCREW, ViscousFriction(SCREW, "Fv"), SLIDE, ViscousFriction(SLIDE, "Fw"), NUT)
+SENSORS = (Position("q", SCREW, noise=2e-6), Position("z", SLIDE, noise=2e-8))
+FEED = Axis("feed", ELEMENTS, Drive("T", SCREW, held=True, noise=0.01), SENSORS)
+BY_CURRENT = Axis("feed", ELEMENTS, Drive("i", SCREW, gain="Kt", unit="A"), SENSORS)
+VALUES = {"J": 3e-3, "Fv": 0.01, "M": 180.0, "Fw": 700.0, "K": 4e7, "D": 2e4}
+
+
+def test_friction_of_a_slide_is_found_behind_its_screw() -> None:
+    machine = FEED.with_effect(CoulombFriction(SLIDE, "Fs"))
+    values = VALUES | {"Fs": 250.0}
+    path = trapezoids(100.0, [60.0, 100.0], acceleration=900.0, jerk=2e4, dwell=0.1, sampling_period=1e-3)
+    log = simulate(machine, values, path, tuned_cascade(plant_of(machine, values), "q")).log
+    found = diagnose(FEED, log, nominal={name: 1.1 * value for name, value in VALUES.items()})
+    assert (found.effects[0].effect, found.effects[0].at) == ("coulomb_friction", "slide"), found.sentence
+    assert found.effects[0].parameters["Fs"].value == pytest.approx(250.0, rel=0.05)
+
+
+DIRECT = {"Mm": 90.0, "Ms": 60.0, "Ks": 1e6, "Fvs": 1e2, "Fvm": 1e2, "Fsm": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("axis", "values", "force"),
+    [
+        (FEED, VALUES, {"screw": 1.0, "slide": LEAD}),
+        (BY_CURRENT, VALUES | {"Kt": 0.5}, {"screw": 1 / 0.5, "slide": LEAD / 0.5}),
+        (load_axis("direct_2m1s"), DIRECT, {"motor": 1.0, "structure": 1.0}),
+    ],
+)
+def test_force_in_a_joint_as_the_drive_feels_it(
+    axis: Axis, values: dict[str, float], force: dict[str, float]
+) -> None:
+    t = np.arange(4000) / 1000
+    log = Log.from_arrays(
+        {
+            name: np.sin(20 * t)
+            for name in (axis.only_drive.signal, *(sensor.signal for sensor in axis.sensors))
+        },
+        sampling_period=1e-3,
+    )
+    prediction = first_state(data_of(axis, (joined([log]), None), Recorded({}, True)).record, values)[
+        0
+    ].prediction
+    for name, joint in prediction.joints.items():
+        assert drive_force_of(prediction, joint) == pytest.approx(force[name], rel=1e-6)

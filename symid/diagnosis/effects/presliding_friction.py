@@ -69,7 +69,8 @@ class PreslidingFrictionEffect(JointEffect):
         if not begins.size:
             return False
         passed = np.abs(joint.q[begins + ahead] - joint.q[begins])
-        step = step_of(record.log[record.driven[prediction.drive_of(joint)]])
+        driven = record.log[record.driven[prediction.drive_of(joint)]]
+        step = step_of(driven) * joint.stroke / float(np.ptp(driven))  # as the joint passes it, behind a gear
         return placed.shape[0] > max(_SAMPLES * float(np.median(passed)), step)
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:

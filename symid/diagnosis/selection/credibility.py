@@ -16,6 +16,7 @@ from symid.diagnosis.fitting.cross_validation import Blocks, least_fall
 from symid.diagnosis.fitting.fit import Fit, stiffnesses
 from symid.diagnosis.fitting.gauss_newton import keeps_inertia
 from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.drive_force import drive_force_of
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _OF_MASSES = ("flexible_mode", "payload_change")
@@ -80,7 +81,7 @@ def _springs_ran_away(fit: Fit, found: Fit) -> bool:
 
 
 def force_share(fit: Fit) -> float:
-    """Force of the last effect in a joint, relative to the largest that the drive gives; 0 for other effects."""
+    """Force of the last effect in a joint, at the drive, relative to its largest force; 0 for other effects."""
     prediction, item = fit.state.prediction, fit.state.placed[-1]
     if not isinstance(item.effect, JointEffect) or isinstance(item.effect, LinearEffect):
         return 0.0
@@ -88,7 +89,8 @@ def force_share(fit: Fit) -> float:
     force = np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
     inside = prediction.record.in_log
     rms = float(np.sqrt(np.mean(prediction.record.fine(force)[inside] ** 2)))
-    return rms / float(np.abs(prediction.record.whole_forces[prediction.drive_of(joint)]).max())
+    largest = float(np.abs(prediction.record.whole_forces[prediction.drive_of(joint)]).max())
+    return rms * drive_force_of(prediction, joint) / largest
 
 
 def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> bool:
