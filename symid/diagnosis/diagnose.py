@@ -248,10 +248,12 @@ def _strongest_first(
     that removes less than half of the largest share shows only beside the others and is not the first.
     """
     accepted = [step for step in steps if step.accepts][: comparison.validated]
-    if len(accepted) < 2 or accepted[0].confirmed[0].effect.name == LATE_READING:
+    if len(accepted) < 2:
         return steps, comparison
     shares = [comparison.removed(i + 1, i + 2).share for i in range(len(accepted))]
     least = THRESHOLDS.stands_in * max(shares)
+    if accepted[0].confirmed[0].effect.name == LATE_READING and shares[0] >= least:
+        return steps, comparison
     for at in np.argsort(-comparison.with_effects(len(accepted)).strengths, kind="stable"):
         if at == 0 and shares[0] >= least:
             break
