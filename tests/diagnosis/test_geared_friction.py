@@ -9,9 +9,11 @@ from symid import (
     Axis,
     Between,
     Body,
+    Cogging,
     CoulombFriction,
     Drive,
     Geared,
+    Law,
     Position,
     Spring,
     ViscousFriction,
@@ -20,6 +22,7 @@ from symid import (
 )
 from symid.data import Log
 from symid.diagnosis import diagnose
+from symid.diagnosis.effects import LIBRARY
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.drive_force import drive_force_of
@@ -56,14 +59,23 @@ BY_CURRENT = Axis("feed", ELEMENTS, Drive("i", SCREW, gain="Kt", unit="A"), SENS
 VALUES = {"J": 3e-3, "Fv": 0.01, "M": 180.0, "Fw": 700.0, "K": 4e7, "D": 2e4}
 
 
-def test_friction_of_a_slide_is_found_behind_its_screw() -> None:
-    machine = FEED.with_effect(CoulombFriction(SLIDE, "Fs"))
-    values = VALUES | {"Fs": 250.0}
+@pytest.mark.parametrize(
+    ("law", "named", "value"),
+    [
+        (CoulombFriction(SLIDE, "Fs"), "coulomb_friction", {"Fs": 250.0}),
+        (Cogging(SLIDE, "As", "Ac", pitch=0.03), "cogging", {"As": 60.0, "Ac": 25.0}),
+    ],
+)
+def test_the_law_of_a_slide_is_found_behind_its_screw(law: Law, named: str, value: dict[str, float]) -> None:
+    machine, values = FEED.with_effect(law), VALUES | value
     path = trapezoids(100.0, [60.0, 100.0], acceleration=900.0, jerk=2e4, dwell=0.1, sampling_period=1e-3)
     log = simulate(machine, values, path, tuned_cascade(plant_of(machine, values), "q")).log
-    found = diagnose(FEED, log, nominal={name: 1.1 * value for name, value in VALUES.items()})
-    assert (found.effects[0].effect, found.effects[0].at) == ("coulomb_friction", "slide"), found.sentence
-    assert found.effects[0].parameters["Fs"].value == pytest.approx(250.0, rel=0.05)
+    library = [effect for effect in LIBRARY if effect.name in (named, "encoder_ripple", "stribeck_friction")]
+    nominal = {name: 1.1 * value for name, value in VALUES.items()}
+    found = diagnose(FEED, log, nominal=nominal, library=library)
+    assert (found.effects[0].effect, found.effects[0].at) == (named, "slide"), found.sentence
+    for name, true in value.items():
+        assert found.effects[0].parameters[name].value == pytest.approx(true, rel=0.05)
 
 
 DIRECT = {"Mm": 90.0, "Ms": 60.0, "Ks": 1e6, "Fvs": 1e2, "Fvm": 1e2, "Fsm": 3.0}

@@ -14,11 +14,12 @@ import scipy
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import length_unit
-from symid.diagnosis.effects.effect import Effect, MatchedFilter, Placed, Shape, best_peaks
+from symid.diagnosis.effects.effect import Effect, MatchedFilter, Placed, Shape, best_peaks, joint_units
 from symid.diagnosis.effects.from_law import LawEffect
 from symid.diagnosis.effects.signals import DriveEffect, drive_at
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.units import Unit
 
 _LEAST_PITCH = 1e-3  # shortest pitch along a straight stroke, m
 _MOST_WAVES = 150  # largest number of periods per turn: slots and pole pairs of a motor, teeth of a gear
@@ -87,7 +88,8 @@ class ForceConstantRippleEffect(DriveEffect):
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         response = _of_output(prediction, drive_at(prediction, place))
         joint, force = _joint_of(prediction, place), _force_course(prediction, place)
-        return repeating_pitches(prediction, joint, matched_filter, response, force)
+        unit = length_unit(prediction.axis.drives[drive_at(prediction, place)].at)
+        return repeating_pitches(prediction, joint, unit, matched_filter, response, force)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         waves = ripple(_joint_of(prediction, place), shape[0])
@@ -119,7 +121,8 @@ class EncoderRippleEffect(Effect):
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         response = self._response(prediction, place)
-        return repeating_pitches(prediction, _reading(prediction, place), matched_filter, response)
+        reading, unit = _reading(prediction, place), prediction.axis.signal_units[place]
+        return repeating_pitches(prediction, reading, unit, matched_filter, response)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         waves = prediction.record.from_grid(np.stack(ripple(_reading(prediction, place), shape[0])))
@@ -173,20 +176,23 @@ def ripple(joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
 def repeating_pitches(
     prediction: Prediction,
     joint: Joint,
+    unit: Unit,
     matched_filter: MatchedFilter,
     response: ComplexArray,
     carrier: FloatArray | None = None,
 ) -> Iterable[Shape]:
     """Pitches at which a carrier times a wave along the stroke explains most of the residual.
 
-    `response` is the response of the outputs to this signal. The output of the matched filter, times the carrier, is
-    summed in bins along the stroke; one Fourier transform of the bins gives the correlation with all waves.
+    `unit` is that of the displacement of the joint, which may differ from that of the drive. `response` is the response
+    of the outputs to this signal. The output of the matched filter, times the carrier, is summed in bins along the
+    stroke; one Fourier transform of the bins gives the correlation with all waves.
     """
     low, high = joint.range
     inside = prediction.record.in_log
     weight = np.ones_like(joint.q) if carrier is None else carrier
-    turns = str(length_unit(prediction.axis.drives[0].at)) == "rad"
-    least = max(2 * math.pi / _MOST_WAVES if turns else _LEAST_PITCH, 8 * (high - low) / _MOST_BINS)
+    least = max(
+        2 * math.pi / _MOST_WAVES if str(unit) == "rad" else _LEAST_PITCH, 8 * (high - low) / _MOST_BINS
+    )
     n = max(256, math.ceil(8 * (high - low) / least))
     place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
     along = np.bincount(place, weights=(matched_filter(response) * weight)[inside], minlength=n)
@@ -205,7 +211,8 @@ def _of_joint_force(
 ) -> Iterable[Shape]:
     """`repeating_pitches` of a force in a joint."""
     response = -prediction.response.of_force(joint.direction)
-    return repeating_pitches(prediction, joint, matched_filter, response, carrier)
+    _, unit = joint_units(prediction, joint.name)
+    return repeating_pitches(prediction, joint, unit, matched_filter, response, carrier)
 
 
 def _of_output(prediction: Prediction, output: int) -> ComplexArray:
