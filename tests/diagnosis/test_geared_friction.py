@@ -84,8 +84,8 @@ DIRECT = {"Mm": 90.0, "Ms": 60.0, "Ks": 1e6, "Fvs": 1e2, "Fvm": 1e2, "Fsm": 3.0}
 @pytest.mark.parametrize(
     ("axis", "values", "force"),
     [
-        (FEED, VALUES, {"screw": 1.0, "slide": LEAD}),
-        (BY_CURRENT, VALUES | {"Kt": 0.5}, {"screw": 1 / 0.5, "slide": LEAD / 0.5}),
+        (FEED, VALUES, {"screw": 1.0, "slide": LEAD, "nut": LEAD}),
+        (BY_CURRENT, VALUES | {"Kt": 0.5}, {"screw": 2.0, "slide": 2 * LEAD, "nut": 2 * LEAD}),
         (load_axis("direct_2m1s"), DIRECT, {"motor": 1.0, "structure": 1.0}),
     ],
 )
@@ -103,5 +103,5 @@ def test_force_in_a_joint_as_the_drive_feels_it(
     prediction = first_state(data_of(axis, (joined([log]), None), Recorded({}, True)).record, values)[
         0
     ].prediction
-    for name, joint in prediction.joints.items():
+    for name, joint in (prediction.joints | prediction.springs).items():
         assert drive_force_of(prediction, joint) == pytest.approx(force[name], rel=1e-6)

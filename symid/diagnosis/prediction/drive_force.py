@@ -14,14 +14,18 @@ _AT_REST = 1e-9
 def drive_force_of(prediction: Prediction, joint: Joint) -> float:
     """Force of the drive, in the unit of its record, that balances a unit force in a joint in slow motion.
 
-    A joint that does not follow the drive, such as that of a structure, counts as moving as far as the drive does.
+    A spring between two bodies is held at its other end. A joint that does not follow the drive, such as that of a
+    structure, counts as moving as far as the drive does.
     """
     k, plant, rows = prediction.drive_of(joint), prediction.response.plant, prediction.driven_rows
     # The shape of least elastic energy with the driven position at 1, and those of other drives at 0
-    stiffness = plant.stiffness / (np.abs(plant.stiffness).max() or 1.0)
+    n, stiffness = plant.stiffness.shape[0], plant.stiffness / (np.abs(plant.stiffness).max() or 1.0)
     system = np.block([[stiffness, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
-    shape = np.linalg.lstsq(system, np.eye(len(system))[len(stiffness) + k], rcond=None)[0][: len(stiffness)]
-    moved, pushed = abs(joint.direction @ shape), abs(plant.drives[:, k] @ shape)
-    if moved < _AT_REST * np.abs(shape).max():
-        moved, pushed = 1.0, np.abs(plant.drives[:, k]).max()
-    return float(moved / pushed)
+    shapes = [np.linalg.lstsq(system, np.eye(len(system))[n + k], rcond=None)[0][:n]]
+    if np.count_nonzero(joint.direction) > 1:  # between two bodies: one end moves
+        shapes.append(np.linalg.pinv(rows)[:, k])
+    for shape in shapes:
+        moved, pushed = abs(joint.direction @ shape), abs(plant.drives[:, k] @ shape)
+        if moved > _AT_REST * np.abs(shape).max() * np.abs(joint.direction).max():
+            return float(moved / pushed)
+    return float(1.0 / np.abs(plant.drives[:, k]).max())
