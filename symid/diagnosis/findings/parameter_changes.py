@@ -24,14 +24,13 @@ def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
     parts = with_parts(fit.state.placed)
     if parts != fit.state.placed:  # otherwise the cached derivatives stay valid
         fit = replace(fit, state=replace(fit.state, placed=parts))
-    deviations = standard_deviations(fit)[len(fit.parameters) :]
+    deviations = standard_deviations(fit)
     anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
-    found, place = list[dict[str, EffectParameter]](), 0
-    for at, item in enumerate(fit.state.placed):
-        own = deviations[place : place + item.n_free]
-        place += own.size
+    found = list[dict[str, EffectParameter]]()
+    for at, (item, places) in enumerate(zip(fit.state.placed, fit.state.values_of, strict=True)):
         parameters = {}
-        for (name, value, unit), linear in zip(item.values(fit.state.prediction), own, strict=True):
+        values = item.values(fit.state.prediction)
+        for (name, value, unit), linear in zip(values, deviations[places], strict=True):
             std = float(linear)
             if name in item.effect.moments:
                 std = min(max(std, moment_deviation(fit, at, name)), anywhere)

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from itertools import chain
 
 from symid.diagnosis.effects import Placed, Shape
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.state import State, with_effects
+from symid.diagnosis.fitting.state import State, with_shape
 from symid.diagnosis.prediction.weighting import Weighting
 
 _FIRST_STEP, _LAST_STEP = 0.02, 0.1
@@ -65,7 +64,7 @@ def moment_deviation(fit: Fit, at: int, name: str) -> float:
         step = furthest = _LAST_STEP / record.band_hz
         risen = 0.0
         while risen < _HOPELESS * rise and step < record.duration:
-            moved = _with_shape(fit.state, fit.weighting, at, _moved(item, name, sign * step))
+            moved = with_shape(fit.state, fit.weighting, at, _moved(item, name, sign * step))
             risen = Fit(moved, fit.weighting).cost - fit.cost
             step *= _GROWTH
             if risen < rise:
@@ -83,10 +82,5 @@ def _moved(item: Placed, name: str, by: float) -> Shape:
 
 def _best(state: State, weighting: Weighting, at: int, shapes: Iterable[Shape]) -> State:
     """The state, or the one with another shape of an effect, that leaves least."""
-    tried = (_with_shape(state, weighting, at, shape) for shape in shapes)
+    tried = (with_shape(state, weighting, at, shape) for shape in shapes)
     return min(chain((state,), tried), key=lambda one: Fit(one, weighting).cost)
-
-
-def _with_shape(state: State, weighting: Weighting, at: int, shape: Shape) -> State:
-    placed = (*state.placed[:at], replace(state.placed[at], shape=shape), *state.placed[at + 1 :])
-    return with_effects(state, weighting, placed)

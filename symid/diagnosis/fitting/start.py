@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from symid.codegen import model_of
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit, masses_and_stiffnesses, stiffnesses
 from symid.diagnosis.fitting.gauss_newton import converged, fitted
-from symid.diagnosis.fitting.state import State, first_state, with_effects
+from symid.diagnosis.fitting.state import State, first_state, with_effects, with_shape
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -176,12 +175,12 @@ def _with_other_shapes(
     state: State, weighting: Weighting, at: int, factors: Sequence[float]
 ) -> Iterator[State]:
     """States with other moments in the log for an effect that has one, with multiples of its shape for others."""
-    item, others = state.placed[at], state.placed
+    item = state.placed[at]
     shapes = list(item.effect.shapes_of_log(state.prediction.record, item.shape))[1::2]
     if not shapes:
         shapes = [tuple(factor * x for x in item.shape) for factor in factors if item.shape]
     for shape in shapes:
-        yield with_effects(state, weighting, (*others[:at], replace(item, shape=shape), *others[at + 1 :]))
+        yield with_shape(state, weighting, at, shape)
 
 
 def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:

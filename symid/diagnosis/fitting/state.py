@@ -15,7 +15,7 @@ from itertools import accumulate, chain, pairwise
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.diagnosis.effects import FreeForce, JointEffect, Placed, TransferEffect, declared_effects
+from symid.diagnosis.effects import FreeForce, JointEffect, Placed, Shape, TransferEffect, declared_effects
 from symid.diagnosis.fitting.acting_forces import law_to_integrate, next_prediction
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import Record
@@ -175,6 +175,13 @@ def weighting_in(prediction: Prediction, allowed: BoolArray | None) -> Weighting
 def with_effects(state: State, weighting: Weighting, placed: tuple[Placed, ...]) -> State:
     """The state with other effects."""
     return evaluated(state, weighting, state.prediction.parameters, placed)
+
+
+def with_shape(state: State, weighting: Weighting, at: int, shape: Shape) -> State:
+    """The state with another shape of the effect at an index."""
+    placed = state.placed
+    moved = replace(placed[at], shape=shape)
+    return with_effects(state, weighting, (*placed[:at], moved, *placed[at + 1 :]))
 
 
 def evaluated(
