@@ -51,8 +51,6 @@ class LeastSquares:
         That of the weighted W with columns of unit norm.
     rank : RankAnalysis
         Determined parameters, and determined combinations of the others.
-    combination_values, combination_covariance : array, shape (n_combinations,) and its square
-        Value and covariance of `rank.combinations`.
     """
 
     status: Status
@@ -69,8 +67,6 @@ class LeastSquares:
     condition_number: float
     condition_number_scaled: float
     rank: RankAnalysis
-    combination_values: FloatArray
-    combination_covariance: FloatArray
 
     @property
     def standard_deviations(self) -> FloatArray:
@@ -150,7 +146,7 @@ def estimate(
     divisor = rows - (rank.rank if ddof is None else ddof)
     sigma = float(np.linalg.norm(weights * residual_norm)) / np.sqrt(divisor) if divisor > 0 else float("nan")
     covariance = sigma**2 * (rank.inverse_root @ rank.inverse_root.T)
-    combinations, free = rank.combinations, list(rank.undetermined)
+    free = list(rank.undetermined)
     unscaled = np.linalg.svd(_stacked(factors, plain)[:-1, :-1], compute_uv=False)
     deficient: Status = "rank_deficient" if free else "ok"
     return LeastSquares(
@@ -168,8 +164,6 @@ def estimate(
         condition_number=condition_number(np.asarray(unscaled, dtype=np.float64)),
         condition_number_scaled=rank.condition_number,
         rank=rank,
-        combination_values=read_only(combinations @ solution),
-        combination_covariance=read_only(combinations @ covariance @ combinations.T),
     )
 
 

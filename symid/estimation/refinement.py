@@ -57,10 +57,4 @@ def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> Leas
     root = fit.rank.inverse_root
     solution = (exact + root @ (root.T @ slope)).astype(np.float64)
     parameters = np.where(np.isnan(fit.parameters), np.nan, solution)
-    combined = fit.combinations @ solution
-    return replace(
-        fit,
-        parameters=read_only(parameters),
-        solution=read_only(solution),
-        combination_values=read_only(combined),
-    )
+    return replace(fit, parameters=read_only(parameters), solution=read_only(solution))

@@ -13,6 +13,8 @@ sampling frequency, and the loss differs between the columns; those of order 10 
 nine axes: an error of Ms of 6 % against 0.00 %)."""
 SHARPER = 4
 """Increment of the difference order in the sharper rows that rows are compared with."""
+_SHARPER_WIDENING = 4.0
+"""Widening of the motion in the nonlinear laws of these rows."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,6 @@ class Scheme:
         return sparse_derivatives(x, period, highest, kept, accuracy=self.order)
 
 
-def sharper(order: int, widening: float = 4.0) -> Scheme:
+def sharper(order: int) -> Scheme:
     """Scheme with which rows of differences of an order are compared."""
-    return Scheme(max(order + SHARPER, DIFFERENCE_ORDER), widening)
+    return Scheme(max(order + SHARPER, DIFFERENCE_ORDER), _SHARPER_WIDENING)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -211,9 +211,20 @@ class Placed:
         return self.at == place and name in self.effect.imitates
 
     @property
+    def free(self) -> tuple[float, ...]:
+        """Its free values: the amplitudes, unless they are fixed, then the shape."""
+        return self.shape if self.effect.fixed else (*self.amplitudes, *self.shape)
+
+    @property
     def n_free(self) -> int:
         """Number of free values."""
-        return len(self.shape) + (0 if self.effect.fixed else len(self.amplitudes))
+        return len(self.free)
+
+    def with_free(self, values: Sequence[float]) -> Placed:
+        """The effect with other free values."""
+        first = self.n_free - len(self.shape)
+        amplitudes = self.amplitudes if self.effect.fixed else tuple(values[:first])
+        return replace(self, amplitudes=amplitudes, shape=tuple(values[first:]))
 
     def change(self, prediction: Prediction) -> ComplexArray:
         """Change of the predicted outputs, of shape (n_outputs, n_bins)."""
@@ -223,8 +234,8 @@ class Placed:
         """Name, value and unit of each free amplitude and shape parameter."""
         names = (*self.effect.amplitudes, *self.effect.shape_names)
         units = self.effect.units(prediction, self.at)
-        found = zip(names, (*self.amplitudes, *self.shape), units, strict=True)
-        return list(found)[len(self.amplitudes) if self.effect.fixed else 0 :]
+        first = len(names) - self.n_free
+        return list(zip(names[first:], self.free, units[first:], strict=True))
 
 
 def best_peaks(score: FloatArray, places: FloatArray, count: int) -> Sequence[float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
-from dataclasses import replace
 
 from symid.diagnosis.effects import Key, Placed, declared_effects
 from symid.diagnosis.fitting.state import State
@@ -33,18 +32,11 @@ def moved_to_bounds(state: State, moved: Sequence[Placed], outside: Set[Key]) ->
 def _to_bound(state: State, possible: Placed, impossible: Placed) -> Placed:
     """The last possible values between two, by bisection."""
     for _ in range(_HALVINGS):
-        middle = _halfway(possible, impossible)
+        middle = possible.with_free(
+            [(a + b) / 2 for a, b in zip(possible.free, impossible.free, strict=True)]
+        )
         if middle.effect.is_possible(state.prediction, middle):
             possible = middle
         else:
             impossible = middle
     return possible
-
-
-def _halfway(one: Placed, other: Placed) -> Placed:
-    """An effect with the means of the values of two."""
-    shape, amplitudes = (
-        tuple((a + b) / 2 for a, b in zip(*pair, strict=True))
-        for pair in ((one.shape, other.shape), (one.amplitudes, other.amplitudes))
-    )
-    return replace(one, shape=shape, amplitudes=amplitudes)

@@ -200,24 +200,18 @@ def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Plac
             low, high = state.bounds[name]
             moved_to = min(max(moved_to, low), high)
         parameters[name] = moved_to
-    place, placed = len(names), []
-    for item in state.placed:
-        amplitudes = item.amplitudes
-        if not item.effect.fixed:
-            changes = step[place : place + len(amplitudes)]
-            amplitudes = tuple(float(a + c) for a, c in zip(amplitudes, changes, strict=True))
-            place += len(amplitudes)
-        limits = [
+    placed = []
+    for item, values in zip(state.placed, state.values_of, strict=True):
+        limits = [math.inf] * (item.n_free - len(item.shape)) + [
             _LARGEST_MOMENT_STEP * state.prediction.record.duration
             if name in item.effect.moments
             else _LARGEST_SHAPE_STEP * abs(x)
             for name, x in zip(item.effect.shape_names, item.shape, strict=True)
         ]
-        changes = np.clip(step[place : place + len(item.shape)], np.negative(limits), limits)
-        moved = tuple(float(x + c) for x, c in zip(item.shape, changes, strict=True))
-        shape = item.effect.bounded(state.prediction, item.at, moved)
-        if item.effect.bounded(state.prediction, item.at, item.shape) != item.shape:
-            shape = moved  # declared beyond the bounds of a search
-        place += len(shape)
-        placed.append(replace(item, amplitudes=amplitudes, shape=shape))
+        changes = np.clip(step[values], np.negative(limits), limits)
+        moved = item.with_free([float(x + c) for x, c in zip(item.free, changes, strict=True)])
+        bounded = item.effect.bounded(state.prediction, item.at, moved.shape)
+        # A shape that was declared beyond the bounds of a search is not brought back to them.
+        within = item.effect.bounded(state.prediction, item.at, item.shape) == item.shape
+        placed.append(replace(moved, shape=bounded) if within else moved)
     return parameters, tuple(placed)

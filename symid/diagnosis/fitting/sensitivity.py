@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import islice
 
 import numpy as np
 
@@ -153,12 +154,9 @@ def _moves_hidden(prediction: Prediction, placed: Sequence[Placed], item: Placed
 
 def _moved(item: Placed, share: float) -> Iterator[tuple[float, Placed]]:
     """For each free value of an effect: the size of a step, a share of the value, and the effect after this step."""
-    for i, x in enumerate(() if item.effect.fixed else item.amplitudes):
+    for i, x in enumerate(item.free):
         step = share * (abs(x) or 1.0)
-        yield step, replace(item, amplitudes=(*item.amplitudes[:i], x + step, *item.amplitudes[i + 1 :]))
-    for i, x in enumerate(item.shape):
-        step = share * (abs(x) or 1.0)
-        yield step, replace(item, shape=(*item.shape[:i], x + step, *item.shape[i + 1 :]))
+        yield step, item.with_free((*item.free[:i], x + step, *item.free[i + 1 :]))
 
 
 def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
@@ -172,12 +170,11 @@ def _shape_columns(
     prediction: Prediction, placed: Sequence[Placed], item: Placed, before: ComplexArray
 ) -> ComplexArray:
     """Derivatives by the shape of an effect; `before` are its derivatives by its amplitudes."""
-    columns = np.zeros((len(item.shape), *prediction.record.measured.shape), dtype=complex)
-    for i, value in enumerate(item.shape):
-        step = _SHAPE_STEP * abs(value)
-        moved = replace(item, shape=(*item.shape[:i], value + step, *item.shape[i + 1 :]))
-        columns[i] = np.tensordot(item.amplitudes, _columns(prediction, placed, moved) - before, 1) / step
-    return columns
+    columns = [
+        np.tensordot(item.amplitudes, _columns(prediction, placed, moved) - before, 1) / step
+        for step, moved in islice(_moved(item, _SHAPE_STEP), item.n_free - len(item.shape), None)
+    ]
+    return np.reshape(columns, (len(item.shape), *prediction.record.measured.shape)).astype(complex)
 
 
 def parameter_columns(prediction: Prediction, misread: ComplexArray | None = None) -> ComplexArray:
