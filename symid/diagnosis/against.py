@@ -17,7 +17,6 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.data import Log
-from symid.diagnosis.diagnose import fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed, declared_effects
 from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.findings.conclusion import concluded
@@ -44,6 +43,7 @@ from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import backward_elimination
 from symid.diagnosis.selection.forward import forward_selection
+from symid.diagnosis.selection.step import fits_of
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.simulation import Cascade
 
@@ -153,7 +153,7 @@ def _simulator(record: Record, library: Sequence[Effect]) -> Fit:
     model = fitted_axis(*first_state(record, starting_parameters(record.dynamics.axis, record)))
     for step in forward_selection(model, library):
         if step.accepts:
-            model = step.confirmed[0].fit
+            model = step.best.fit
     return model
 
 

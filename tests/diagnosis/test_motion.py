@@ -126,7 +126,7 @@ def test_motion_off_by_a_quarter_of_a_pitch_says_nothing_of_a_force_that_repeats
 
 
 def test_what_was_found_is_fitted_on_until_nothing_falls(found) -> None:
-    fit = next(step for step in found.search if step.accepts).confirmed[0].fit
+    fit = next(step for step in found.search if step.accepts).best.fit
     off = {name: 1.01 * value for name, value in fit.parameters.items()}
     begun = Fit(evaluated(fit.state, fit.weighting, off, fit.state.placed), fit.weighting)
     after = fitted_on(begun)

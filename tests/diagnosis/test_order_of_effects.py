@@ -9,6 +9,7 @@ from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import LIBRARY
+from symid.diagnosis.findings.held_out import strongest_first
 from symid.diagnosis.findings.strength import FixedBand
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit
@@ -17,10 +18,11 @@ from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import brought_first
+from symid.diagnosis.selection.step import accepted_of
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 applied_module = sys.modules[applied.__module__]
-diagnose_module = sys.modules["symid.diagnosis.diagnose"]  # the package holds the function of that name
+held_out_module = sys.modules[strongest_first.__module__]
 RIGID = load_axis("rigid_1m")
 VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
 ELASTIC = load_axis("direct_2m1s")
@@ -46,19 +48,14 @@ def test_the_strongest_of_the_validation_log_is_first(monkeypatch: pytest.Monkey
         return [effect.effect for effect in effects]
 
     assert found() == ["quadratic_drag", "cogging"]
-    monkeypatch.setattr(diagnose_module, "brought_first", lambda steps, at: steps)
+    monkeypatch.setattr(held_out_module, "brought_first", lambda steps, at: steps)
     assert found() == ["cogging", "quadratic_drag"]  # by what errs in the log for identification
 
 
 def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
     log = slide([0.5, 0.8, 1.0], 2)
-    fit = (
-        next(
-            s for s in diagnose(RIGID, log, nominal=VALUES, held=True, library=BOTH).search[::-1] if s.accepts
-        )
-        .confirmed[0]
-        .fit
-    )
+    found = diagnose(RIGID, log, nominal=VALUES, held=True, library=BOTH)
+    fit = accepted_of(found.search)[-1].best.fit
     assert {item.effect.name for item in fit.state.placed} == {"quadratic_drag", "cogging"}
     kept = fit.weighting.kept
     away = (
@@ -83,13 +80,11 @@ def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
 
 def test_what_is_brought_first_keeps_what_spoke_for_it() -> None:
     log = slide([0.05, 0.1, 0.3], 1)
-    steps = [
-        step for step in diagnose(RIGID, log, nominal=VALUES, held=True, library=BOTH).search if step.accepts
-    ]
+    steps = accepted_of(diagnose(RIGID, log, nominal=VALUES, held=True, library=BOTH).search)
     assert len(steps) == 2
     last_first = brought_first(steps, 1)
-    assert [step.confirmed[0].key for step in last_first] == [step.confirmed[0].key for step in steps[::-1]]
-    assert [step.confirmed[0].gain for step in last_first] == [step.confirmed[0].gain for step in steps[::-1]]
+    assert [step.best.key for step in last_first] == [step.best.key for step in steps[::-1]]
+    assert [step.best.gain for step in last_first] == [step.best.gain for step in steps[::-1]]
     assert all(step.accepts for step in last_first)
     assert last_first[0].before is steps[0].before
 

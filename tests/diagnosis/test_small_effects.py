@@ -43,7 +43,7 @@ def test_a_small_effect_that_takes_away_most_of_a_clear_rest_is_found(found: Dia
     assert [effect.effect for effect in found.effects] == ["quadratic_drag", "cogging"]
     first, second = (step for step in found.search if step.accepts)
     rest = second.before.mean_square
-    taken = rest - second.confirmed[0].fit.mean_square
+    taken = rest - second.best.fit.mean_square
     assert taken > 0.9 * rest
     assert taken < 0.006 * first.before.mean_square
     amplitudes = found.effects[1].parameters
@@ -77,7 +77,7 @@ def test_beside_the_first_effect_the_second_is_left(found: Diagnosis) -> None:
 
 
 def test_no_law_of_any_shape_outdoes_the_right_effect_that_leaves_another_one(found: Diagnosis) -> None:
-    first, whole = found.search[0].before, found.search[0].confirmed[0].fit
+    first, whole = found.search[0].before, found.search[0].best.fit
     assert whole.state.placed[-1].key == ("quadratic_drag", "motor")
     assert not lack_of_fit(first, whole).outdoes
 
@@ -86,14 +86,14 @@ def test_the_last_effect_of_an_order_is_also_fitted_from_the_values_of_the_whole
     found: Diagnosis,
 ) -> None:
     accepted = [step for step in found.search if step.accepts]
-    first, whole = accepted[0].before, accepted[-1].confirmed[0].fit
+    first, whole = accepted[0].before, accepted[-1].best.fit
     drag, cogging = members = _members(accepted)
     start = _with_values_of(whole, first, members)
     assert start.placed is cogging.placed
     assert start.placed_state().prediction.parameters == whole.state.prediction.parameters
     found_again = _chain([drag, cogging], first, math.inf, justified=True, whole=whole)
     assert found_again is not None
-    assert found_again[-1].confirmed[0].fit.mean_square == pytest.approx(whole.mean_square, rel=1e-2)
+    assert found_again[-1].best.fit.mean_square == pytest.approx(whole.mean_square, rel=1e-2)
 
 
 def test_where_fits_begin_astray_the_values_of_the_whole_model_are_tried(
@@ -109,7 +109,7 @@ def test_where_fits_begin_astray_the_values_of_the_whole_model_are_tried(
     monkeypatch.setattr(backward, "_chain", astray)
     steps = backward.backward_elimination(accepted, LIBRARY)
     assert begun_from_whole == [False, False, False, True]
-    assert {step.confirmed[0].key for step in steps} == {step.confirmed[0].key for step in accepted}
+    assert {step.best.key for step in steps} == {step.best.key for step in accepted}
 
 
 def test_a_change_of_one_percent_of_a_mass_is_found_where_it_is() -> None:

@@ -22,7 +22,7 @@ from symid.diagnosis.findings.wording import next_experiment
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection.evidence import Errors, Outcome, Verdict, is_there, outcome, probabilities
 from symid.diagnosis.selection.lack_of_fit import LackOfFit, lack_of_fit
-from symid.diagnosis.selection.step import SelectionStep
+from symid.diagnosis.selection.step import SelectionStep, accepted_of
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _LISTED = 20  # alternatives at most
@@ -52,7 +52,7 @@ def concluded(
     )
     verdict = _verdict(chances, gaps, share, damaged)
     # Effects are reported where the verdict names them; otherwise the gap stays that of the re-identified model.
-    accepted = [step for step in steps if step.accepts][:validated] if verdict in ("effect", "partly") else []
+    accepted = accepted_of(steps)[:validated] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
         gaps, found = _gaps(comparison), maps(comparison)
@@ -232,7 +232,7 @@ def _shares(
         return shares
     powers = [comparison.whole_excess(i) for i in range(1, len(comparison.errors))]
     for step, before, after in zip(accepted, powers[:-1], powers[1:], strict=True):
-        place = step.confirmed[0].key[1]
+        place = step.best.key[1]
         shares[place] = shares.get(place, 0.0) + max(before - after, 0.0) / max(powers[0], 1e-12)
     return shares
 

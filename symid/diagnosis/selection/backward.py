@@ -20,7 +20,7 @@ from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from
 from symid.diagnosis.selection.evidence import probabilities
 from symid.diagnosis.selection.reselection import Member, in_place_of, reselected
-from symid.diagnosis.selection.step import SelectionStep
+from symid.diagnosis.selection.step import SelectionStep, accepted_of
 from symid.diagnosis.thresholds import THRESHOLDS
 
 
@@ -28,13 +28,13 @@ def backward_elimination(
     steps: Sequence[SelectionStep], library: Sequence[Effect]
 ) -> tuple[SelectionStep, ...]:
     """Steps sorted by the error that their effects remove; effects that remove nothing are dropped."""
-    accepted = [step for step in steps if step.accepts]
+    accepted = accepted_of(steps)
     if len(accepted) < 2:
         return tuple(steps)
     members = reselected(accepted, library)
     if not members:
         return tuple(steps)
-    first, whole = accepted[0].before, members[-1].step.confirmed[0].fit
+    first, whole = accepted[0].before, members[-1].step.best.fit
     orders = (
         sorted(members, key=lambda member: (not member.is_timing, -member.lost)),
         sorted(members, key=lambda member: -member.taken),
@@ -61,10 +61,7 @@ def _whole_before_part(order: Sequence[Member]) -> list[Member]:
 def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member]) -> tuple[SelectionStep, ...]:
     """The steps in their old order, with the lead over rivals that their effects have beside all others."""
     chosen = {member.placed.key: member.step for member in members}
-    return tuple(
-        in_place_of(chosen.get(step.confirmed[0].key, step), step.before, step.confirmed[0])
-        for step in accepted
-    )
+    return tuple(in_place_of(chosen.get(step.best.key, step), step.before, step.best) for step in accepted)
 
 
 def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
@@ -80,17 +77,17 @@ def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...
 
 def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
     """Steps with one effect moved to the front, fitted again; unchanged if one of them then explains nothing."""
-    members, whole = _members(steps), steps[-1].confirmed[0].fit
+    members, whole = _members(steps), steps[-1].best.fit
     order = [members[at], *members[:at], *members[at + 1 :]]
     for _ in range(2):
         chain = _chain(order, steps[0].before, math.inf, justified=True, whole=whole) or ()
-        kept = {step.confirmed[0].key for step in chain}
+        kept = {step.best.key for step in chain}
         # An effect that is not credible at its position may be so beside all others.
         order.sort(key=lambda member: member.placed.key not in kept)
         if len(kept) in (0, len(order)):
             break
     other = tuple(step.fitted_on() for step in chain)
-    as_good = other and other[-1].confirmed[0].fit.mean_square < THRESHOLDS.as_good * whole.mean_square
+    as_good = other and other[-1].best.fit.mean_square < THRESHOLDS.as_good * whole.mean_square
     return other if as_good else tuple(steps)
 
 
@@ -102,13 +99,13 @@ def most_probable(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
     """
     for at in range(len(steps)):
         step = steps[at]
-        named = {own.confirmed[0].key for own in steps if own is not step}
+        named = {own.best.key for own in steps if own is not step}
         # A more probable rival takes the place only if the fit in the same order stays as good.
         likeliest = next(iter(probabilities(step, named)))
-        rival = next((own for own in step.confirmed if own.key == likeliest), step.confirmed[0])
-        if rival is step.confirmed[0]:
+        rival = next((own for own in step.confirmed if own.key == likeliest), step.best)
+        if rival is step.best:
             continue
-        members, whole = _members(steps), steps[-1].confirmed[0].fit
+        members, whole = _members(steps), steps[-1].best.fit
         members[at] = Member(rival.placed, step.led_by(rival), 0.0)
         steps = _chain(members, steps[0].before, THRESHOLDS.as_good * whole.mean_square) or steps
     return tuple(steps)
@@ -116,7 +113,7 @@ def most_probable(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
 
 def _members(steps: Sequence[SelectionStep]) -> list[Member]:
     """Effects of accepting steps, with their values beside all others."""
-    placed = steps[-1].confirmed[0].fit.state.placed[-len(steps) :]
+    placed = steps[-1].best.fit.state.placed[-len(steps) :]
     return [Member(item, step, 0.0) for item, step in zip(placed, steps, strict=True)]
 
 

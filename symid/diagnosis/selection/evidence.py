@@ -18,7 +18,7 @@ import numpy as np
 from symid.diagnosis.effects import Key, with_alike
 from symid.diagnosis.fitting.cross_validation import deviation
 from symid.diagnosis.selection.priors import least_gain, temperature
-from symid.diagnosis.selection.step import SelectionStep
+from symid.diagnosis.selection.step import SelectionStep, accepted_of
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _HALF = 0.5
@@ -34,7 +34,7 @@ def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key
     """
     chance = _of_candidates(step)
     present = with_alike(beside)
-    best = step.confirmed[0].key if step.confirmed else None
+    best = step.best.key if step.confirmed else None
     left = {key: p for key, p in chance.items() if key == best or key not in present}
     total = math.fsum(left.values())
     return {key: p / total for key, p in left.items()}
@@ -93,7 +93,7 @@ def is_there(step: SelectionStep) -> float:
     """Probability that the best candidate of a step is more than noise."""
     if not step.confirmed:
         return 0.0
-    best = step.confirmed[0]
+    best = step.best
     return _logistic((best.penalised_gain - least_gain(best.effect.name, step.before.n_rows)) / 4)
 
 
@@ -197,7 +197,7 @@ def _most_of_noise(errors: Errors) -> float:
 
 def _is_likeliest(steps: Sequence[SelectionStep], validated: int) -> bool:
     """Whether the first effect found is the most probable candidate or indistinguishable from it."""
-    first, *others = [step.confirmed[0].key for step in steps if step.accepts][:validated]
+    first, *others = [step.best.key for step in accepted_of(steps)][:validated]
     return probabilities(steps[0], others)[first] >= THRESHOLDS.indistinguishable
 
 

@@ -65,7 +65,7 @@ def _restarted(step: SelectionStep) -> Fit | None:
     if not step.accepts:
         return None
     fit = step.before
-    state = with_effects(step.confirmed[0].fit.state, fit.weighting, fit.state.placed)
+    state = with_effects(step.best.fit.state, fit.weighting, fit.state.placed)
     again = fitted(replace(state, bounds=fit.state.bounds), fit.weighting)
     if not again.mean_square < THRESHOLDS.astray * fit.mean_square:
         return None
@@ -82,7 +82,7 @@ def _continued(
     """
     steps, last = [first], first
     while last.accepts and len(steps) < THRESHOLDS.most_effects:
-        current = refitted(settled(last.confirmed[0].fit)).after(fit)
+        current = refitted(settled(last.best.fit)).after(fit)
         counts = max(THRESHOLDS.least_power, THRESHOLDS.least_of_first * float(fit.squares.min()))
         if current.mean_square - counts < THRESHOLDS.noise and not is_more_than_noise(current):
             break
@@ -98,7 +98,7 @@ def _continued(
 
 def _is_settled(step: SelectionStep, first: Fit) -> bool:
     """Whether the best candidate is justified and no law of hidden motion that leaves a clear gap."""
-    best = step.confirmed[0] if step.confirmed else None
+    best = step.best if step.confirmed else None
     imitates = best is not None and best.placed.integrated and is_clear(best.fit)
     return step.justifies_another(first) and not imitates
 
@@ -107,7 +107,7 @@ def _penalised_likelihood(steps: Sequence[SelectionStep], weighting: Weighting) 
     """Cross-validated log-likelihood of the last model, less the penalties."""
     if not steps[-1].confirmed:
         return -math.inf
-    state = steps[-1].confirmed[0].fit.state
+    state = steps[-1].best.fit.state
     added = state.placed[len(steps[0].before.state.placed) :]
     return Fit(state.weighted(weighting), weighting).predicted - THRESHOLDS.penalty * sum(
         item.n_free for item in added

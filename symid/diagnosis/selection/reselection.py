@@ -40,7 +40,7 @@ class Member:
     @property
     def taken(self) -> float:
         """Decrease of the mean square when it was chosen."""
-        return self.step.before.mean_square - self.step.confirmed[0].fit.mean_square
+        return self.step.before.mean_square - self.step.best.fit.mean_square
 
 
 def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> list[Member]:
@@ -49,7 +49,7 @@ def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> 
     Empty if an effect matters but is not credible beside the others, and no rival can replace it.
     """
     first = accepted[0].before
-    whole = accepted[-1].confirmed[0].fit.after(first)
+    whole = accepted[-1].best.fit.after(first)
     n, members, dropped = len(accepted), list[Member](), list[Member]()
     for i, step in enumerate(accepted):
         # A reselected effect moves to the end, so the next one is the first of the last n.
@@ -71,7 +71,7 @@ def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> 
             whole, n = before, n - 1
             dropped.append(Member(own, step, 0.0))
             continue
-        whole = found.confirmed[0].fit.after(first)
+        whole = found.best.fit.after(first)
         n_drives = first.state.prediction.record.n_drives
         lost = float(before.blocks.squares[:n_drives].sum())
         members.append(Member(whole.state.placed[-1], found, lost))
@@ -80,7 +80,7 @@ def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> 
 
 def _stands_in(found: SelectionStep, before: Fit, whole: Fit) -> bool:
     """Whether an effect removes most of the error that the effect in its place removes."""
-    taken = before.mean_square - found.confirmed[0].fit.mean_square
+    taken = before.mean_square - found.best.fit.mean_square
     return taken > THRESHOLDS.stands_in * (before.mean_square - whole.mean_square)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,9 +70,14 @@ class SelectionStep:
     beside_others: bool = False
 
     @property
+    def best(self) -> Confirmed:
+        """The candidate of the largest gain; there must be one."""
+        return self.confirmed[0]
+
+    @property
     def accepts(self) -> bool:
         """Whether the best candidate is accepted."""
-        return bool(self.confirmed) and (self.beside_others or self._accepts(self.confirmed[0]))
+        return bool(self.confirmed) and (self.beside_others or self._accepts(self.best))
 
     def _accepts(self, own: Confirmed) -> bool:
         closed = _taken(self.before, own.fit, self.before)
@@ -90,7 +96,7 @@ class SelectionStep:
         """
         if self.accepts or not self.confirmed:
             return self
-        least = THRESHOLDS.beside_best * self.confirmed[0].penalised_gain
+        least = THRESHOLDS.beside_best * self.best.penalised_gain
         found = [own for own in self.confirmed if own.penalised_gain > least and self._accepts(own)]
         if not found:
             return self
@@ -102,7 +108,7 @@ class SelectionStep:
         Where only a part of the friction builds up over a displacement, presliding friction alone finds a wrong reach;
         beside Coulomb friction all reaches are tried. Rivals keep their distance.
         """
-        if not self.accepts or self.confirmed[0].fit.mean_square < THRESHOLDS.explained:
+        if not self.accepts or self.best.fit.mean_square < THRESHOLDS.explained:
             return ()
         best, *others = self.confirmed
         whole = next((own for own in others if is_part(best.placed, own.placed)), None)
@@ -126,10 +132,10 @@ class SelectionStep:
         The two differ at high frequencies, where effects that are not yet in the model may decide wrongly: a lag
         explains more of an encoder ripple than a delay does.
         """
-        if not self.accepts or self.confirmed[0].effect.name not in LATE_FORCES:
+        if not self.accepts or self.best.effect.name not in LATE_FORCES:
             return ()
-        least = THRESHOLDS.other_timing * self.confirmed[0].penalised_gain
-        at = self.confirmed[0].placed.at
+        least = THRESHOLDS.other_timing * self.best.penalised_gain
+        at = self.best.placed.at
         others = [own for own in self.confirmed[1:] if own.effect.name in LATE_FORCES and own.placed.at == at]
         return tuple(self.led_by(own) for own in others if own.penalised_gain > least and self._accepts(own))
 
@@ -137,7 +143,17 @@ class SelectionStep:
         """Whether the best candidate is justified besides others; `first` is the model that all effects explain."""
         if not self.accepts:
             return False
-        return takes(self.before, self.confirmed[0].fit, first)
+        return takes(self.before, self.best.fit, first)
+
+
+def accepted_of(steps: Sequence[SelectionStep]) -> list[SelectionStep]:
+    """The steps whose best candidate is accepted."""
+    return [step for step in steps if step.accepts]
+
+
+def fits_of(base: Fit, steps: Sequence[SelectionStep]) -> list[Fit]:
+    """The re-identified model, and those with effects accepted one by one."""
+    return [base, *(step.best.fit for step in accepted_of(steps))]
 
 
 def takes(before: Fit, after: Fit, first: Fit) -> bool:
