@@ -15,7 +15,7 @@ from symid.data.formats import open_table
 from symid.data.frames import Frame
 from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
-from symid.data.long_log import AnyLog, LongLog, first_block, spans
+from symid.data.long_log import AnyLog, LongLog, first_block, in_memory, spans
 from symid.data.opening import MEMORY, ForeignColumns, columns_in, open_log, read_log
 from symid.data.resampling import QuinticSpline
 from symid.data.stuck import cut_in_motion
@@ -49,6 +49,7 @@ __all__ = [
     "first_block",
     "foreign_columns",
     "guessed_layout",
+    "in_memory",
     "in_pieces",
     "kept_indices",
     "kept_of",

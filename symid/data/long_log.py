@@ -117,6 +117,11 @@ AnyLog: TypeAlias = Log | LongLog
 """A log that can be identified: its windows are logs in memory."""
 
 
+def in_memory(log: AnyLog) -> Log:
+    """A log, all samples of a long one read into memory."""
+    return log if isinstance(log, Log) else log.window(0, log.n_samples)
+
+
 def first_block(log: AnyLog) -> Log:
     """A log, or the first block of a long one, in memory."""
     return log if isinstance(log, Log) else log.window(0, min(log.block, log.n_samples))

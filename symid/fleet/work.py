@@ -17,7 +17,7 @@ from polars.exceptions import PanicException
 from threadpoolctl import ThreadpoolController
 
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, ForeignColumns, Log, columns_in
+from symid.data import AnyLog, ForeignColumns, Log, columns_in, in_memory
 from symid.errors import LogError
 from symid.files import irregular
 from symid.fleet.batch_settings import ROW_METHODS
@@ -147,18 +147,14 @@ def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:
     row: dict[str, Value] = {"samples": log.n_samples, "measured": ",".join(measured)}
     model = axis.model(measured)
     if settings.method == "oe":
-        row |= _by_output_error(axis, model, _whole(log))
+        row |= _by_output_error(axis, model, in_memory(log))
     else:
         found = _by_regression(axis, model, log)
         row |= _columns_of(found)
         row |= {FACTORS: packed(log_factors(found))} if settings.joint else {}
     if settings.diagnose:
-        row |= _diagnosed(axis, _whole(log), str(row["message"] or ""))
+        row |= _diagnosed(axis, in_memory(log), str(row["message"] or ""))
     return row
-
-
-def _whole(log: AnyLog) -> Log:
-    return log.window(0, log.n_samples)
 
 
 def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Identification:
@@ -171,7 +167,7 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
     }
     if settings.method == "iv":
         loop = ClosedLoop.with_gains(axis.axis, settings.controller, settings.rate_hz)
-        return identify_by_instruments(model, _whole(log), loop, **given)
+        return identify_by_instruments(model, in_memory(log), loop, **given)
     return identify_with_steps(
         axis.axis, model, [log], feedthrough_of, method=settings.method, ddof=settings.ddof, **given
     )
@@ -239,9 +235,8 @@ def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[s
         "residual_rms": finite(residual.rms),
         "residual_relative": finite(residual.relative),
     }
-    minimal, physical = found.minimal_covariance(corrected=True), found.physical_covariance(corrected=True)
-    row |= with_deviations(found.minimal_parameters, np.sqrt(np.diag(minimal)))
-    return row | with_deviations(found.physical_parameters, np.sqrt(np.diag(physical)))
+    row |= with_deviations(found.minimal_parameters, found.standard_deviations)
+    return row | with_deviations(found.physical_parameters, found.physical_deviations)
 
 
 def _diagnosed(axis: FleetAxis, log: Log, message: str) -> dict[str, Value]:

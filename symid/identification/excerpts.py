@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Log
+from symid.data import AnyLog, Log, in_memory
 from symid.estimation import LeastSquares, ObservationBlock, estimate, triangular_factors
 from symid.identification.noise import noise_levels, noise_of_rows
 from symid.identification.observation import Observation, SignalRows, observe
@@ -109,7 +109,7 @@ def whole_logs(
 def _all_of(model: GeneratedModel, log: AnyLog, whole: Observation, number: int) -> Excerpt:
     if isinstance(log, Log):
         return Excerpt(model, log, whole, number)
-    read = log.window(0, log.n_samples)
+    read = in_memory(log)
     return Excerpt(model, read, observe(model, read, whole.preparation), number)
 
 

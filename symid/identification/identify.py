@@ -18,7 +18,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel, compiled
-from symid.data import AnyLog, Log, LongLog
+from symid.data import AnyLog, Log, LongLog, in_memory
 from symid.errors import SettingError
 from symid.estimation import (
     CorrelatedCovariance,
@@ -280,8 +280,7 @@ def with_checks(
     if spread is None:
         spread = _scatter(sums, fit)
     if instruments is not None:
-        whole = [log.window(0, log.n_samples) for log in logs]
-        bias = bias_of_instruments(model, whole, found.observations, fit, instruments)
+        bias = bias_of_instruments(model, list(map(in_memory, logs)), found.observations, fit, instruments)
     delays = delays_of(model, parts, fit)
     examined = replace(found, timing=likeliest(delays), bias=bias, scatter=spread)
     drift = drift_by_rows(parts, fit, model.forces) or lag_of(examined, parts, fit)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias, cast
 
 from symid.axis import Axis
-from symid.data import AnyLog, Frame, Log, LongLog
+from symid.data import AnyLog, Frame, Log, LongLog, in_memory
 from symid.identification.axis_logs import read_axis_log
 
 LogLike: TypeAlias = "AnyLog | str | os.PathLike[str] | Frame"
@@ -30,5 +30,4 @@ def logs_of(
     axis: Axis, given: LogLike | Sequence[LogLike], measured: Sequence[str] | None = None, **columns: Any
 ) -> list[Log]:
     """One or several logs of an axis, whole in memory."""
-    runs = [log_of(axis, each, measured, **columns) for each in each_of(given)]
-    return [run if isinstance(run, Log) else run.window(0, run.n_samples) for run in runs]
+    return [in_memory(log_of(axis, each, measured, **columns)) for each in each_of(given)]

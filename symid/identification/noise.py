@@ -17,7 +17,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Log, LowPass, central_difference_gain, decimation_filter
+from symid.data import AnyLog, Log, LowPass, central_difference_gain, decimation_filter, in_memory
 from symid.data.density import NOISE_FROM, density_of, incoherent_density_of, segment_spectra
 from symid.identification.settings import Preparation
 from symid.signal_names import split_derivative
@@ -78,7 +78,7 @@ def spread_excerpts(log: AnyLog, name: str) -> FloatArray:
     """Evenly spread parts of a long signal, one a row: enough for a spectrum; a shorter signal as it is."""
     length = _LONGEST // _EXCERPTS
     if log.n_samples <= _LONGEST:
-        return log.window(0, log.n_samples)[name][None]
+        return in_memory(log)[name][None]
     starts = np.linspace(0, log.n_samples - length, _EXCERPTS).astype(int).tolist()
     return np.stack([log.window(start, start + length)[name] for start in starts])
 

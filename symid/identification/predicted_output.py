@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from symid.arrays import FloatArray
 from symid.axis import axis_of
-from symid.data import AnyLog, Frame, Log, LongLog
+from symid.data import AnyLog, Frame, Log, LongLog, in_memory
 from symid.estimation import estimate, triangular_factors
 from symid.identification.axis_logs import read_axis_log
 from symid.identification.observation import Observation, observe
@@ -57,7 +57,7 @@ def predict(found: Identification, log: AnyLog | str | os.PathLike[str] | Frame)
     """
     if not isinstance(log, (Log, LongLog)):
         log = read_axis_log(found.axis or axis_of(found.model), log, measured=found.model.measured)
-    observation = observe(found.model, log.window(0, log.n_samples), found.observations[0].preparation)
+    observation = observe(found.model, in_memory(log), found.observations[0].preparation)
     parameters = _with_own_parameters(found, observation)
     errors = observation.y - observation.W @ parameters
     residuals = (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overl
 from symid.arrays import FloatArray
 from symid.axis import AnyAxis, Axis, axis_of
 from symid.codegen import GeneratedModel, compiled, model_of
-from symid.data import AnyLog, Log, first_block
+from symid.data import AnyLog, Log, first_block, in_memory
 from symid.errors import SettingError, SymidError
 from symid.identification import (
     Constraints,
@@ -159,7 +159,12 @@ def identify(
         from symid.output_error import identify_output_error  # takes 0.3 s to load
 
         return identify_output_error(
-            axis_of(axis), signals, _whole(runs), loop=loop, preparation=preparation, nominal=nominal
+            axis_of(axis),
+            signals,
+            list(map(in_memory, runs)),
+            loop=loop,
+            preparation=preparation,
+            nominal=nominal,
         )
     model = model_of(axis, signals) if isinstance(axis, (Axis, str)) else _model_given(axis)
     settings["constraints"] = Constraints.of(model, bounds, prior)
@@ -167,7 +172,9 @@ def identify(
         from symid.instrumental import identify_by_instruments  # takes 0.1 s to load
         from symid.simulation import ClosedLoop
 
-        found = identify_by_instruments(model, _whole(runs), loop or ClosedLoop(axis_of(axis)), **settings)
+        found = identify_by_instruments(
+            model, list(map(in_memory, runs)), loop or ClosedLoop(axis_of(axis)), **settings
+        )
     else:
         found = identify_with_steps(
             _declaration(axis), model, runs, _feedthrough, method=method, ddof=ddof, **settings
@@ -232,10 +239,6 @@ def _require_possible(method: str, given: Mapping[str, object]) -> None:
             raise SettingError(
                 f"{name} is not possible with method {method!r}: leave it out, or take {' or '.join(possible)}"
             )
-
-
-def _whole(runs: Sequence[AnyLog]) -> list[Log]:
-    return [run.window(0, run.n_samples) for run in runs]
 
 
 def _known_by_log(known: Mapping[str, Sequence[float]], logs: int) -> list[dict[str, float]]:
