@@ -206,14 +206,16 @@ def found_from(
     bias: Bias | None = None
     spread: FloatArray | None = None
     if parts_of and fit.status == "ok":
+        # Noise in W attenuates the parameters. The expected error is taken off, and what is uncertain in it widens the
+        # covariances: that of the correlated residual, and that of the scatter between segments.
         parts = parts_of(observations)
         correction = Correction.of(model, parts, fit)
-        bias, spread = (
-            correction.bias,
-            correction.grown(_scatter(segments(whole_logs(parts, logs, observations), fit), fit)),
-        )
+        bias = correction.bias
+        spread = correction.grown(_scatter(segments(whole_logs(parts, logs, observations), fit), fit))
         fit, correlated = correction.applied(fit, correlated)
     physical = _physical(model, fit, correlated, nominal, constraints) if fit.status == "ok" else ()
+    late, hold = observations[0].preparation.late, logs[0].sampling_period / 2
+    notes = notes_on_declared(model.delays, late, model.passed_over, hold=hold)
     found = Identification(
         model=model,
         logs=tuple(log.source for log in logs),
@@ -224,13 +226,7 @@ def found_from(
         physical=physical,
         status="ok",
         message="",
-        notes=tuple(note for log in logs for note in log.notes)
-        + notes_on_declared(
-            model.delays,
-            observations[0].preparation.late,
-            model.passed_over,
-            hold=logs[0].sampling_period / 2,
-        ),
+        notes=(*(note for log in logs for note in log.notes), *notes),
         bias=bias,
         scatter=spread,
     )
@@ -281,10 +277,15 @@ def with_checks(
         spread = _scatter(sums, fit)
     if instruments is not None:
         bias = bias_of_instruments(model, list(map(in_memory, logs)), found.observations, fit, instruments)
+    # Signals that are late by a constant time, by one that grows along the log, or by the lag of a filter
     delays = delays_of(model, parts, fit)
     examined = replace(found, timing=likeliest(delays), bias=bias, scatter=spread)
-    drift = drift_by_rows(parts, fit, model.forces) or lag_of(examined, parts, fit)
-    drift = drift or drift_within_a_row(parts, fit, delays)
+    drift = (
+        drift_by_rows(parts, fit, model.forces)
+        or lag_of(examined, parts, fit)
+        or drift_within_a_row(parts, fit, delays)
+    )
+    # Faults of channels, of parts of the logs and of the structure; then what no fault explains widens the deviations
     faults = faults_of(examined, fit, parts, sums, drift)
     faults = replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
     checked = with_faults(examined, faults)
