@@ -13,7 +13,7 @@ from symid.axis.elements import Body, Damper, Drive, PendulumWeight, Spring, Wei
 from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
 from symid.axis.quantities import end_of, parameter_units, signal_unit, unit_faults
-from symid.axis.sensors import Position, Sensor
+from symid.axis.sensors import Sensor, controlled_of
 from symid.axis.signature import hash_of
 from symid.axis.validation import declaration_faults
 from symid.errors import DeclarationError, SettingError
@@ -40,7 +40,7 @@ class Axis(Shown):
     drive : Drive or tuple of Drive
         The force or torque that moves the axis, or several: two motors of a gantry, tandem drives.
     sensors : tuple of Sensor
-        Signals that can be measured. All but the first are optional; with several drives, all but a position of each.
+        Signals that can be measured. All but the first are optional; with several drives, all but one of each.
     known : mapping of str to float
         Values in SI units of parameters that are known though they have a name; others are given as numbers where they
         stand.
@@ -184,28 +184,31 @@ class Axis(Shown):
 
     @property
     def controlled(self) -> str:
-        """Signal of the first position sensor, of which a controller is made; of the first sensor if there is none."""
-        positions = (s.signal for s in self.sensors if s.derivative == 0)
-        return next(positions, self.sensors[0].signal)
+        """Signal of which a controller is made: the first of a position, or else of a velocity, or else the first."""
+        return controlled_of(self.sensors) or self.sensors[0].signal
 
     @property
     def controlled_signals(self) -> tuple[str, ...]:
         """For each drive the signal of which its controller is made.
 
-        With several drives, the first position sensor of the driven body; `controlled` where it has none.
+        With several drives, that of the driven body; `controlled` where it has none.
         """
         if len(self.drives) == 1:
             return (self.controlled,)
-        positions = [sensor for sensor in self.sensors if isinstance(sensor, Position)]
-        driven = [end_of(drive.at) for drive in self.drives]
+        driven = (end_of(drive.at) for drive in self.drives)
+        return tuple(controlled_of(self.sensors, body) or self.controlled for body in driven)
+
+    @property
+    def reference_units(self) -> tuple[Unit, ...]:
+        """For each drive the unit of its reference, which is a position even if a velocity is controlled."""
+        orders = {sensor.signal: sensor.derivative or 0 for sensor in self.sensors}
         return tuple(
-            next((sensor.signal for sensor in positions if sensor.body == body), self.controlled)
-            for body in driven
+            self.signal_units[name] * Unit.of("s") ** orders[name] for name in self.controlled_signals
         )
 
     @property
     def required_sensors(self) -> tuple[str, ...]:
-        """Signals without which no module is generated: the first sensor, with several drives a position of each."""
+        """Signals without which no module is generated: the first sensor, with several drives one of each."""
         needed = {self.sensors[0].signal, *(self.controlled_signals if len(self.drives) > 1 else ())}
         return tuple(sensor.signal for sensor in self.sensors if sensor.signal in needed)
 

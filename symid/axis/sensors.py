@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
 
@@ -209,3 +210,10 @@ class Force(Sensor):
         if self.of.damping is None:
             return (stiffness,)
         return stiffness, ReadingPart(self.of.at, 1, self.of.named("damping"))
+
+
+def controlled_of(sensors: Iterable[Sensor], body: Body | Ground | None = None) -> str | None:
+    """Signal of the first position sensor, or else velocity sensor, of a body or of any; None if there is none."""
+    motions = (s for s in sensors if isinstance(s, MotionSensor) and s.derivative < 2)
+    read = [sensor for sensor in motions if body in (None, sensor.body)]
+    return min(read, key=lambda sensor: sensor.derivative).signal if read else None

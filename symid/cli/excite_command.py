@@ -151,8 +151,8 @@ def _limits(text: str, axis: Axis) -> tuple[Limits, float, float | None]:
     given = assignments(tuple(text.split(",")), "--limits", (*_LIMITS, *beyond))
     if missing := [name for name in _REQUIRED if name not in given]:
         raise SettingError(f"--limits lacks {', '.join(missing)}: give for example {missing[0]}=1")
-    position = axis.signal_units[axis.controlled]
-    moved = dict.fromkeys(str(axis.signal_units[signal]) for signal in axis.controlled_signals)
+    position = axis.reference_units[0]
+    moved = dict.fromkeys(map(str, axis.reference_units))
     if len(moved) > 1:
         raise SettingError(
             f"the drives of axis {axis.name!r} move in {' and '.join(moved)}: --limits holds for all drives, "

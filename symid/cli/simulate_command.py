@@ -205,8 +205,8 @@ def runs_of(
     if not Path(file).suffix:
         trajectories = (_trajectory(options),) * len(axis.drives)
     else:
-        unit = axis.signal_units[axis.controlled]
-        own = {f"reference_{drive.signal}": unit for drive in axis.drives}
+        unit = axis.reference_units[0]
+        own = {f"reference_{d.signal}": u for d, u in zip(axis.drives, axis.reference_units, strict=True)}
         if not columns_in(file) & {"reference", *own}:
             raise SettingError(f"{file}: has no column to follow: call one reference, in {unit}")
         log = read_log(file, expected={"reference": unit, **own})
@@ -248,7 +248,7 @@ def _trajectory(options: dict[str, Any]) -> Trajectory:
 
 def _said_reach(axis: Axis, trajectory: Trajectory, options: dict[str, Any]) -> str:
     """Text on the reached share of each limit, and the limit that binds."""
-    unit = axis.signal_units[axis.controlled]
+    unit = axis.reference_units[0]
     reached = trajectory.extremes.reached
     units = (str(unit), f"{unit}/s", f"{unit}/s^2")
     shown = zip(reached.items(), units, strict=True)

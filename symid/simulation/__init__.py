@@ -10,7 +10,7 @@ compiled loop.
 
 from symid.simulation.cascade_tuning import tuned_cascade, tuned_cascades
 from symid.simulation.closed_loop import Simulation, simulate
-from symid.simulation.controller import Cascade, Command, Controller, LinearLaw, OpenLoop, Replay
+from symid.simulation.controller import Cascade, Command, Controller, LinearLaw, OpenLoop
 from symid.simulation.excitation import chirp, from_log, largest_within, steps
 from symid.simulation.forward_dynamics import ForwardDynamics, feedthrough_of, forward_dynamics, plant_of
 from symid.simulation.limits import Extremes, Limits
@@ -18,6 +18,7 @@ from symid.simulation.moves import MoveProfile, move, trapezoids
 from symid.simulation.multisine import frequency_lines, multisine, whole_periods
 from symid.simulation.plant import Plant, SensorRow
 from symid.simulation.reference_loop import ClosedLoop
+from symid.simulation.replay import Replay
 from symid.simulation.trajectory import Trajectory
 
 __all__ = [

@@ -27,14 +27,15 @@ def tuned_cascade(
 ) -> Cascade:
     """Cascade tuned to the mass that the drive moves at low frequency, whatever the friction and springs to the ground.
 
-    The velocity loop crosses over at `bandwidth_hz`; the position loop and the integral at a fifth of it.
+    The velocity loop crosses over at `bandwidth_hz`; the position loop and the integral at a fifth of it. A velocity
+    sensor has no position loop.
 
     Parameters
     ----------
     plant : Plant
         The axis.
     signal : str
-        A position sensor.
+        A position or velocity sensor.
     bandwidth_hz : float
         Bandwidth of the velocity loop.
     force_limit : float
@@ -43,7 +44,7 @@ def tuned_cascade(
     Raises
     ------
     SettingError
-        If the signal does not belong to a position sensor.
+        If the signal does not belong to a position or velocity sensor.
 
     Examples
     --------
@@ -68,15 +69,15 @@ def tuned_cascades(
     plant : Plant
         The axis.
     signals : sequence of str
-        The position sensor that each drive controls; drives of one body may share a sensor, and then share the mass.
+        The sensor that each drive controls; drives of one body may share a sensor, and then share the mass.
     bandwidth_hz, force_limit : float
         As in `tuned_cascade`.
 
     Raises
     ------
     SettingError
-        If a signal does not belong to a position sensor, the number of signals is not that of the drives, or the
-        bandwidth is that of no controller.
+        If a signal does not belong to a position or velocity sensor, there is not one for each drive, or the bandwidth
+        is that of no controller.
     """
     if not _SLOWEST <= bandwidth_hz <= _FASTEST:
         raise SettingError(
@@ -88,16 +89,24 @@ def tuned_cascades(
             f"there are {plant.drives.shape[1]} drives and {len(signals)} signals: give one sensor for each drive"
         )
     for signal in signals:
-        if signal not in plant.sensors or plant.sensors[signal].order != 0:
+        if signal not in plant.sensors or plant.sensors[signal].order not in (0, 1):
             raise SettingError(
-                f"{signal!r} is not a position sensor of this axis: a cascade controls a position, so declare one; "
-                "an identification need not use it"
+                f"{signal!r} is not a position or velocity sensor of this axis: a cascade controls one, so declare "
+                "it; an identification need not use it"
             )
     angular = 2 * math.pi * bandwidth_hz
     masses = _moved_masses(plant, np.array([plant.sensors[signal].row for signal in signals]), angular / 100)
+    reads = [plant.sensors[signal].order == 1 for signal in signals]
     return tuple(
-        Cascade(signal, angular / 5, mass * angular, angular / 5, force_limit=force_limit)
-        for signal, mass in zip(signals, masses.tolist(), strict=True)
+        Cascade(
+            signal,
+            0.0 if of_velocity else angular / 5,
+            mass * angular,
+            angular / 5,
+            force_limit=force_limit,
+            reads_velocity=of_velocity,
+        )
+        for signal, mass, of_velocity in zip(signals, masses.tolist(), reads, strict=True)
     )
 
 

@@ -146,14 +146,14 @@ class Cascade(Controller):
     """P position loop around a PI velocity loop, with feed-forward, force limit and anti-windup.
 
     F = Kpv (e_v + Kiv integral of e_v) + Kfa a_ref + Kfv v_ref with e_v = v_ref + Kpp (q_ref - q) - v. With
-    ``position_gain=0`` it is the PI velocity loop of the paper.
+    ``position_gain=0`` it is the PI velocity loop of the paper, the only one that a velocity sensor allows.
 
     Parameters
     ----------
     signal : str
-        Signal of the position sensor that is controlled.
+        Signal of the sensor that is controlled.
     position_gain : float
-        Kpp, 1/s.
+        Kpp, 1/s; 0 if the sensor reads a velocity.
     velocity_gain : float
         Kpv, N s/m.
     integral_gain : float
@@ -164,6 +164,19 @@ class Cascade(Controller):
         Largest force, N; the integral does not grow while the force is at this limit.
     held : float
         Force that the integral holds before the first sample, N, as that of a drive whose brake opens.
+    reads_velocity : bool
+        Whether the sensor reads a velocity, as a tachometer or gyro does, instead of a position.
+
+    Raises
+    ------
+    SettingError
+        If a position gain is given and the sensor reads a velocity.
+
+    Examples
+    --------
+    >>> wheel = Cascade("w", 0.0, 2.0, 0.0, reads_velocity=True)
+    >>> wheel.force(Command(0, 0.0, 5.0, 0.0), {"w": 4.0}, wheel.start, 1e-3)[0]
+    2.0
     """
 
     signal: str
@@ -174,6 +187,14 @@ class Cascade(Controller):
     velocity_feedforward: float = 0.0
     force_limit: float = math.inf
     held: float = 0.0
+    reads_velocity: bool = False
+
+    def __post_init__(self) -> None:
+        if self.reads_velocity and self.position_gain:
+            raise SettingError(
+                f"Kpp is {self.position_gain:g}, and {self.signal!r} reads a velocity: a position loop needs a "
+                "position sensor; declare one, or leave Kpp out"
+            )
 
     def holding(self, force: float) -> Cascade:
         """The cascade whose integral holds a force before the first sample."""
@@ -187,7 +208,7 @@ class Cascade(Controller):
 
     @property
     def signals(self) -> tuple[str, ...]:
-        """The controlled position."""
+        """The controlled signal."""
         return (self.signal,)
 
     @property
@@ -199,23 +220,28 @@ class Cascade(Controller):
     def force(
         self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
     ) -> tuple[float, FloatArray]:
-        """Drive force; the velocity is the difference of the last two readings, as drives compute it."""
-        position = measured[self.signal]
+        """Drive force; the velocity is the difference of the last two positions, as drives compute it."""
+        reading = measured[self.signal]
         integral, last, started = state.tolist()
-        velocity = (position - last) / period if started else 0.0
-        error = command.velocity + self.position_gain * (command.position - position) - velocity
+        if self.reads_velocity:
+            error = command.velocity - reading
+        else:
+            velocity = (reading - last) / period if started else 0.0
+            error = command.velocity + self.position_gain * (command.position - reading) - velocity
         grown = integral + self.integral_gain * period * error
         wanted = self.velocity_gain * (error + grown)
         wanted += self.acceleration_feedforward * command.acceleration
         wanted += self.velocity_feedforward * command.velocity
         force = min(max(wanted, -self.force_limit), self.force_limit)
         kept = grown if force == wanted or error * wanted * self.velocity_gain < 0 else integral
-        return force, np.array([kept, position, 1.0])
+        return force, np.array([kept, reading, 1.0])
 
     def linear(self, period: float) -> LinearLaw:
-        """The law while the force is below its limit; state: integral, last position, 1."""
-        error_state = np.array([0.0, 1.0 / period, 0.0])
-        error_input = np.array([self.position_gain, 1.0, 0.0, -self.position_gain - 1.0 / period])
+        """The law while the force is below its limit; state: integral, last reading, 1."""
+        per_step = 0.0 if self.reads_velocity else 1.0 / period
+        of_reading = 1.0 if self.reads_velocity else self.position_gain + per_step
+        error_state = np.array([0.0, per_step, 0.0])
+        error_input = np.array([self.position_gain, 1.0, 0.0, -of_reading])
         growth = self.integral_gain * period
         feedforward = np.array([0.0, self.velocity_feedforward, self.acceleration_feedforward, 0.0])
         integral = np.array([1.0, 0.0, 0.0])
@@ -226,55 +252,6 @@ class Cascade(Controller):
             D=self.velocity_gain * (1.0 + growth) * error_input + feedforward,
             limit=self.force_limit,
         )
-
-
-@dataclass(frozen=True)
-class Replay(Controller):
-    """A recorded force, plus a cascade that corrects small deviations from the recorded position.
-
-    Parameters
-    ----------
-    forces : array of shape (n_samples,)
-        Recorded force at each sample of the controller.
-    cascade : Cascade
-        Controller whose force is added.
-
-    Examples
-    --------
-    >>> loop = Replay(np.array([1.0, 2.0]), Cascade("q", position_gain=0.0, velocity_gain=3.0, integral_gain=0.0))
-    >>> loop.force(Command(1, 0.0, 0.5, 0.0), {"q": 0.0}, loop.start, 1e-3)[0]
-    3.5
-    """
-
-    forces: FloatArray
-    cascade: Cascade
-
-    @property
-    def signals(self) -> tuple[str, ...]:
-        """The controlled position."""
-        return self.cascade.signals
-
-    def holding(self, force: float) -> Replay:
-        """Itself: its forces are given."""
-        return self
-
-    @property
-    def start(self) -> FloatArray:
-        """State of the cascade before the first sample."""
-        return self.cascade.start
-
-    def force(
-        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
-    ) -> tuple[float, FloatArray]:
-        """Recorded force plus the cascade's; the last recorded value is kept beyond the end."""
-        added, state = self.cascade.force(command, measured, state, period)
-        return float(self.forces[min(command.index, len(self.forces) - 1)]) + added, state
-
-    def linear(self, period: float) -> LinearLaw | None:
-        """The cascade's law with the force as given; None if the cascade's own force has a limit."""
-        if np.isfinite(self.cascade.force_limit):
-            return None
-        return replace(self.cascade.linear(period), given=np.asarray(self.forces, dtype=np.float64))
 
 
 def linear_law(controller: Controller, period: float) -> LinearLaw | None:

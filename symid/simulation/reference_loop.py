@@ -82,8 +82,8 @@ class ClosedLoop:
             return loop
         if "velocity_gain" not in gains:
             raise SettingError("`controller` lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller")
-        every = {"position_gain": 0.0, "integral_gain": 0.0, **gains}
-        first, *others = (Cascade(signal, **every) for signal in axis.controlled_signals)
+        cascades = (Cascade(signal, 0.0, 0.0, 0.0) for signal in axis.controlled_signals)
+        first, *others = (cascade.with_gains(**gains) for cascade in cascades)
         return replace(loop, controller=(first, *others) if others else first)
 
     def tuned(self, parameters: Mapping[str, float]) -> ClosedLoop:

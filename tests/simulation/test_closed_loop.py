@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from symid import Axis, Body, Drive, Geared, Position, Preparation, identify, load_axis, load_generated
+from symid import (
+    Axis,
+    Body,
+    Drive,
+    Geared,
+    Position,
+    Preparation,
+    Velocity,
+    ViscousFriction,
+    identify,
+    load_axis,
+    load_generated,
+)
 from symid.errors import SettingError
 from symid.simulation import (
     Cascade,
@@ -18,6 +30,7 @@ from symid.simulation import (
     trapezoids,
     tuned_cascade,
 )
+from symid.units import Unit
 
 RATE = 4000.0
 RIGID = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
@@ -47,6 +60,28 @@ def test_the_closed_loop_is_that_of_matrices() -> None:
         q, v, _ = whole @ [q, v, force]
     run = simulate(load_axis("rigid_1m"), {"M": M, "Fv": Fv, "Fs": 0.0}, reference, gains)
     assert np.abs(run.log["q"] - expected).max() < 1e-13
+
+
+def test_a_tachometer_closes_the_velocity_loop() -> None:
+    """Wheel on a free hub, by hand: their relative motion has the reduced inertia, and torques are held."""
+    hub, wheel = Body("hub", inertia="Jh"), Body("wheel", inertia="Jw", on=Body("hub", inertia="Jh"))
+    sensors = (Velocity("w", wheel), Velocity("gyro", hub))
+    axis = Axis("wheel", (hub, wheel, ViscousFriction(wheel, "Fv")), Drive("T", wheel), sensors)
+    values = {"Jh": 3.0, "Jw": 0.02, "Fv": 1e-3}
+    reference = trapezoids([20.0], [10.0], acceleration=20.0, jerk=2e3, dwell=0.1, sampling_period=1e-3)
+    loop = tuned_cascade(plant_of(axis, values), "w", 5.0)
+    run = simulate(axis, values, reference, loop, start="equilibrium")
+    inertia = 0.02 * 3.0 / 3.02
+    kept, speed, integral, expected = math.exp(-1e-3 / inertia * 1e-3), 0.0, 0.0, []
+    for wanted in reference.velocity:
+        expected.append(speed)
+        integral += loop.integral_gain * 1e-3 * (wanted - speed)
+        torque = loop.velocity_gain * (wanted - speed + integral)
+        speed = kept * speed + (1 - kept) * torque / 1e-3
+    assert loop.velocity_gain == pytest.approx(inertia * math.tau * 5.0, rel=0.02)
+    assert np.abs(run.log["w"] - expected).max() < 1e-11
+    assert np.abs(3.02 * run.log["gyro"] + 0.02 * run.log["w"]).max() < 1e-11
+    assert axis.reference_units == (Unit.of("rad"),)
 
 
 @pytest.mark.parametrize(
@@ -123,8 +158,10 @@ def test_mistakes_are_refused() -> None:
         simulate(axis, RIGID, moves(), Cascade("q", 25.0, -1e6, 20.0))
     with pytest.raises(SettingError, match="'qm', which is not a sensor of this axis: use q"):
         simulate(axis, RIGID, moves(), Cascade("qm", 25.0, 8000.0, 20.0))
-    with pytest.raises(SettingError, match="not a position sensor"):
+    with pytest.raises(SettingError, match="not a position or velocity sensor"):
         tuned_cascade(plant_of(axis, RIGID), "F")
+    with pytest.raises(SettingError, match="Kpp is 25, and 'w' reads a velocity"):
+        Cascade("w", 25.0, 8000.0, 20.0, reads_velocity=True)
 
 
 def test_imperfections_do_not_make_generated_modules_stale() -> None:
