@@ -33,7 +33,15 @@ def inner(function: Callable[..., Any]) -> Callable[..., Any]:
     return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
-def _compiled(function: Callable[..., Any], **options: bool) -> Callable[..., Any]:
+def part(function: Callable[..., Any]) -> Callable[..., Any]:
+    """As `inner`, for a function that is called in one place: it becomes a part of its caller.
+
+    Numba makes machine code of a function together with all that it calls, once for each of its callers.
+    """
+    return _compiled(function, inline="always")
+
+
+def _compiled(function: Callable[..., Any], **options: bool | str) -> Callable[..., Any]:
     function.__qualname__ += f"_{_fingerprint(function)}"  # a part of the name under which code is kept
     njit: Any = numba.njit  # whose annotations do not know all options
     try:

@@ -27,8 +27,7 @@ class LawNumbers(NamedTuple):
     """
 
     directions: FloatArray  # shape (n_laws, n)
-    timed: np.ndarray[Any, np.dtype[np.bool_]]  # shape (n_laws,): which depend on more than the motion
-    any_timed: bool
+    any_timed: bool  # whether one depends on more than the motion
     terms: IntArray  # shape (n_laws + 1,): first term of each law, and the end of the last
     parameters: FloatArray  # shape (n_terms,)
     remembers: IntArray  # shape (n_terms,): memory on which each term depends, or -1
@@ -55,7 +54,6 @@ class LawNumbers(NamedTuple):
         programs += [_program(code, _ARGUMENTS) for code in chain.from_iterable(loop.nonlinearities)]
         return cls(
             directions=np.array([law.direction for law in plant.laws]).reshape(-1, n),
-            timed=np.array([law.timed for law in plant.laws], dtype=bool),
             any_timed=any(law.timed for law in plant.laws),
             terms=np.cumsum([0, *(len(law.terms) for law in plant.laws)]),
             parameters=np.array([term.parameter for term in terms], dtype=float),

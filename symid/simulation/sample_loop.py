@@ -6,7 +6,7 @@ The arguments `law`, `channels`, `laws`, `mode`, `modes` and `record` are record
 
 import numpy as np
 
-from symid.jit import compiled, inner
+from symid.jit import compiled, inner, part
 from symid.simulation.evaluation import built_up, law_value, numbers_of_mode, program_value, slide
 from symid.simulation.plant import JUST_MOVING
 from symid.simulation.stick_slip import UNKNOWN, acceleration, pass_events
@@ -35,7 +35,7 @@ def advance(begin, end, ask, law, given, channels, laws, modes, current, record,
     k = begin
     while True:
         mode = numbers_of_mode(modes, current[0])
-        _limit(record.states[k], laws, mode, False)
+        _limit(record.states[k], laws, mode)
         made, goes_on = _in_mode(k, end, ask, law, given, channels, laws, mode, record, memory, after)
         k += made
         if k == end or not goes_on:
@@ -44,18 +44,19 @@ def advance(begin, end, ask, law, given, channels, laws, modes, current, record,
         if why != MADE:
             return k - begin, why
         current[0] = known
-        memory[:] = after
+        _copy(after, memory)
         k += 1
         if k == end:
             return k - begin, MADE
 
 
-@inner
+@part
 def _events(k, current, channels, laws, modes, is_accelerated, record):  # type: ignore[no-untyped-def]
     """Make sample k with its events under the recorded forces; return the mode after it, and why it is not made."""
     states, accelerations, forces, between = record
-    n, state = len(modes.drives), states[k].copy()
-    drive, rates = np.zeros(n), np.zeros(n)
+    n = len(modes.drives)
+    state, drive, rates = np.zeros(2 * n), np.zeros(n), np.zeros(n)
+    _copy(states[k], state)
     _product(modes.drives, forces[k], drive)
     if laws.any_timed:
         _set_moment(k, forces, channels, laws)
@@ -77,7 +78,7 @@ def _events(k, current, channels, laws, modes, is_accelerated, record):  # type:
     return current, MADE
 
 
-@inner
+@part
 def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, after):  # type: ignore[no-untyped-def]
     """Advance as long as the stick-slip mode holds; return how many samples were made, and whether to go on.
 
@@ -93,10 +94,12 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
     n_known = law_after.shape[1] - n_drives
     n_remembered, is_timed, is_accelerated = laws.reaches.size, laws.any_timed, mode.is_accelerated
     inputs, out, z = np.zeros(law_after.shape[1]), np.zeros(ends.shape[1]), np.zeros(ends.shape[2])
-    z[:n_state], z[-1] = states[begin], 1.0
+    _copy(states[begin], z)
+    z[z.size - 1] = 1.0
     for k in range(begin, end):
-        inputs[:n_memory] = memory
-        inputs[n_memory : n_known - ages.size] = references[k]
+        _copy(memory, inputs)
+        for i in range(references.shape[1]):
+            inputs[n_memory + i] = references[k, i]
         # Readings of sample k depend on the motion up to it, and forces act after it: there is no algebraic loop.
         for i in range(ages.size):
             value = _taken(k - 1 - ages[i], places[i], rows, i, states, accelerations, between)
@@ -106,7 +109,9 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
             value += noise[k, i]
             readings[i] = steps[i] * np.rint(value / steps[i]) if steps[i] > 0 else value
             inputs[n_known - ages.size + i] = readings[i]
-        inputs[n_known:], asked = 0.0, False
+        asked = False
+        for i in range(n_drives):
+            inputs[n_known + i] = 0.0
         for i in range(n_drives):
             forces[k, i] = given[k, i] + _dot(law_sent, i, inputs)
             asked |= not abs(forces[k, i]) <= limits[i]
@@ -119,10 +124,11 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
                 forces[k, i] = _dot(law_acting, i, inputs)
             _product(law_after, inputs, after)
         # Where the mode does not hold over the whole sample, events happen in it.
-        z[n_state : n_state + n_drives] = forces[k]
+        for i in range(n_drives):
+            z[n_state + i] = forces[k, i]
         if is_timed:
             _set_moment(k, forces, channels, laws)
-            _limit(z, laws, mode, True)
+            _limit(z, laws, mode)
         for piece in range(len(ends)):
             if n_varying:
                 is_smooth = _moves_under_varying_laws(piece, z, out, laws, mode)
@@ -130,7 +136,8 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
                 is_smooth = _moves(begins[piece], ends[piece], held, z, out)
             if not is_smooth:
                 return k - begin, True
-            z[:n_state] = states[k + 1] = out[:n_state]
+            for i in range(n_state):
+                z[i] = states[k + 1, i] = out[i]
             if is_accelerated:
                 if n_varying:
                     _act(z, z, laws, mode)
@@ -140,7 +147,7 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
                     between[i, k] = _exact(channels.between, i, k + 1, states, accelerations)
         if n_remembered:
             _remember(z, laws)
-        memory[:] = after
+        _copy(after, memory)
     return end - begin, True
 
 
@@ -158,7 +165,11 @@ def _remember(state, laws):  # type: ignore[no-untyped-def]
 @inner
 def _set_moment(k, forces, channels, laws):  # type: ignore[no-untyped-def]
     """Set load and time on which laws depend."""
-    load = forces[k, 0] if forces.shape[1] == 1 else np.abs(forces[k]).sum()
+    load = forces[k, 0]
+    if forces.shape[1] > 1:
+        load = 0.0
+        for i in range(forces.shape[1]):
+            load += abs(forces[k, i])
     laws.arguments[2], laws.arguments[3] = load, (k + 0.5) * channels.period
 
 
@@ -207,6 +218,12 @@ def _exact(rows, i, k, states, accelerations):  # type: ignore[no-untyped-def]
     for j in range(n // 2):
         value += rows[i, n + j] * accelerations[k, j]
     return value
+
+
+@inner
+def _copy(values, into):  # type: ignore[no-untyped-def]
+    for i in range(values.size):
+        into[i] = values[i]
 
 
 @inner
@@ -260,14 +277,13 @@ def _goes_on(out, n_state, limits):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _limit(state, laws, mode, only_timed):  # type: ignore[no-untyped-def]
-    """Set the forces that stuck joints can hold at a state; or only those that depend on more than the motion."""
+def _limit(state, laws, mode):  # type: ignore[no-untyped-def]
+    """Set the forces that stuck joints can hold at a state."""
     for i in range(mode.stuck.size):
         j = mode.stuck[i]
-        if laws.timed[j] or not only_timed:
-            q = slide(laws.directions, j, state)
-            mode.limits[i, 0] = law_value(j, q, -JUST_MOVING, laws)
-            mode.limits[i, 1] = law_value(j, q, JUST_MOVING, laws)
+        q = slide(laws.directions, j, state)
+        mode.limits[i, 0] = law_value(j, q, -JUST_MOVING, laws)
+        mode.limits[i, 1] = law_value(j, q, JUST_MOVING, laws)
 
 
 @inner

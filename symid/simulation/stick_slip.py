@@ -11,7 +11,7 @@ that is constant over a step, taken at its midpoint (exponential midpoint rule, 
 
 import numpy as np
 
-from symid.jit import inner
+from symid.jit import inner, part
 from symid.simulation.evaluation import law_value
 from symid.simulation.loop_numbers import SLIDING, STUCK, VARYING
 from symid.simulation.plant import JUST_MOVING
@@ -26,7 +26,7 @@ _MOST_TRIALS, _SHARP = 100, 2.3e-16
 """Most Newton iterations for an event, and the change, relative to the step, at which they end."""
 
 
-@inner
+@part
 def pass_events(current, state, drive, duration, laws, modes):  # type: ignore[no-untyped-def]
     """Advance a state over a duration under a generalised drive force; return the mode at its end, or `UNKNOWN`."""
     # Joints that stuck at the last event may break loose under the new force before any time passes.
@@ -52,7 +52,7 @@ def acceleration(current, state, drive, laws, modes, out):  # type: ignore[no-un
     return current
 
 
-@inner
+@part
 def _until_event(current, state, drive, duration, seeks, laws, modes):  # type: ignore[no-untyped-def]
     """Advance by a duration, or to the event before its end that it `seeks`; return mode, time, and whether it came."""
     # Within a mode the motion is a Taylor series in time. A sliding joint's speed and a stuck joint's margin are linear
@@ -69,17 +69,17 @@ def _until_event(current, state, drive, duration, seeks, laws, modes):  # type: 
             z[i] = middle[i]
         terms = _series(modes.series[current], z)
     end = _at(terms, whole)
-    first, joint, sign = whole, -1, 0.0
+    first, joint, sign = whole, n_laws, 0.0
     for j in range(n_laws if seeks else 0):
         side, polynomial = _passed(current, j, state, terms, z, end, laws, modes)
         if side != _NOT_PASSED:
             time = _first_zero(polynomial, whole)
-            if joint < 0 or time < first:
+            if joint == n_laws or time < first:
                 first, joint, sign = time, j, side
     end = _at(terms, first)
     for i in range(2 * n):
         state[i] = end[i]
-    if joint < 0:
+    if joint == n_laws:
         return current, made, False
     # Rounding leaves a speed at the zero; an impulse in the joint removes it exactly.
     if sign == 0:
@@ -124,13 +124,13 @@ def _release(current, state, drive, laws, modes):  # type: ignore[no-untyped-def
     # Each release changes the forces on the joints that still stick: these are computed again before the next one.
     n_laws = len(modes.directions)
     for _ in range(n_laws + 1):
-        z, worst, largest = _with_force(current, state, drive, laws, modes), -1, 0.0
+        z, worst, largest = _with_force(current, state, drive, laws, modes), n_laws, 0.0
         for j in range(n_laws):
             if modes.kinds[current, j] & STUCK:
                 excess = _excess(current, j, state, z, laws, modes)
                 if abs(excess) > abs(largest):
                     worst, largest = j, excess
-        if worst < 0:
+        if worst == n_laws:
             break
         current = _changed(current, worst, 1.0 if largest > 0 else -1.0, modes)
         if current == UNKNOWN:
