@@ -201,7 +201,7 @@ def _show_mapping(log: str, mapping: LogMapping | None, options: dict[str, Any])
         console.print(f"Missing: {with_options(lack)}", markup=False)
     if options["output"]:
         check = "check each guess, delete those that you confirm, then" if mapping.guesses else "use it with"
-        check = "give what is missing, here or with the same options to" if mapping.missing else check
+        check = "give the missing options here, or to" if mapping.missing else check
         console.print(
             f"\nwrote {options['output']}: {check}\n    symid identify "
             f"{options['axis']} {log} --mapping {options['output']}",

@@ -14,7 +14,7 @@ from symid.data.foreign import ForeignColumn, foreign_columns
 from symid.data.formats import open_table
 from symid.data.frames import Frame
 from symid.data.layout import Layout, guessed_layout
-from symid.data.log import Log
+from symid.data.log import Log, require_times_within
 from symid.data.long_log import AnyLog, LongLog, first_block, in_memory, spans
 from symid.data.opening import MEMORY, ForeignColumns, columns_in, open_log, read_log
 from symid.data.resampling import QuinticSpline
@@ -57,6 +57,7 @@ __all__ = [
     "open_table",
     "read_log",
     "references_of",
+    "require_times_within",
     "spans",
     "sparse_derivatives",
     "write_frame",

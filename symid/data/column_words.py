@@ -38,6 +38,11 @@ SETPOINT: Final = (
     r"consigna|задан\w*|\w*(?:指令|目标|目標|给定)\w*"
 )
 """Words of what is commanded and not measured."""
+DIFFERENCE: Final = (
+    r"\w*err(?:or|eur|ore)?|following|schlepp\w*|\w*(?:fehler|abweichung)|deviation|\w*ошибка|рассогласование|"
+    r"\w*(?:误差|誤差|偏差)"
+)
+"""Words of what is commanded less what is measured."""
 COUNTS: Final = r"inc|incr\w*|increments?|inkr\w*|counts?|cts|impuls\w*|pulses?|lsb"
 """Units of unknown length."""
 NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"

@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.clock import PLAUSIBLE_PERIODS
-from symid.data.column_words import COUNTS, NUMBERS, SETPOINT, SPELLED, UNITS, WORDS, Quantity
+from symid.data.column_words import COUNTS, DIFFERENCE, NUMBERS, SETPOINT, SPELLED, UNITS, WORDS, Quantity
 from symid.data.table import Table
 from symid.errors import LogError
 from symid.units import Unit, to_si
@@ -102,6 +102,9 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
     words = _words(name)
     setpoint = _match(words, SETPOINT) is not None
     quantity, unit = _measured_in(written)
+    if (difference := _match(words, DIFFERENCE)) is not None:
+        why = f"{difference!r} in its name: the difference of two signals"
+        return ForeignColumn(header, None, unit, False, why, unit is not None)
     if quantity is not None and quantity != "percent":
         return ForeignColumn(header, quantity, unit, setpoint, f"its unit is written, {written}", True)
     if written and _match([written], COUNTS):

@@ -14,7 +14,7 @@ import polars as pl
 
 from symid.arrays import FloatArray, read_only
 from symid.data.frames import Frame, uniform
-from symid.errors import LogError
+from symid.errors import LogError, SettingError
 from symid.shown import Shown
 
 Kept = TypeVar("Kept")
@@ -265,6 +265,21 @@ def _finite_copy(source: str, name: str, values: npt.ArrayLike) -> FloatArray:
             "cut it out or repair it"
         )
     return copy
+
+
+def require_times_within(source: str, late: Mapping[str, float], duration: float) -> None:
+    """SettingError if a signal is late by as much as the duration of a log, s, or more.
+
+    >>> require_times_within("run.csv", {"F": 1e3}, 8.0)
+    Traceback (most recent call last):
+    ...
+    symid.errors.SettingError: run.csv: F is late by 1000 s, and the log takes 8 s: give a time within it, such as 125us
+    """
+    if name := next((name for name, seconds in late.items() if not abs(seconds) < duration), None):
+        raise SettingError(
+            f"{source}: {name} is late by {late[name]:g} s, and the log takes {duration:g} s: "
+            "give a time within it, such as 125us"
+        )
 
 
 def check_window(source: str, start_index: int, stop_index: int, n_samples: int) -> None:

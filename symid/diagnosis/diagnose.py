@@ -9,7 +9,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from symid.axis import AnyAxis, Axis, axis_of
-from symid.data import Log
+from symid.data import Log, require_times_within
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.findings.changed_span import changed_span
 from symid.diagnosis.findings.comparison import Comparison, compared
@@ -120,6 +120,7 @@ def diagnose(
         others = [logs.pop()]
     for each in (*logs, *others):
         require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
+        require_times_within(each.source, late or {}, each.n_samples * each.sampling_period)
     whole = recovered(axis, [*logs, *others])
     plain = with_quantities(axis, whole.logs, nominal)
     moved, every, notes = with_positions(plain.axis, plain.logs)

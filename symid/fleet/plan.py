@@ -17,6 +17,7 @@ from symid.codegen.generated_models import StoredModule, stored_module
 from symid.data.formats import FOLDER_SUFFIXES, suffix_of
 from symid.errors import EliminationError, SettingError, SymidError
 from symid.fleet.batch_settings import BatchSettings
+from symid.fleet.results import holds_results
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS
 from symid.identification.axis_logs import axis_columns
 
@@ -148,8 +149,8 @@ def _modules(
 def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] = ()) -> tuple[str, ...]:
     """Paths of logs without duplicates: files, all logs in folders, and all matches of patterns.
 
-    A missing file is kept and becomes a row with an error. Paths to `exclude`, such as earlier results, are dropped.
-    SettingError if a folder or a pattern contains no log.
+    A missing file is kept and becomes a row with an error. Paths to `exclude` and results of other batches are
+    dropped. SettingError if a folder or a pattern contains no log.
     """
     given = (logs,) if isinstance(logs, (str, os.PathLike)) else tuple(logs)
     if strange := next((item for item in given if not isinstance(item, (str, os.PathLike))), None):
@@ -164,10 +165,10 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
             raise SettingError(
                 f"{item}: there is no log: give {', '.join(FOLDER_SUFFIXES)} files, or a folder of them"
             )
-        for path in found:
+        for path in (path for path in found if not holds_results(path)):
             files.setdefault(os.path.abspath(path), path)
     if not files:
-        raise SettingError("there is no log: give at least one file, folder or pattern")
+        raise SettingError("there is no log: give at least one file, folder or pattern that holds one")
     return tuple(files.values())
 
 

@@ -14,10 +14,10 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.table import require_memory
+from symid.data.table import POLARS_FAILURES, require_memory, source_of
 from symid.errors import LogError, SettingError
 from symid.files import require_regular
-from symid.fleet.row import TEXT_COLUMNS, TIMES
+from symid.fleet.row import BEFORE, TEXT_COLUMNS, TIMES
 
 UNKNOWN = "unknown axis"
 """Axis of logs that failed before their axis was known."""
@@ -96,6 +96,20 @@ def units_in(file: str | Path) -> Units:
         return dict(json.loads(pl.read_parquet_metadata(file).get(UNITS, "{}")))
     except (ValueError, TypeError):
         return {}
+
+
+def holds_results(file: str | Path) -> bool:
+    """Whether a CSV or Parquet file holds results of a batch, by the names of its first columns."""
+    path, names = Path(file), tuple(BEFORE)[:4]
+    try:
+        if path.suffix.lower() == ".csv" and path.is_file():
+            with path.open("rb") as opened:
+                return opened.read(64).startswith(f"{','.join(names)},".encode())
+        if path.suffix.lower() == ".parquet" and path.is_file():
+            return tuple(pl.read_parquet_schema(source_of(path)))[: len(names)] == names
+    except (OSError, *POLARS_FAILURES):
+        pass
+    return False
 
 
 def checked_results(table: pl.DataFrame) -> pl.DataFrame:

@@ -10,7 +10,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Log, derivatives, differencing_bandwidth
+from symid.data import AnyLog, Log, derivatives, differencing_bandwidth, require_times_within
 from symid.data.density import NOISE_FROM, explained_power, mean_power, segment_spectra
 from symid.identification.noise import noise_levels, noise_limited_widening, spread_excerpts
 from symid.identification.settings import LOW_PASSED, Preparation
@@ -135,6 +135,7 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
     edge = min(edge, log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
     late = given.with_hold(model, log.sampling_period)
+    require_times_within(log.source, late, log.n_samples * log.sampling_period)
     hold = log.sampling_period if given.is_held(model) else given.hold
     widening = given.widening or (widening_of(log, model, cutoff) if given.filter_force else 1.0)
     return replace(

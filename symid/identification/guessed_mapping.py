@@ -241,7 +241,6 @@ class _Guess:
             self.take(signal, column)
             if gain is not None:
                 self.gains[signal] = gain
-                self.guesses.append(f"{signal} is {gain:g} times that column: given")
             return
         self.take(signal, column, str(unit))
         in_percent = column.quantity == "percent"
@@ -249,7 +248,6 @@ class _Guess:
         per = "% (rated value / 100)" if in_percent else column.unit or "A"
         if factor is not None:
             self.gains[signal] = factor
-            self.guesses.append(f"{signal} is {factor:g} {unit} per {'%' if in_percent else per}: given")
             return
         self.missing.append(f"{signal} has no factor: give `gains` {signal} in {unit} per {per}")
 

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from symid.codegen import GeneratedModel, declared_delays
-from symid.data import Log, QuinticSpline
+from symid.data import Log, QuinticSpline, require_times_within
 from symid.errors import SettingError
 from symid.identification import Preparation
 from symid.output_error.closed_loop_error import ClosedLoopError
@@ -42,6 +42,7 @@ class ErrorModel:
         LogError or SettingError if the log does not have a signal, or if forces of several drives are late by
         different times.
         """
+        require_times_within(log.source, self.preparation.late, log.n_samples * log.sampling_period)
         simulated = declared_delays(self.loop.axis) if self.loop else {}
         late_readings = {
             sensor.signal: seconds

@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.axis import Axis, of_any_axis
-from symid.data import Log
+from symid.data import Log, require_times_within
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
@@ -119,6 +119,8 @@ def simulate(
     random = np.random.default_rng(seed)
     (first, *later), memories = stages(axis, parameters)
     plant, n_samples, period = first.plant, paths[0].n_samples, paths[0].sampling_period
+    delays = {sensor.signal: sensor.delay for sensor in axis.sensors}
+    require_times_within("the trajectory", delays, n_samples * period)
     readers = [
         SensorChannel(sensor, plant, n_samples, period, random, misread_code(axis, sensor.signal))
         for sensor in axis.sensors

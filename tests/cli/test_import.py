@@ -226,8 +226,8 @@ def test_a_factor_that_is_given_is_used(
     assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json", *options.split()) == 0
     mapping = json.loads((folder / "map.json").read_text())
     assert (mapping["units"]["F"], mapping["gains"].get("F"), mapping["missing"]) == (unit, gain, [])
-    if options:
-        assert any("given" in guess or "rated value is not used" in guess for guess in mapping["guesses"])
+    assert any("rated value is not used" in guess for guess in mapping["guesses"]) is ("--rated" in options)
+    assert not any(str(gain) in guess for guess in mapping["guesses"])
 
 
 def test_a_factor_of_a_reading_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -103,8 +103,13 @@ def test_the_encoding_is_the_one_whose_names_are_words(tmp_path: Path, encoding:
         ("Iststrom [Aeff]", "current", "A"),
         ("Istdrehzahl [U/min]", "velocity", "rpm"),
         ("Istgeschwindigkeit", "velocity", None),
+        ("Schleppabstand [mm]", None, "mm"),
+        ("Position following error [mm]", None, "mm"),
+        ("PosErr", None, None),
     ],
 )
-def test_actual_values_of_german_drives_have_quantities(header: str, quantity: str, unit: str | None) -> None:
+def test_values_are_told_from_their_differences_to_what_is_commanded(
+    header: str, quantity: str, unit: str | None
+) -> None:
     found = described_column(header, np.linspace(0, 1, 9))
     assert (found.quantity, found.unit, found.setpoint) == (quantity, unit, False)

@@ -184,7 +184,11 @@ def test_folders_patterns_and_files_name_each_log_once(logs: Path) -> None:
         "./logs/2.parquet",
     )
     assert log_files(logs, exclude=["logs/3.parquet"])[3] == "logs/4.parquet"
-    for nothing in ("none*.csv", "logs/deeper/../deeper/y*", []):
+    identify_batch("rigid_1m", "logs/0.parquet", output="logs/r.csv", jobs=1)
+    identify_batch("rigid_1m", "logs/0.parquet", output="logs/r.parquet", jobs=1)
+    assert log_files(logs) == (*names, "logs/deeper/x.PARQUET")
+    assert log_files(["logs/r.csv", "logs/1.parquet"]) == ("logs/1.parquet",)
+    for nothing in ("none*.csv", "logs/deeper/../deeper/y*", [], "logs/r.csv"):
         with pytest.raises(SettingError, match="no log"):
             log_files(nothing)
 
