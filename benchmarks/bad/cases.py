@@ -50,7 +50,7 @@ BASES = (
     "show rigid_1m",
     "new own",
     "generate own_axis.py",
-    "tune rigid_1m --parameters P.json",
+    "tune rigid_1m --parameters P.json --rate 4000 --seconds 1",
     "diagnose rigid_1m run.csv",
     "excite rigid_1m --parameters P.json --noise q=1e-6 --noise F=0.1 --limits travel=0.1,speed=0.5,acceleration=5 "
     "--seconds 2 --rate 500 --seeds 0 --runs 4 --output out/e.csv",

@@ -200,9 +200,19 @@ class PredictionError:
         return tuple(i for i in range(len(self.run.signals)) if i not in self._driven)
 
     def _sampled(self, plant: Plant) -> SampledPlant:
-        signals = self.run.signals
-        disturbed = [signals[i] for i in self._disturbed]
-        return sampled_plant(plant, signals, self.run.period, self.run.parts, disturbed)
+        """The plant from sample to sample; the last one is kept, as noise ratios and timing do not change it."""
+        sampled = self._last.get(plant)
+        if sampled is None:
+            signals = self.run.signals
+            disturbed = [signals[i] for i in self._disturbed]
+            sampled = sampled_plant(plant, signals, self.run.period, self.run.parts, disturbed)
+            self._last.clear()
+            self._last[plant] = sampled
+        return sampled
+
+    @cached_property
+    def _last(self) -> dict[Plant, SampledPlant]:
+        return {}
 
     def _assumed_noise(self, sampled: SampledPlant, nuisance: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Noise of the forces and of the readings, up to a common factor."""

@@ -123,10 +123,20 @@ class ForwardDynamics:
         return names, np.array([name in self.bodies for name in names])
 
     def at(self, parameters: Mapping[str, float]) -> Plant:
-        """The plant at parameter values, as `plant_of`."""
-        plant = self.with_nodes(parameters)
-        heavy = self._free_bodies[1]
-        return plant if heavy.all() else without_massless_bodies(plant, heavy)
+        """The plant at parameter values, as `plant_of`; that of the last values is kept."""
+        values = tuple(parameters.get(name) for name in self.parameters)
+        plant = self._last.get(values)
+        if plant is None:
+            plant, heavy = self.with_nodes(parameters), self._free_bodies[1]
+            plant = plant if heavy.all() else without_massless_bodies(plant, heavy)
+            self._last.clear()
+            self._last[values] = plant
+        return plant
+
+    @cached_property
+    def _last(self) -> dict[tuple[float | None, ...], Plant]:
+        """The plant that was asked for last, by its parameters."""
+        return {}
 
     def with_nodes(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, in which bodies without mass remain bodies."""

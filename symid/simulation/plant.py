@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -142,7 +143,7 @@ class Plant:
         (column,) = self.drives.T
         return np.asarray(column)
 
-    @property
+    @cached_property
     def natural_frequencies(self) -> tuple[float, ...]:
         """Undamped natural frequencies in ascending order, Hz; rigid-body modes are left out.
 

@@ -52,35 +52,27 @@ class _Commanded:
 
     def __init__(self, seed: int) -> None:
         draw = np.random.default_rng(seed)
-        self.moves = (
-            2 * np.pi * draw.uniform(0.3, 1.3, 4),
-            draw.uniform(0, 6.3, 4),
-            draw.uniform(0.02, 0.08, 4),
-        )
-        self.turns = 2 * np.pi * draw.uniform(3.0, 30.0, 5), draw.uniform(0, 6.3, 5), np.full(5, 1e-4)
-        self.lines = (
-            2 * np.pi * (np.arange(5, 90, 5) + draw.uniform(-1, 1, 17)),
-            draw.uniform(0, 6.3, (2, 17)),
-        )
+        moves = 2 * np.pi * draw.uniform(0.3, 1.3, 4), draw.uniform(0, 6.3, 4), draw.uniform(0.02, 0.08, 4)
+        turns = 2 * np.pi * draw.uniform(3.0, 30.0, 5), draw.uniform(0, 6.3, 5)
+        lines = 2 * np.pi * (np.arange(5, 90, 5) + draw.uniform(-1, 1, 17)), draw.uniform(0, 6.3, (2, 17))
+        # All waves in one sum: rows are the wanted positions of both carriages, and what shakes each of them.
+        self.w = np.concatenate([moves[0], turns[0], lines[0], lines[0]])
+        self.phases = np.concatenate([moves[1], turns[1], *lines[1]])
+        self.sizes = np.zeros((4, self.w.size))
+        self.sizes[:2, :4] = moves[2]
+        self.sizes[:2, 4:9] = [[-1e-4], [1e-4]]
+        self.sizes[2, 9:26] = self.sizes[3, 26:] = 8.0
 
     def reference(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Wanted positions of both carriages and their speeds, each of shape (2, n)."""
-        (move, moving), (turn, turning) = (_waves(t, *each) for each in (self.moves, self.turns))
-        return np.stack([move - turn, move + turn]), np.stack([moving - turning, moving + turning])
+        angles = self.w[:, None] * t + self.phases[:, None]
+        return self.sizes[:2] @ np.sin(angles), (self.sizes[:2] * self.w) @ np.cos(angles)
 
     def force(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Of a spring and a damper to the reference, and the lines; all of shape (2, n)."""
-        wanted, speed = self.reference(t)
-        w, phases = self.lines
-        shaken = 8.0 * np.sin(w * t[None, :, None] + phases[:, None]).sum(axis=2)
-        return np.asarray(GAIN * (HASTE * (wanted - x) + speed - v) + shaken)
-
-
-def _waves(
-    t: np.ndarray, w: np.ndarray, phase: np.ndarray, size: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    angle = np.multiply.outer(t, w) + phase
-    return np.sin(angle) @ size, np.cos(angle) @ (size * w)
+        angles = self.w[:, None] * t + self.phases[:, None]
+        waves, speed = self.sizes @ np.sin(angles), (self.sizes[:2] * self.w) @ np.cos(angles)
+        return np.asarray(GAIN * (HASTE * (waves[:2] - x) + speed - v) + waves[2:])
 
 
 def _resisting(hidden: str, x: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -104,13 +96,14 @@ def log(
     """A recorded run, on its reference from the beginning; a force that acts late is recorded ahead of its time."""
     command = _Commanded(seed)
     mass = np.diag([31.5, 31.5]) + beam / 4 + TRUE["J"] * _TURN
+    lighter = np.linalg.inv(mass)
     damping = np.diag([friction, TRUE["Fv2"]]) + TRUE["Cy"] * _TURN
     begin = np.concatenate(command.reference(np.zeros(1)))[:, 0]
 
     def slope(t: float, state: np.ndarray) -> np.ndarray:
         x, v = state[:2, None], state[2:, None]
         force = command.force(np.array([t]), x, v) - damping @ v - _STIFFNESS @ x - _resisting(hidden, x, v)
-        return np.concatenate([v, np.linalg.solve(mass, force)])[:, 0]
+        return np.concatenate([v, lighter @ force])[:, 0]
 
     t = np.arange(round(seconds * RATE)) / RATE
     run = solve_ivp(slope, (0.0, seconds + 0.01), begin, "LSODA", dense_output=True, rtol=1e-8, atol=1e-11)
