@@ -12,7 +12,7 @@ from symid.diagnosis.in_motion.declared import explained_axis
 from symid.errors import SettingError
 from symid.simulation import chirp, plant_of, simulate, tuned_cascade
 
-REFERENCE = chirp(0.5, 20.0, 3.0, 0.002, sampling_period=5e-4)
+REFERENCE = chirp(0.5, 20.0, 2.5, 0.002, sampling_period=1e-3)
 TRANSDUCER = Force("fd", DRIVE, noise=0.1)
 SCALED = Position("ql", LOAD, gain="cq", offset="oq", noise=5e-8)
 

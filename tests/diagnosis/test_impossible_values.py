@@ -34,21 +34,37 @@ def late_by_a_sample(seed: int) -> Log:
     return Log.from_arrays(columns, sampling_period=log.sampling_period)
 
 
-def late_load() -> Diagnosis:
-    return diagnose(SCREW, late_by_a_sample(1), validation=late_by_a_sample(2), nominal=VALUES)
+@pytest.fixture(scope="module")
+def before_and_after() -> tuple[Diagnosis, Diagnosis]:
+    """The diagnosis with the reading as it is, from which the time is told, and that with the reading late."""
+    asked: list[Diagnosis] = []
+    module = sys.modules["symid.diagnosis.diagnose"]
+    lateness = module.lateness
+
+    def seen(axis: Axis, found: Diagnosis) -> dict[str, float]:
+        asked.append(found)
+        return lateness(axis, found)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "lateness", seen)
+        late = diagnose(SCREW, late_by_a_sample(1), validation=late_by_a_sample(2), nominal=VALUES)
+    return asked[0], late
 
 
-def test_a_cause_beside_impossible_damping_is_not_probable(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules["symid.diagnosis.diagnose"], "lateness", lambda axis, found: {})
-    found = late_load()
+def test_a_cause_beside_impossible_damping_is_not_probable(
+    before_and_after: tuple[Diagnosis, Diagnosis],
+) -> None:
+    found, _ = before_and_after
     first = found.effects[0]
     assert first.effect == "sensor_delay" or first.probability <= 0.5
     assert first.effect == "sensor_delay" or found.probabilities["unexplained"] >= 0.45
     assert first.effect == "sensor_delay" or any(own.is_far_from_physical for own in found.parameters)
 
 
-def test_the_reading_that_makes_it_impossible_is_named() -> None:
-    found = late_load()
+def test_the_reading_that_makes_it_impossible_is_named(
+    before_and_after: tuple[Diagnosis, Diagnosis],
+) -> None:
+    _, found = before_and_after
     assert found.faults[0].startswith("ql is read 1 ms late against qm")
     assert {own.name: own.explained for own in found.parameters} == pytest.approx(VALUES, rel=0.03)
 

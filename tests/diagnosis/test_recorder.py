@@ -21,8 +21,8 @@ from symid.diagnosis.prediction.recorder import recovered
 from symid.identification.smoothing import interpolated_from, updated_every
 
 
-def with_drag() -> Log:
-    return rigid_log(lambda t, q, v, a, path: 300 * v * abs(v))
+def with_drag(seconds: float = 6.0) -> Log:
+    return rigid_log(lambda t, q, v, a, path: 300 * v * abs(v), seconds=seconds)
 
 
 def recorded(log: Log, change: Callable[[FloatArray], FloatArray], *names: str) -> Log:
@@ -99,7 +99,7 @@ def test_a_filtered_force_is_no_flexible_machine() -> None:
 
 @pytest.mark.parametrize("name", ["q", "F"])
 def test_no_effect_is_read_from_one_signal_that_is_averaged(name: str) -> None:
-    averaged = recorded(with_drag(), lambda x: scipy.ndimage.uniform_filter1d(x, 41), name)
+    averaged = recorded(with_drag(3.0), lambda x: scipy.ndimage.uniform_filter1d(x, 41), name)
     found = diagnose(load_axis("rigid_1m"), averaged, nominal=RIGID)
     assert found.verdict == "recording"
     assert f"{name} is a mean over 41 samples" in found.sentence
