@@ -58,7 +58,7 @@ def draw(folder: Path, cases: int, seed: int | None, jobs: int, **wish: Any) -> 
 
 @blind.command()
 @FOLDER
-@click.option("--timeout", default=120.0, show_default=True, help="Seconds a case.")
+@click.option("--timeout", default=120.0, show_default=True, help="Processor seconds a case.")
 @JOBS
 def diagnose(folder: Path, timeout: float, jobs: int) -> None:
     """Diagnose every case of FOLDER in a separate process; labels, if there are any, remain sealed."""
@@ -72,7 +72,7 @@ def diagnose(folder: Path, timeout: float, jobs: int) -> None:
 @click.argument("folders", type=click.Path(path_type=Path, exists=True), nargs=-1, required=True)
 @click.option("--beside", type=click.Path(path_type=Path, exists=True), help="A checkout of other code.")
 @click.option("--first", type=int, help="So many cases of each folder.")
-@click.option("--timeout", default=600.0, show_default=True, help="Seconds a case.")
+@click.option("--timeout", default=600.0, show_default=True, help="Processor seconds a case.")
 def costs(folders: tuple[Path, ...], beside: Path | None, first: int | None, timeout: float) -> None:
     """Print processor time and peak memory of the diagnosis of each case of FOLDERS, with start-up.
 
@@ -109,7 +109,7 @@ def print_score(folder: Path, target: Path | None) -> None:
 
 @blind.command()
 @FOLDER
-@click.option("--timeout", default=120.0, show_default=True, help="Seconds a case.")
+@click.option("--timeout", default=120.0, show_default=True, help="Processor seconds a case.")
 @JOBS
 def rerun(folder: Path, timeout: float, jobs: int) -> None:
     """Simulate what was written of each case found right, beside the true simulator's run with other noise."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import os
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -17,6 +19,8 @@ from typing import IO, Any
 
 LOGS = ("identification.parquet", "validation.parquet")
 COMMAND = (sys.executable, "-c", "from symid.cli import main; main()", "diagnose")
+_WAITS = 10.0
+"""By the clock a case may take this many times its processor time."""
 _KILOBYTES = 1024.0
 """Linux gives the peak of the memory in kilobytes."""
 
@@ -47,16 +51,20 @@ def _ran(command: Sequence[str], place: Path, timeout: float, tree: Path | None)
         tempfile.TemporaryFile() as err,
     ):  # files hold any length, outside the folder
         process = subprocess.Popen(command, cwd=place, stdout=out, stderr=err, env=environment)
-        stop = threading.Timer(timeout, process.kill)
+        # Processor time, as the clock runs on while other processes work; the clock ends a process that waits.
+        most = math.ceil(timeout)
+        resource.prlimit(process.pid, resource.RLIMIT_CPU, (most, most + 1))
+        stop = threading.Timer(_WAITS * timeout, process.kill)
         stop.start()
         _, status, usage = os.wait4(process.pid, 0)
         said, complaint = (_text_of(file) for file in (out, err))
-    in_time = stop.is_alive()
+    waited = not stop.is_alive()
     stop.cancel()
     process.returncode = code = os.waitstatus_to_exitcode(status)
     cost = {"seconds": usage.ru_utime + usage.ru_stime, "peak_mb": usage.ru_maxrss / _KILOBYTES}
-    if not in_time:
-        return {"answer": None, "ended": f"stopped after {timeout:g} s"} | cost
+    if waited or code == -signal.SIGXCPU:
+        limit = f"{_WAITS * timeout:g} s" if waited else f"{timeout:g} s of processor time"
+        return {"answer": None, "ended": f"stopped after {limit}"} | cost
     try:
         answer = json.loads(said) if code == 0 else None
     except json.JSONDecodeError:

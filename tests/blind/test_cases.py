@@ -190,14 +190,27 @@ def test_labels_stay_sealed_until_all_is_answered(drawn: tuple[Path, dict], tmp_
         ("import os, json; print(json.dumps(sorted(os.listdir())))", "exit 0"),
         ("import sys; sys.exit('no such thing')", "exit 1 no such thing"),
         ("print('{')", "exit 0"),
-        ("import time; time.sleep(30)", "stopped after 1 s"),
     ],
 )
 def test_a_diagnosis_sees_logs_and_nominal_values_only(drawn: tuple[Path, dict], code: str, ended: str):
-    found = answers.diagnose(drawn[0] / "case000", 1.0, (sys.executable, "-c", code))
+    found = answers.diagnose(drawn[0] / "case000", 20.0, (sys.executable, "-c", code))
     assert found["ended"] == ended
     seen = ["identification.parquet", "nominal.json", "validation.parquet"]
     assert found["answer"] == (seen if "listdir" in code else None)
+
+
+@pytest.mark.parametrize(
+    ("code", "timeout", "ended"),
+    [
+        ("while True: pass", 1.0, "stopped after 1 s of processor time"),
+        ("import time; time.sleep(60)", 0.2, "stopped after 2 s"),
+    ],
+)
+def test_a_diagnosis_that_does_not_end_is_stopped(
+    drawn: tuple[Path, dict], code: str, timeout: float, ended: str
+):
+    found = answers.diagnose(drawn[0] / "case000", timeout, (sys.executable, "-c", code))
+    assert (found["answer"], found["ended"]) == (None, ended)
 
 
 def test_the_command_scores_once_all_is_answered(drawn: tuple[Path, dict], tmp_path: Path):

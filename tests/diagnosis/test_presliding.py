@@ -65,6 +65,8 @@ def test_an_encoder_of_coarse_steps_shows_no_short_reach() -> None:
         return effect.is_plausible(prediction, Placed(effect, BODY.name, (reach,), (12.0,)))
 
     assert (shows(log, 3e-5), shows(coarse, 3e-5), shows(coarse, 1e-4)) == (True, False, True)
+    # The instant of a reversal is uncertain by a fraction of a sample besides.
+    assert not shows(coarse, 1.03 * step)
 
 
 def test_a_part_of_coulomb_friction_predicts_what_both_did_apart() -> None:

@@ -25,8 +25,8 @@ _HIDDEN_REACHES = (0.03, 0.15)
 _TURNED = np.geomspace(1e-5, 1e-2, 12)
 """Reaches to try in a turning joint, relative to its stroke: gears and bearings differ by more than slides do."""
 _SAMPLES = 2.0
-"""Least reach, in distances that a sample passes after a reversal: the instant at which the friction jumps
-is known to a fraction of a sample."""
+"""Least reach above a step of the encoder, in distances that a sample passes after a reversal: the instant at which the
+friction jumps is known to a fraction of a sample, the position at it to a step."""
 _ONE_WAY = 0.02
 """Share of the motion backward below which a joint moves one way only: its friction builds up once."""
 
@@ -71,7 +71,7 @@ class PreslidingFrictionEffect(JointEffect):
         passed = np.abs(joint.q[begins + ahead] - joint.q[begins])
         driven = record.log[record.driven[prediction.drive_of(joint)]]
         step = step_of(driven) * joint.stroke / float(np.ptp(driven))  # as the joint passes it, behind a gear
-        return placed.shape[0] > max(_SAMPLES * float(np.median(passed)), step)
+        return placed.shape[0] > _SAMPLES * float(np.median(passed)) + step
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])
