@@ -34,13 +34,21 @@ from symid.signal_names import split_derivative
 
 _CERTAIN = 4.0
 """Standard deviations from which an effect, or a change between bands, counts: one of some thirty is tried."""
+_LIKELY = 3.0
+"""The same for changes of other parameters beside one that is certain: of these, what is beyond counts."""
 _MOST = 6
 """Most effects of one log."""
 _AS_MUCH = 0.5
 """Part of what the best column explains from which the log does not tell another one from it."""
+_MAINLY = 0.25
+"""Part of the residual's power that a column must explain which the model nearly explains."""
 _INDEPENDENT = 0.025
 """Least part of a column's power that the model does not explain: with less, the effect would have to be six times as
-large as what it explains (drawn machines with small effects; with 0.01, EMPS unfiltered has Fv within 59 %)."""
+large as what it explains (drawn machines with small effects; with 0.01, EMPS unfiltered has Fv within 59 %). One that
+explains much of the residual, and twice as much as any other, counts all the same: a pendulum with 2 % offset
+of its torque, whose weight nearly imitates a constant force (0.02), was off by 38 deviations."""
+_RESOLVED = 1e-4
+"""Part of a column's power that rounding and filters leave of one that the model does explain."""
 _NOISY = 0.05
 """Relative bias by noise in W, beyond the deviation, from which the residual shows this bias rather than effects."""
 _PASSES = {"half": 4, "a quarter": 16}
@@ -66,7 +74,9 @@ class Discrepancy:
         """Square of the change of functions of the parameters whose derivatives have the shape (n, n_parameters)."""
         squares = np.square(self.changes @ sensitivity.T)
         noise = np.einsum("ia,ab,ib->i", sensitivity, self.covariance, sensitivity)
-        return np.asarray(np.max(np.where(squares > _CERTAIN**2 * noise, squares, 0.0), axis=0, initial=0.0))
+        certain = squares > _CERTAIN**2 * noise
+        beyond = np.where(certain.any(axis=1, keepdims=True), squares - _LIKELY**2 * noise, 0.0)
+        return np.asarray(np.max(np.where(certain, squares, beyond), axis=0, initial=0.0))
 
 
 def discrepancies_of(
@@ -192,11 +202,14 @@ def _pursued(columns: _Columns) -> Iterator[Discrepancy]:
     C = np.stack([column / (float(np.max(np.abs(column))) or 1.0) for column in named.values()], axis=1)
     along = np.linalg.lstsq(Z, C, rcond=None)[0]
     own = C - Z @ along
-    least = np.maximum(_INDEPENDENT * np.sum(C**2, axis=0), np.finfo(float).tiny)
+    whole = np.maximum(np.sum(C**2, axis=0), np.finfo(float).tiny / _RESOLVED)
     for k in range(_MOST):
         taken, power = own.T @ rest, np.sum(own**2, axis=0)
-        factor = np.divide(taken, power, out=np.zeros_like(power), where=power > least)
+        factor = np.divide(taken, power, out=np.zeros_like(power), where=power > _RESOLVED * whole)
         explained = np.minimum(factor * taken / max(float(rest @ rest), np.finfo(float).tiny), 1.0)
+        usual = np.where(power > _INDEPENDENT * whole, explained, 0.0)
+        if np.max(explained) < _MAINLY or np.max(usual) > _AS_MUCH * np.max(explained):
+            explained = usual
         best = int(np.argmax(explained))
         rest = rest - factor[best] * own[:, best]
         # squared deviations of each factor, for noise that is what the best effect leaves

@@ -17,7 +17,7 @@ _WIDTHS = (0.05, 0.2)
 _PATHS = (0.03, 0.1)
 """Distances behind a reversal, over the stroke, within which friction builds up."""
 QUARTER = "cogging a quarter further"
-"""Name of the cosine of cogging, whose sine is named alone."""
+"""Name of cogging a quarter of a period away from that which is named alone."""
 _MOST_PERIODS, _STEP = 120.0, 0.5
 """Periods of cogging along the stroke that are tried: the most, and their step."""
 
@@ -86,15 +86,19 @@ def shapes_of(motion: Motion, *, elsewhere: bool) -> dict[str, FloatArray]:
 
 
 def waves(motions: Sequence[Motion], rests: Sequence[FloatArray]) -> list[dict[str, FloatArray]]:
-    """Cogging of the pitch that explains most of what is left of the rows of each motion, 0 where they are not used."""
+    """Cogging of the pitch and phase that explain most of what is left of the rows of each motion, 0 where not used."""
     stroke = max(float(np.ptp(motion.position)) for motion in motions) or 1.0
     rest = np.concatenate(rests)
     used = rest != 0.0
-    step = np.exp(2j * np.pi * _STEP / stroke * np.concatenate([m.position for m in motions])[used])
+    rest, position = rest[used], np.concatenate([m.position for m in motions])[used]
+    step = np.exp(2j * np.pi * _STEP / stroke * position)
     wave, powers = step**3, []
     for _ in range(round(_MOST_PERIODS / _STEP)):
         wave = wave * step
-        powers.append(abs(np.vdot(wave, rest[used])))
+        powers.append(abs(np.vdot(wave, rest)))
     pitch = stroke / (_STEP * (4 + int(np.argmax(powers))))
-    phases = [2 * np.pi * m.position / pitch for m in motions]
-    return [{"cogging": np.sin(phase), QUARTER: np.cos(phase)} for phase in phases]
+    phase = 2 * np.pi * position / pitch
+    cosine, sine = np.linalg.lstsq(np.stack([np.cos(phase), np.sin(phase)], axis=1), rest, rcond=None)[0]
+    phases = [2 * np.pi * m.position / pitch - np.arctan2(sine, cosine) for m in motions]
+    # the second one is what another phase beside the columns of the model needs
+    return [{"cogging": np.cos(phase), QUARTER: np.sin(phase)} for phase in phases]

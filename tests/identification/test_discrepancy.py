@@ -7,10 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from symid import Log
+from symid import (
+    Axis,
+    Body,
+    CoulombFriction,
+    Drive,
+    Log,
+    Position,
+    Unbalance,
+    ViscousFriction,
+    derive,
+)
 from symid.codegen import load_generated
 from symid.identification import Identification, identify
 from symid.identification.discrepancy import Discrepancy
+from symid.identification.motion_shapes import QUARTER, Motion, waves
 
 M, FV, FS = 40.0, 120.0, 30.0
 RATE = 1000.0
@@ -80,5 +91,47 @@ def test_a_note_says_what_deviations_hold():
 
 
 def test_a_change_between_bands_counts_beyond_its_noise_alone():
-    change = Discrepancy("band", np.array([[5.0, 3.0]]), np.diag([1.0, 1.0]))
+    change = Discrepancy("band", np.array([[5.0, 1.5]]), np.diag([1.0, 1.0]))
     assert change.variance(np.eye(2)).tolist() == [25.0, 0.0]
+
+
+def test_a_change_that_is_certain_in_one_parameter_counts_with_less_in_others():
+    change = Discrepancy("band", np.array([[5.0, 3.5], [3.5, 3.9]]), np.diag([1.0, 1.0]))
+    assert change.variance(np.eye(2)).tolist() == [25.0, 3.25]
+    assert not Discrepancy("band", np.array([[3.5, 3.9]]), np.diag([1.0, 1.0])).is_seen
+
+
+@pytest.mark.parametrize("phase", [0.3, 1.9, 4.0])
+def test_cogging_of_any_phase_is_one_column(phase):
+    position = 0.2 * np.sin(np.arange(2000) / 300)
+    rest = 2.0 * np.cos(2 * np.pi * position / 0.05 + phase)
+    motion = Motion(np.gradient(position, 1e-3), position, 1e-3)
+    (found,) = waves([motion], [rest])
+    assert np.corrcoef(found["cogging"], rest)[0, 1] > 0.999
+    assert abs(np.corrcoef(found[QUARTER], found["cogging"])[0, 1]) < 0.2
+
+
+def test_a_constant_force_that_a_weight_nearly_imitates_is_within_the_intervals():
+    arm = Body("arm", inertia="J")
+    axis = Axis(
+        "turned",
+        (arm, ViscousFriction(arm, "Fv"), CoulombFriction(arm, "Fc"), Unbalance(arm, "Gs", "Gc")),
+        Drive("T", arm, unit="N*m"),
+        (Position("q", arm),),
+    )
+    t = np.arange(12000) / RATE
+    w = 2 * np.pi * np.array([[0.3], [0.9], [1.7]])
+    size, phase = np.array([[0.35], [0.05], [0.02]]), np.array([[0.0], [1.0], [2.0]])
+    q = np.sum(size * np.sin(w * t + phase), axis=0)
+    v = np.sum(size * w * np.cos(w * t + phase), axis=0)
+    a = -np.sum(size * w**2 * np.sin(w * t + phase), axis=0)
+    noise = 0.02 * np.random.default_rng(8).standard_normal(t.size)
+    T = 0.6 * a + 1.8 * v + 1.5 * np.sign(v) + 8.0 * np.sin(q) + 3.0 * np.cos(q) + 0.3 + noise
+    log = Log.from_arrays({"q": q, "T": T}, sampling_period=1 / RATE)
+    found = identify(derive(axis, ("q",)), log)
+    truth = np.array([0.6, 1.8, 1.5, 3.0, 8.0])
+    assert list(found.physical_parameters) == ["J", "Fv", "Fc", "Gc", "Gs"]
+    error = np.abs(np.array(list(found.physical_parameters.values())) - truth)
+    assert found.status == "ok"
+    assert error[3] > 0.05 * truth[3]
+    assert np.all(error < 2 * found.physical_deviations)
