@@ -106,9 +106,8 @@ def run_passes(axis: str, log: symid.Log, settings: dict[str, Any], threads: int
     def run(job: tuple[FloatArray, FloatArray]) -> None:
         signal.sosfiltfilt(*job)[::factor]
 
-    if (
-        threads == 1
-    ):  # without a pool: memory that a thread frees goes back to the system, which costs half as much again
+    # without a pool: memory that a thread frees goes back to the system, which costs half as much again
+    if threads == 1:
         for job in inputs:
             run(job)
         return {}

@@ -47,36 +47,27 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _LAZY = {
-    "Batch": "symid.fleet",
-    "BatchSettings": "symid.fleet",
-    "compiled": "symid.codegen",
-    "derive": "symid.symbolic",
-    "DerivedModel": "symid.symbolic",
-    "diagnose": "symid.diagnosis",
-    "Diagnosis": "symid.diagnosis",
-    "generate": "symid.codegen.generate",
-    "identify": "symid.verbs.identify_any",
-    "identify_batch": "symid.fleet",
-    "Identification": "symid.identification",
-    "load_generated": "symid.codegen",
-    "Log": "symid.data",
-    "predict": "symid.identification",
-    "Preparation": "symid.identification",
-    "read_axis_log": "symid.identification",
-    "read_log": "symid.data",
-    "simulate": "symid.simulation",
-    "tune": "symid.tuning",
-    "Tuning": "symid.tuning",
+    "symid.codegen": ("compiled", "load_generated"),
+    "symid.codegen.generate": ("generate",),
+    "symid.data": ("Log", "read_log"),
+    "symid.diagnosis": ("Diagnosis", "diagnose"),
+    "symid.fleet": ("Batch", "BatchSettings", "identify_batch"),
+    "symid.identification": ("Identification", "Preparation", "predict", "read_axis_log"),
+    "symid.simulation": ("simulate",),
+    "symid.symbolic": ("DerivedModel", "derive"),
+    "symid.tuning": ("Tuning", "tune"),
+    "symid.verbs.identify_any": ("identify",),
 }
 """Packages that load sympy or scipy, imported when a name is used: declaring an axis needs neither."""
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _LAZY:
-        raise AttributeError(f"module 'symid' has no attribute {name!r}")
-    from importlib import import_module
+    for module, names in _LAZY.items():
+        if name in names:
+            from importlib import import_module
 
-    return getattr(import_module(_LAZY[name]), name)
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'symid' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

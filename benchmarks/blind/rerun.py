@@ -130,9 +130,8 @@ def rerun_set(folder: Path, jobs: int, timeout: float) -> Iterator[Rerun]:
         records = pool.map(lambda name: _written(folder, name, timeout), with_effect)
         for (name, label), record in zip(with_effect.items(), records, strict=True):
             verdict = score.verdict(label, record)
-            if (
-                verdict.right and verdict.found and label["group"] != "foreign"
-            ):  # those have no element to be written
+            # those have no element to be written
+            if verdict.right and verdict.found and label["group"] != "foreign":
                 yield _rerun(folder, name, label)
 
 

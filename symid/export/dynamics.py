@@ -52,9 +52,8 @@ class SymbolicReading(NamedTuple):
     motion: sp.Matrix
     drives: sp.Matrix
     constant: sp.Expr
-    per_force: sp.Expr = sp.Integer(
-        0
-    )  # reading per unit of the laws of the spring that is read; 0 without such laws
+    # reading per unit of the laws of the spring that is read; 0 without such laws
+    per_force: sp.Expr = sp.Integer(0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,12 +65,10 @@ class Mechanism:
     """The axis in these terms."""
 
     bodies: tuple[Body, ...]  # free bodies
-    inertia: Mapping[
-        str, float
-    ]  # of each free body in the tree of joints; 0 if it is an armature of a path instead
-    moments: Mapping[
-        str, float
-    ]  # m l of each pendulum, scaled by its gravity relative to that of the first one
+    # of each free body in the tree of joints; 0 if it is an armature of a path instead
+    inertia: Mapping[str, float]
+    # m l of each pendulum, scaled by its gravity relative to that of the first one
+    moments: Mapping[str, float]
     paths: Mapping[Path, Properties]  # forces and inertias along each path
     plays: tuple[Play, ...]  # springs with play
     drives: tuple[Path, ...]  # path of each drive

@@ -196,9 +196,8 @@ def _segmented(
         float(squares.max()) / _MEDIAN_OF_SQUARE,
     )
     starts = np.clip(np.arange(x.size) - _NEIGHBOURS // 2, 0, x.size - _NEIGHBOURS)
-    away = np.abs(
-        x - np.median(x[starts[:, None] + np.arange(_NEIGHBOURS)], axis=1)
-    )  # neighbours include the run
+    # neighbours include the run
+    away = np.abs(x - np.median(x[starts[:, None] + np.arange(_NEIGHBOURS)], axis=1))
     for _ in range(_ROUNDS):
         outlying, before = np.asarray(away > _OUTLYING * np.sqrt(variance + between)), segments
         weights = np.where(outlying, 0.0, 1 / (variance + between))

@@ -29,9 +29,8 @@ class FleetAxis:
     """An axis with its generated modules as text and its settings: all that a worker needs."""
 
     axis: Axis  # the declaration
-    modules: tuple[
-        tuple[tuple[str, ...], StoredModule], ...
-    ]  # by set of sensors; without any, models are derived
+    # by set of sensors; without any, models are derived
+    modules: tuple[tuple[tuple[str, ...], StoredModule], ...]
     settings: BatchSettings  # those that apply to this axis
 
     @cached_property

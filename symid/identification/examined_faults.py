@@ -66,9 +66,8 @@ def _change_statement(found: Identification, change: Change | None) -> str:
     if change is None:
         return ""
     signed = np.zeros(change.inside.size, dtype=bool)
-    if (
-        found.physical
-    ):  # minimal parameters of which all parts may be negative, such as an offset of the force
+    # minimal parameters of which all parts may be negative, such as an offset of the force
+    if found.physical:
         slopes = jacobian(found.model, found.physical[0].parameters)
         positive = [name not in found.model.signed for name in found.model.physical_units]
         signed = ~np.any(slopes[:, positive], axis=1)

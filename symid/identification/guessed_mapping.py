@@ -234,9 +234,8 @@ class _Guess:
             self.guesses.append(f"{signal} is a command: no column seems to be a measured force")
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
-        misnamed = (
-            signal in self.named and column.quantity in _MOTION and column.unit is None
-        )  # v may be volts
+        # v may be volts
+        misnamed = signal in self.named and column.quantity in _MOTION and column.unit is None
         if (misnamed or column.quantity in (own, None)) and _is_unit_of_drive(column.unit, unit):
             self.take(signal, column)
             if gain is not None:

@@ -130,9 +130,8 @@ def interpolated_from(x: FloatArray) -> int:
     """
     step = np.diff(x)
     curvature = np.abs(np.diff(step))
-    slopes = (step[1:] != 0.0) | (
-        step[:-1] != 0.0
-    )  # a held value, at rest or between two steps, is not a line
+    # a held value, at rest or between two steps, is not a line
+    slopes = (step[1:] != 0.0) | (step[:-1] != 0.0)
     straight = slopes & (curvature < _STRAIGHT * np.max(curvature, initial=0.0))
     if np.count_nonzero(straight) <= _LEAST_STRAIGHT * np.count_nonzero(slopes):
         return 0

@@ -226,9 +226,8 @@ def _starts(
                 f"the nominal {nothing[0]} is 0, where a search cannot start: give a positive value, or fix it at 0"
             )
         known = [dict(nominal)]
-        if (
-            regression is not None and regression.status == "ok"
-        ):  # a search may end where nominal values are off
+        # a search may end where nominal values are off
+        if regression is not None and regression.status == "ok":
             values = dict(nominal) | regression.physical_parameters
             sound = [plausible(model, dynamics, values, dict(nominal))]
     else:

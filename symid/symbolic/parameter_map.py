@@ -171,9 +171,8 @@ def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[s
     """Explicit expressions in the minimal parameters for each branch."""
     names = list(model.source.source.axis.physical_parameters)
     values: dict[sp.Symbol, sp.Expr] = {}
-    roots: dict[
-        sp.Symbol, sp.Expr
-    ] = {}  # kept separate: factoring expressions with square roots takes minutes
+    # kept separate: factoring expressions with square roots takes minutes
+    roots: dict[sp.Symbol, sp.Expr] = {}
     signs: list[sp.Symbol] = []
     for step in reversed(solution.steps):
         parts = [expression(part).xreplace(values) for part in step.coefficients]

@@ -156,9 +156,8 @@ def test_a_structure_that_friction_holds_is_found_from_weak_to_strong(kind: str)
     gains = Cascade("q2", position_gain=30.0, velocity_gain=5e4, integral_gain=15.0)
     moves = trapezoids([0.05, 0.1, 0.02], [0.3, 0.15], acceleration=4.0, jerk=200.0, sampling_period=1e-3)
     log = simulate(held, values | ({"Fc": size} if kind == "coulomb" else {}), moves, gains).log
-    record = record_of(
-        forward_dynamics(axis), log, None, {"Fm": -0.5e-3}
-    )  # a force that is held acts half a sample late
+    # a force that is held acts half a sample late
+    record = record_of(forward_dynamics(axis), log, None, {"Fm": -0.5e-3})
     nominal = {name: value * (1.1 if name == "Ks" else 0.95) for name, value in values.items()}
     state, weighting = first_state(record, nominal)
     plain = fitted_axis(state, weighting)

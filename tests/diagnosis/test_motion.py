@@ -224,9 +224,8 @@ def test_an_observer_holds_a_pendulum_upright(logs) -> None:
 def test_an_axis_too_stiff_for_the_log_is_not_simulated(logs) -> None:
     axis, log = load_axis("direct_2m1s"), logs[0]
     values = {"Ms": 900.0, "Fvs": 0.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 0.0, "Fsm": 0.0}
-    assert fastest(plant_of(axis, values)) == pytest.approx(
-        np.sqrt(4e7 / 900.0)
-    )  # nothing joins the motor to it
+    # nothing joins the motor to it
+    assert fastest(plant_of(axis, values)) == pytest.approx(np.sqrt(4e7 / 900.0))
     stiff = ExplainedAxis(axis, values | {"Ks": 4e16}, ())
     with pytest.raises(SettingError, match="too fast for the log's samples"):
         simulated_positions(stiff, [SimpleNamespace(log=log)], [])

@@ -37,9 +37,8 @@ def test_motions_that_do_not_repeat() -> None:
     t = np.arange(0.0, 8.0, 0.01)
     assert repeated_after(np.sin(2 * np.pi * t / PERIOD)) == 200
     assert repeated_after(np.sin(2 * np.pi * t / 5.0)) is None  # not twice within the log
-    assert (
-        repeated_after(np.sin(np.pi * t) + 0.01 * np.sin(30 * t**1.5)) is None
-    )  # faster motion on it does not
+    # faster motion on it does not
+    assert repeated_after(np.sin(np.pi * t) + 0.01 * np.sin(30 * t**1.5)) is None
     assert repeated_after(np.sin(t**2)) is None
     assert repeated_after(t) is None
     assert repeated_after(np.zeros(100)) is None

@@ -205,9 +205,8 @@ def test_an_axis_that_coasts_while_its_drive_is_off_has_no_absolute_force() -> N
 
 
 def test_a_force_that_would_be_friction_pushing_the_axis_is_none_of_its_friction() -> None:
-    coupled = rigid_log(
-        lambda t, q, v, a, path: -6000.0 * q * v
-    )  # -6000 q v beside 150 v, where q reaches 0.1 m
+    # -6000 q v beside 150 v, where q reaches 0.1 m
+    coupled = rigid_log(lambda t, q, v, a, path: -6000.0 * q * v)
     found = diagnose(load_axis("rigid_1m"), coupled, nominal=RIGID)
     assert "position_dependent_friction" not in {effect.effect for effect in found.effects}
     mild = rigid_log(lambda t, q, v, a, path: -900.0 * q * v)

@@ -15,9 +15,8 @@ def test_script_of_the_benchmark_finds_the_parameters_of_a_batch(tmp_path: Path)
     alike = symid.Preparation(widening=1.0)  # as the script filters laws
     row = symid.identify("emps", path, preparation=alike, examine=False).minimal_parameters
     (found,) = batches.plain([path], "script", batches.chosen(path))
-    wanted = list(
-        row.values()
-    )  # the script keeps rows at standstill, and those that the start of its filter spoils
+    # the script keeps rows at standstill, and those that the start of its filter spoils
+    wanted = list(row.values())
     assert found["parameters"][:3] == pytest.approx(wanted[:3], rel=0.05)
     assert found["parameters"][3] == pytest.approx(wanted[3], rel=0.1)
 

@@ -81,9 +81,8 @@ def test_a_binary_sequence_is_neither_interpolated_nor_clipped() -> None:
     assert not inspect_spans(t, {"q": q, "F": levels}, {"q"})
     assert interpolated_from(levels) == 0
     ramps = np.interp(np.arange(4 * q.size) / 4, np.arange(q.size), rng.standard_normal(q.size))
-    assert (
-        interpolated_from(np.concatenate([ramps, np.full(ramps.size // 2, ramps[-1])])) == 4
-    )  # then at rest
+    # then at rest
+    assert interpolated_from(np.concatenate([ramps, np.full(ramps.size // 2, ramps[-1])])) == 4
 
 
 def test_a_drive_that_swings_a_pendulum_up_is_no_overflow() -> None:

@@ -91,9 +91,8 @@ def test_an_identification_shows_the_motion_of_its_logs(tmp_path: Path) -> None:
     page = found.report(tmp_path / "page.html").read_text(encoding="utf-8")
     assert "Nothing was simulated" not in page
     assert "Fit of q simulated" in page
-    of_model = symid.identify(
-        symid.load_generated("rigid_1m", ("q",)), recorded()
-    )  # which names its axis only
+    # which names its axis only
+    of_model = symid.identify(symid.load_generated("rigid_1m", ("q",)), recorded())
     drawn = of_model.plot(axis="rigid_1m", runs=[recorded().to_frame()])
     assert [axes.get_xlabel() for axes in drawn.axes] == labels
 

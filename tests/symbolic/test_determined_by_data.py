@@ -100,9 +100,8 @@ def test_random_axes(seed: int, n: int) -> None:
     drawn = random_axes.machine(n, rng)
     model = compiled(derive(drawn.axis, tuple(sensor.signal for sensor in drawn.axis.sensors)))
     W, _ = model.sample(drawn.signals(model.signals, rng))
-    assert (
-        conditioned(np.concatenate(list(W))) > 1e-13
-    )  # at most 4e-16 where a multiple of another could be added
+    # at most 4e-16 where a multiple of another could be added
+    assert conditioned(np.concatenate(list(W))) > 1e-13
 
 
 def test_the_relation_of_sensors_of_known_gains_is_no_equation() -> None:

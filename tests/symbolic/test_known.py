@@ -50,9 +50,8 @@ def two_masses(w: float, t: np.ndarray) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("known", [("Ms",), ("Mm", "Ks"), ("Ms", "Fvs", "Fvm"), ("Ks", "Ms", "Mm")])
 def test_known_parameters_leave_the_unknown_ones(sensors: tuple[str, ...], known: tuple[str, ...]) -> None:
     axis = load_axis("direct_2m1s")
-    plain = axis.without(axis.laws[-1]).with_known(
-        {name: VALUES[name] for name in known}
-    )  # no Coulomb friction
+    # no Coulomb friction
+    plain = axis.without(axis.laws[-1]).with_known({name: VALUES[name] for name in known})
     model, rest = regression(plain, sensors, two_masses(2 * math.pi * 31, np.linspace(0, 0.1, 50)), VALUES)
     assert rest < 1e-9
     assert not set(known) & set(model.physical_units)

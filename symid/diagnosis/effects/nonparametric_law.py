@@ -32,9 +32,8 @@ class NonparametricLaw(JointEffect):
         # Inertia and friction of the axis are such functions too. They are taken out, or a large mass and its opposite
         # here would fit with the small difference of how the two are computed.
         of_axis = np.stack([joint.a, joint.v, np.sign(joint.v)])
-        inside = slice(
-            np.count_nonzero(prediction.record.in_log)
-        )  # the log stands at the beginning of its period
+        # the log stands at the beginning of its period
+        inside = slice(np.count_nonzero(prediction.record.in_log))
         shares = functions[:, inside] @ np.linalg.pinv(of_axis[:, inside])
         for i, share in enumerate(shares):
             functions[i] -= share @ of_axis

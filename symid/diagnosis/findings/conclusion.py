@@ -169,9 +169,8 @@ def _effects(
         there = chances.effect if i == 0 else THRESHOLDS.further_effect * is_there(step)
         if _may_be_an_order(item, last.state.placed):
             there *= THRESHOLDS.other_order
-        if (
-            nonparametric.outdoes and item.at == last.state.placed[known].at
-        ):  # it makes up for the wrong shape
+        # it makes up for the wrong shape
+        if nonparametric.outdoes and item.at == last.state.placed[known].at:
             there = min(there, chances.effect)
         felt = comparison.felt_by(i + 2)
         found.append(

@@ -241,9 +241,8 @@ def simulated_positions(
     begin = {}
     for part in parts:
         place, speed = part.start
-        if (
-            misread := misreading(axis, part.signal)
-        ) is not None:  # the measured start contains the reading error
+        # the measured start contains the reading error
+        if (misread := misreading(axis, part.signal)) is not None:
             place = 2 * place - float(misread(np.array([place]))[0])
         begin[part.signal] = place, speed
     loops = [

@@ -165,9 +165,8 @@ def outcome(steps: Sequence[SelectionStep], validated: int, errors: Errors) -> O
     if not validated or errors.largest <= THRESHOLDS.noise_alone or not _is_likeliest(steps, validated):
         there = min(there, THRESHOLDS.unlikely)
     if errors.largest < THRESHOLDS.white and errors.relative < THRESHOLDS.negligible:
-        there = min(
-            there, THRESHOLDS.unlikely
-        )  # neither the noise nor the force shows more than the rounding of a model
+        # neither the noise nor the force shows more than the rounding of a model
+        there = min(there, THRESHOLDS.unlikely)
     if errors.largest < _most_of_noise(errors):
         there *= _covers(errors)  # some effect always explains a part of noise, or of errors at reversals
     holds = there * (1 - _removes_too_little(errors))
