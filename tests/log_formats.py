@@ -97,10 +97,7 @@ def tdms(path: Path) -> None:
 
 def mdf(path: Path) -> None:
     with asammdf.MDF() as file:
-        signals = [
-            asammdf.Signal(1e3 * Q, T, unit="mm", name="q"),
-            asammdf.Signal(F, T, unit="N", name="F"),
-        ]
+        signals = [asammdf.Signal(1e3 * Q, T, unit="mm", name="q"), asammdf.Signal(F, T, unit="N", name="F")]
         file.append(signals)
         file.save(path, overwrite=True)
 

@@ -47,10 +47,7 @@ def _ran(command: Sequence[str], place: Path, timeout: float, tree: Path | None)
     if tree is not None:
         environment["PYTHONPATH"] = str(tree.resolve())
     # files hold any length, outside the folder
-    with (
-        tempfile.TemporaryFile() as out,
-        tempfile.TemporaryFile() as err,
-    ):
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         process = subprocess.Popen(command, cwd=place, stdout=out, stderr=err, env=environment)
         # Processor time, as the clock runs on while other processes work; the clock ends a process that waits.
         most = math.ceil(timeout)

@@ -28,9 +28,7 @@ def command(first: str, second: str, report: str | None, json_file: str | None) 
     record = comparison_record(*(values_of_record(read_json(file), file) for file in (first, second)))
     if page_of(report):
         # matplotlib takes a second to load
-        from symid.report.pages.comparison_page import (
-            write_comparison_html,
-        )
+        from symid.report.pages.comparison_page import write_comparison_html
 
         write_comparison_html(record, str(report), shlex.join(["symid", *sys.argv[1:]]))
     give_result(record, json_file, print_comparison)

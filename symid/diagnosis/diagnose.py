@@ -229,12 +229,7 @@ class _Task:
         return damaged.led_by(wrong_gain(base), silent=True).led_by(steady_force(base), silent=True)
 
     def _concluded(
-        self,
-        steps: Sequence[SelectionStep],
-        base: Fit,
-        comparison: Comparison,
-        data: Data,
-        damaged: Damage,
+        self, steps: Sequence[SelectionStep], base: Fit, comparison: Comparison, data: Data, damaged: Damage
     ) -> Diagnosis:
         """The conclusion; without effects where the simulated motion contradicts them."""
         run, validation = self.runs

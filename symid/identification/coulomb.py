@@ -17,12 +17,7 @@ from symid.codegen import GeneratedModel
 from symid.estimation import TriangularFactor
 from symid.estimation.triangular import triangle
 from symid.identification.filtered_signals import Filtered, low_pass_of
-from symid.identification.sampling import (
-    STANDSTILL_SHARE,
-    Sampling,
-    linear_part,
-    sample_into,
-)
+from symid.identification.sampling import STANDSTILL_SHARE, Sampling, linear_part, sample_into
 from symid.signal_names import split_derivative
 
 

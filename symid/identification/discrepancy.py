@@ -80,10 +80,7 @@ class Discrepancy:
 
 
 def discrepancies_of(
-    model: GeneratedModel,
-    parts: Sequence[Excerpt],
-    fit: LeastSquares,
-    corrected: LeastSquares,
+    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, corrected: LeastSquares
 ) -> tuple[Discrepancy, ...]:
     """Effects that the residual shows, in the order in which they explain it.
 

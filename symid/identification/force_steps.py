@@ -142,11 +142,7 @@ def _known(
 
 
 def _completed(
-    log: Log,
-    at_once: Mapping[str, FloatArray],
-    forces: Sequence[str],
-    late: Mapping[str, float],
-    older: int,
+    log: Log, at_once: Mapping[str, FloatArray], forces: Sequence[str], late: Mapping[str, float], older: int
 ) -> Log:
     """The log with the missing parts of its accelerations."""
     k = np.arange(log.n_samples)

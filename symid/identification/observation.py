@@ -17,13 +17,7 @@ from symid.identification.coulomb import more_columns, sample_friction, take_off
 from symid.identification.filter_ends import leave_out_spoiled
 from symid.identification.filtered_signals import Signal, filtered, low_pass_of
 from symid.identification.noise import coefficients
-from symid.identification.sampling import (
-    Sampling,
-    linear_part,
-    sample_into,
-    sampled_rows,
-    sampling_of,
-)
+from symid.identification.sampling import Sampling, linear_part, sample_into, sampled_rows, sampling_of
 from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation
 from symid.identification.usable_rows import usable_rows

@@ -20,13 +20,7 @@ from symid.axis import Sensor
 from symid.errors import EliminationError
 from symid.symbolic.distinct_rows import distinct
 from symid.symbolic.equations import InputOutputEquation, SignalWriter
-from symid.symbolic.kernel import (
-    EliminationRow,
-    differentiated,
-    divisible,
-    left_kernel,
-    local_kernel,
-)
+from symid.symbolic.kernel import EliminationRow, differentiated, divisible, left_kernel, local_kernel
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, operator_model

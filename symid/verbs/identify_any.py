@@ -36,11 +36,7 @@ Method: TypeAlias = Literal["wls", "ols", "iv", "oe"]
 
 @overload
 def identify(
-    axis: AnyAxis,
-    logs: LogLike | Sequence[LogLike],
-    *,
-    known: Mapping[str, Sequence[float]],
-    **settings: Any,
+    axis: AnyAxis, logs: LogLike | Sequence[LogLike], *, known: Mapping[str, Sequence[float]], **settings: Any
 ) -> SharedIdentification: ...
 
 

@@ -7,9 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from axes.plant import Plant, Sensor, Values
-from symid import (
-    Axis,
-)
+from symid import Axis
 
 LEAD = 0.01
 SCREW = LEAD / (2 * math.pi)

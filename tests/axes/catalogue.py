@@ -24,11 +24,7 @@ from axes.models import (
     motor_bench_case,
     rigid_case,
 )
-from axes.nonlinear import (
-    friction_in_the_spring_case,
-    hardening_spring_case,
-    ripple_and_drag_case,
-)
+from axes.nonlinear import friction_in_the_spring_case, hardening_spring_case, ripple_and_drag_case
 from axes.structures import (
     accelerometer_only_case,
     both_ends_case,

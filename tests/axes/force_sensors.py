@@ -48,12 +48,7 @@ def integrated(
 
     def rates(_: float, x: np.ndarray, pushed: float) -> list[float]:
         pull = v["K"] * (x[1] - x[0]) + v["D"] * (x[3] - x[2]) + bend(x[1] - x[0])
-        return [
-            x[2],
-            x[3],
-            (pushed - v["Fvm"] * x[2] + pull) / v["Mm"],
-            (-v["Fvl"] * x[3] - pull) / v["Ml"],
-        ]
+        return [x[2], x[3], (pushed - v["Fvm"] * x[2] + pull) / v["Mm"], (-v["Fvl"] * x[3] - pull) / v["Ml"]]
 
     for pushed in force[:-1]:
         found = solve_ivp(rates, (0.0, period), states[-1], args=(pushed,), rtol=1e-11, atol=1e-13)

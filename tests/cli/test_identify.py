@@ -120,10 +120,7 @@ def test_json_has_the_promised_keys(folder: Path, capsys: pytest.CaptureFixture[
 
 @pytest.mark.parametrize(
     "arguments",
-    [
-        "units.csv",
-        "foreign.csv --column t=time --column q=pos --unit q=mm --column F=cur --gain F=2",
-    ],
+    ["units.csv", "foreign.csv --column t=time --column q=pos --unit q=mm --column F=cur --gain F=2"],
 )
 def test_units_and_foreign_columns_give_the_same_parameters(folder: Path, arguments: str) -> None:
     assert run("identify", "rigid_1m", "good.csv", "--json", "a.json") == 0

@@ -39,11 +39,7 @@ def test_no_message_of_the_library_names_an_option() -> None:
 def test_every_setting_that_a_message_names_is_an_option() -> None:
     named = {name for file in LIBRARY for text in texts(file) for name in SETTING.findall(text)}
     # in the texts of axis files and generated modules
-    named -= {
-        "`foundation`",
-        "`transmission`",
-        "`branch`",
-    }
+    named -= {"`foundation`", "`transmission`", "`branch`"}
     known = options()
     assert len(named) > 10
     for name in named:

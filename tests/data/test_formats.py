@@ -11,20 +11,7 @@ import numpy as np
 import polars as pl
 import pytest
 import scipy.io
-from log_formats import (
-    COLUMNS,
-    EXPECTED,
-    FILES,
-    PERIOD,
-    F,
-    N,
-    Q,
-    T,
-    hdf5,
-    mcap_of_json,
-    mdf,
-    text,
-)
+from log_formats import COLUMNS, EXPECTED, FILES, PERIOD, F, N, Q, T, hdf5, mcap_of_json, mdf, text
 
 from symid.data import Layout, guessed_layout, open_table, read_log
 from symid.data.formats import FOLDER_SUFFIXES, SUFFIXES
@@ -192,14 +179,7 @@ def test_a_library_that_is_missing_is_named_with_its_extra(
 
 
 def test_results_and_settings_in_a_folder_are_no_logs() -> None:
-    assert set(SUFFIXES) - set(FOLDER_SUFFIXES) == {
-        ".json",
-        ".npz",
-        ".npy",
-        ".xls",
-        ".ods",
-        *OPENERS,
-    }
+    assert set(SUFFIXES) - set(FOLDER_SUFFIXES) == {".json", ".npz", ".npy", ".xls", ".ods", *OPENERS}
 
 
 @pytest.mark.parametrize(

@@ -44,12 +44,7 @@ def gantry(*, held: bool = True) -> Axis:
 
 def logged(machine: Axis) -> Log:
     path = trapezoids(
-        [0.2, 0.1, 0.3],
-        [0.3, 0.5, 0.8],
-        acceleration=4.0,
-        jerk=200.0,
-        dwell=0.1,
-        sampling_period=1e-3,
+        [0.2, 0.1, 0.3], [0.3, 0.5, 0.8], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=1e-3
     )
     loops = tuned_cascades(plant_of(gantry(), VALUES), ("q1", "q2"))
     return simulate(machine, VALUES, path, loops, seed=1).log

@@ -27,12 +27,7 @@ def diagnosed(
 
 @pytest.mark.parametrize(
     "sensors",
-    [
-        (MOTOR_SCALE, CELL),
-        (MOTOR_SCALE, LOAD_SCALE, CELL),
-        (MOTOR_SCALE, TRANSDUCER),
-        (MOTOR_SCALE, SCALED),
-    ],
+    [(MOTOR_SCALE, CELL), (MOTOR_SCALE, LOAD_SCALE, CELL), (MOTOR_SCALE, TRANSDUCER), (MOTOR_SCALE, SCALED)],
 )
 def test_a_clean_log_shows_no_gap(sensors: tuple[symid.Sensor, ...]) -> None:
     found = diagnosed(celled(sensors), cq=1.02, oq=0.003)

@@ -6,17 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import chirp, lsim
 
-from symid import (
-    Axis,
-    Between,
-    Body,
-    Drive,
-    Log,
-    Position,
-    Spring,
-    ViscousFriction,
-    diagnose,
-)
+from symid import Axis, Between, Body, Drive, Log, Position, Spring, ViscousFriction, diagnose
 from symid.diagnosis.fitting import start
 
 PERIOD, HUB, TIP, STIFFNESS, DAMPING, VISCOUS, GAIN = 2e-3, 2.1e-3, 4.2e-3, 1.05, 1.5e-3, 0.07, 3.0

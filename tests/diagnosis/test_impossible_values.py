@@ -61,9 +61,7 @@ def test_a_cause_beside_impossible_damping_is_not_probable(
     assert first.effect == "sensor_delay" or any(own.is_far_from_physical for own in found.parameters)
 
 
-def test_the_reading_that_makes_it_impossible_is_named(
-    before_and_after: tuple[Diagnosis, Diagnosis],
-) -> None:
+def test_the_reading_that_makes_it_impossible_is_named(before_and_after: tuple[Diagnosis, Diagnosis]) -> None:
     _, found = before_and_after
     assert found.faults[0].startswith("ql is read 1 ms late against qm")
     assert {own.name: own.explained for own in found.parameters} == pytest.approx(VALUES, rel=0.03)

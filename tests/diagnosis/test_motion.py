@@ -54,14 +54,7 @@ def logs() -> tuple[Log, Log]:
 @pytest.fixture(scope="module")
 def found(logs: tuple[Log, Log]):
     """Coulomb friction missed, controller read from the log, gap on the other log."""
-    return diagnose(
-        FRICTIONLESS,
-        logs[0],
-        validation=logs[1],
-        nominal=NOMINAL,
-        held=True,
-        library=COULOMB,
-    )
+    return diagnose(FRICTIONLESS, logs[0], validation=logs[1], nominal=NOMINAL, held=True, library=COULOMB)
 
 
 def test_the_controller_is_read_from_the_log(found) -> None:

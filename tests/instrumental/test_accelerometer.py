@@ -4,18 +4,7 @@ from functools import cache
 
 import pytest
 
-from symid import (
-    Acceleration,
-    Axis,
-    Body,
-    Drive,
-    Log,
-    Position,
-    Spring,
-    ViscousFriction,
-    identify,
-    simulate,
-)
+from symid import Acceleration, Axis, Body, Drive, Log, Position, Spring, ViscousFriction, identify, simulate
 from symid.simulation import chirp, plant_of, tuned_cascade
 
 BASE = Body("base", mass="Mb")

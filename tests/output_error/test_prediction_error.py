@@ -86,13 +86,7 @@ def error_of(log: Log, signals: tuple[str, ...]) -> PredictionError:
     return PredictionError(dynamics, run, run.motions)
 
 
-CHANGES = [
-    ({"Mm": 6.2}, 0.0),
-    ({"Ks": 2.02e5}, 0.0),
-    ({"Fvs": 90.0, "Ms": 40.5}, 0.0),
-    ({}, 0.7),
-    ({}, -1.0),
-]
+CHANGES = [({"Mm": 6.2}, 0.0), ({"Ks": 2.02e5}, 0.0), ({"Fvs": 90.0, "Ms": 40.5}, 0.0), ({}, 0.7), ({}, -1.0)]
 
 
 @pytest.mark.parametrize("signals", [("q2",), ("q2", "ddq1")])

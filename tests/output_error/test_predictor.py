@@ -50,11 +50,7 @@ def test_the_predictor_is_that_of_the_riccati_equation(signals: tuple[str, ...])
     scale = np.array([1e-4, 1e-4, 1e-2, 1e-2])
     A, C = plant.transition / scale[:, None] * scale, plant.output * scale / reading[:, None]
     P = solve_discrete_are(
-        A.T,
-        C.T,
-        Q / np.outer(scale, scale),
-        R / np.outer(reading, reading),
-        s=S / np.outer(scale, reading),
+        A.T, C.T, Q / np.outer(scale, scale), R / np.outer(reading, reading), s=S / np.outer(scale, reading)
     ) * np.outer(scale, scale)
     F = plant.output @ P @ plant.output.T + R
     K = (plant.transition @ P @ plant.output.T + S) @ np.linalg.inv(F)

@@ -47,10 +47,7 @@ def integrated(accelerations, start, period, drive, friction):
 @pytest.mark.parametrize("parts", [1, 4])
 @pytest.mark.parametrize(
     ("name", "values", "accelerations", "period"),
-    [
-        ("direct_2m1s", DIRECT, direct_accelerations, 0.02),
-        ("motor_bench", BENCH, bench_accelerations, 0.01),
-    ],
+    [("direct_2m1s", DIRECT, direct_accelerations, 0.02), ("motor_bench", BENCH, bench_accelerations, 0.01)],
 )
 def test_one_interval_is_that_of_an_integration(name, values, accelerations, period, parts) -> None:
     random = np.random.default_rng(parts)

@@ -10,16 +10,7 @@ import pytest
 from driven import called, driven
 from scipy.linalg import expm
 
-from symid import (
-    Acceleration,
-    Axis,
-    Body,
-    CoulombFriction,
-    Drive,
-    Position,
-    Velocity,
-    load_axis,
-)
+from symid import Acceleration, Axis, Body, CoulombFriction, Drive, Position, Velocity, load_axis
 from symid.arrays import FloatArray
 from symid.simulation import (
     Cascade,

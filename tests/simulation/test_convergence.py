@@ -7,24 +7,10 @@ import pytest
 from driven import driven
 from scipy.linalg import expm
 
-from symid import (
-    Axis,
-    Body,
-    Drive,
-    Law,
-    Position,
-    Term,
-    ViscousFriction,
-    load_axis,
-)
+from symid import Axis, Body, Drive, Law, Position, Term, ViscousFriction, load_axis
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation import (
-    OpenLoop,
-    Trajectory,
-    plant_of,
-    simulate,
-)
+from symid.simulation import OpenLoop, Trajectory, plant_of, simulate
 from symid.simulation.mode import Flow
 from symid.simulation.sample_loop import recursion
 

@@ -5,16 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from symid import (
-    Axis,
-    Body,
-    CoulombFriction,
-    Drive,
-    Geared,
-    Position,
-    StribeckFriction,
-    ViscousFriction,
-)
+from symid import Axis, Body, CoulombFriction, Drive, Geared, Position, StribeckFriction, ViscousFriction
 from symid.axis import Element
 from symid.simulation import Trajectory, plant_of, simulate, trapezoids, tuned_cascade, tuned_cascades
 

@@ -7,12 +7,7 @@ import pytest
 import sympy
 
 from symid.errors import SettingError
-from symid.simulation import (
-    Limits,
-    chirp,
-    frequency_lines,
-    multisine,
-)
+from symid.simulation import Limits, chirp, frequency_lines, multisine
 
 T = 0.001
 

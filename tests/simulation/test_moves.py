@@ -9,12 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from symid.errors import SettingError
-from symid.simulation import (
-    Limits,
-    MoveProfile,
-    move,
-    trapezoids,
-)
+from symid.simulation import Limits, MoveProfile, move, trapezoids
 
 T = 0.001
 

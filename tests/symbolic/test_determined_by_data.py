@@ -86,10 +86,7 @@ def test_an_accelerometer_on_a_tip_behind_a_gear() -> None:
     laws = (ViscousFriction(motor, "Fv"), CoulombFriction(table, "Fs"))
     elements = (motor, table, tip, Spring("flex", tip, "K", damping="D"), *laws)
     axis = Axis(
-        "s",
-        elements,
-        Drive("T", motor),
-        (Position("q", motor), Acceleration("a", tip, relative_to=GROUND)),
+        "s", elements, Drive("T", motor), (Position("q", motor), Acceleration("a", tip, relative_to=GROUND))
     )
     assert derive(axis, ("q", "a")).minimal.output_names == ("T", "T_d2")
 

@@ -111,13 +111,7 @@ def test_inverse_map_is_the_paper_s() -> None:
     X1, X2, X3, X4, X5, X6 = (sp.Symbol(f"X{i}") for i in range(1, 7))
     motor = X4 - X2 * X3
     d = motor * X1 - X6
-    expected = {
-        "Ms": X6 * motor / d,
-        "Fvs": X2 * motor**2 / d,
-        "Ks": motor**2 / d,
-        "Mm": motor,
-        "Fvm": X3,
-    }
+    expected = {"Ms": X6 * motor / d, "Fvs": X2 * motor**2 / d, "Ks": motor**2 / d, "Mm": motor, "Fvm": X3}
     (inverse,) = derive(without_coulomb(), ("q2",)).parameter_map.inverse
     assert_equal_expressions(dict(inverse), expected)
     assert X5 not in set().union(*(value.free_symbols for value in inverse.values()))

@@ -185,11 +185,7 @@ def test_springs_side_by_side_are_determined_as_their_sum() -> None:
 def test_a_rigid_gear_hides_what_lies_on_either_side() -> None:
     maps = derived("overdrive_gear", ("qm",)).parameter_map
     assert set(maps.identifiability.values()) == {"none"}
-    assert [str(function) for function in maps.combinations] == [
-        "Jm + 4*Mt",
-        "Fvm + 4*Fvt",
-        "Fsm + 2*Fst",
-    ]
+    assert [str(function) for function in maps.combinations] == ["Jm + 4*Mt", "Fvm + 4*Fvt", "Fsm + 2*Fst"]
 
 
 def test_a_structure_that_the_sensor_does_not_feel_is_not_determined() -> None:

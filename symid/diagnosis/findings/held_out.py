@@ -28,9 +28,7 @@ def without_worsening(
 
 
 def strongest_first(
-    steps: Sequence[SelectionStep],
-    comparison: Comparison,
-    on_held_out: OnHeldOut,
+    steps: Sequence[SelectionStep], comparison: Comparison, on_held_out: OnHeldOut
 ) -> tuple[Sequence[SelectionStep], Comparison]:
     """The effect that alone would leave the largest error of the force as the first, see `strengths`.
 
