@@ -194,9 +194,16 @@ def identify_jointly(
         disagreement, freedom = _disagreement(alone)
         if status == "ok" and (apart := _apart(model, fit, physical[0], alone)):
             status, message = "poor_fit", apart
-    names = tuple(log.log for log in logs)
     return JointIdentification(
-        model, names, fit, covariance, physical, status, message, disagreement, freedom
+        model=model,
+        logs=tuple(log.log for log in logs),
+        fit=fit,
+        covariance=covariance,
+        physical=physical,
+        status=status,
+        message=message,
+        disagreement=disagreement,
+        degrees_of_freedom=freedom,
     )
 
 

@@ -78,14 +78,13 @@ def guessed_mapping(
     if (reference := guess.chosen(REFERENCE, setpoint)) is not None:
         guess.take(REFERENCE, reference)
     return LogMapping(
-        guess.names,
-        guess.units,
-        guess.gains,
-        {},
-        layout,
-        guess.period,
-        tuple(guess.guesses),
-        tuple(guess.missing),
+        columns=guess.names,
+        units=guess.units,
+        gains=guess.gains,
+        layout=layout,
+        sampling_period=guess.period,
+        guesses=tuple(guess.guesses),
+        missing=tuple(guess.missing),
     )
 
 

@@ -9,8 +9,8 @@ constant only; two known payloads determine that constant.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -197,41 +197,56 @@ def _shared(
     nominal: Mapping[str, float] | None,
     constraints: Constraints,
 ) -> SharedIdentification:
-    models = [group.model for group in groups]
-    units = {name: str(unit) for name, unit in models[0].physical_units.items()}
+    """The parameters that groups of logs share, from the minimal parameters of each group."""
+    model = groups[0].model
+    units = {name: str(unit) for name, unit in model.physical_units.items()}
+    nothing = np.full(len(units), np.nan)
+    found = SharedIdentification(
+        axis=axis.name,
+        groups=groups,
+        known=known,
+        physical_units=units,
+        parameters=nothing,
+        covariance=np.diag(nothing),
+        disagreement=np.nan,
+        relations=0,
+        status="ok",
+        message="",
+    )
     if bad := next((group for group in groups if group.fit.status != "ok"), None):
-        nothing = np.full(len(units), np.nan)
-        return SharedIdentification(
-            axis.name, groups, known, units, nothing, np.diag(nothing), np.nan, 0, bad.status, bad.message
-        )
+        return replace(found, status=bad.status, message=bad.message)
     stacked = Stacked(groups)
-    signed = np.array([name in models[0].signed for name in units])
-    if nominal and all(name in nominal for name in units):
-        guesses = [np.array([nominal[name] for name in units])]
-    else:
-        white = stacked.white
-        guesses = list(
-            starts(lambda p: white.model.minimal_parameters(*p), white.minimal, white.spread, signed)
-        )
-    fits = [stacked.fitted(guess) for guess in guesses]
+    fits = [stacked.fitted(guess) for guess in _guesses(stacked, list(units), nominal, model.signed)]
     parameters, cost = min((f for f in fits if f is not None), key=lambda one: one[1])
     covariance, loose = stacked.covariance(parameters, list(units))
     outside = ""
-    notes: tuple[str, ...] = ()
     if constraints:
         alone = np.where(np.isin(list(units), loose), np.nan, parameters)
         if (one := stacked.constrained(alone, covariance, constraints)) is not None:
-            parameters, loose = one.parameters, []
-            covariance, outside = one.covariance, against(units, one, np.sqrt(np.diag(covariance)))
-            notes = constraint_notes(units, one)
-    relations = stacked.white.minimal.size - parameters.size
-    found = SharedIdentification(
-        axis.name, groups, known, units, parameters, covariance, cost, relations, "ok", ""
+            outside = against(units, one, np.sqrt(np.diag(covariance)))  # deviations without the constraints
+            found = replace(found, constraint_notes=constraint_notes(units, one))
+            parameters, covariance, loose = one.parameters, one.covariance, []
+    found = replace(
+        found,
+        parameters=parameters,
+        covariance=covariance,
+        disagreement=cost,
+        relations=stacked.white.minimal.size - parameters.size,
     )
     status, message = _verdict(found, loose, outside)
-    values = np.where(np.isin(list(units), loose), np.nan, parameters)
-    return SharedIdentification(
-        axis.name, groups, known, units, values, covariance, cost, relations, status, message, notes
+    known_values = np.where(np.isin(list(units), loose), np.nan, parameters)
+    return replace(found, parameters=known_values, status=status, message=message)
+
+
+def _guesses(
+    stacked: Stacked, names: Sequence[str], nominal: Mapping[str, float] | None, signed: Collection[str]
+) -> list[FloatArray]:
+    """Where the search begins: at nominal values of all parameters, or at those found without them."""
+    if nominal and all(name in nominal for name in names):
+        return [np.array([nominal[name] for name in names])]
+    white, may_be_negative = stacked.white, np.array([name in signed for name in names])
+    return list(
+        starts(lambda p: white.model.minimal_parameters(*p), white.minimal, white.spread, may_be_negative)
     )
 
 

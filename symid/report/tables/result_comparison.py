@@ -63,19 +63,19 @@ def values_of_record(record: object, source: str) -> Values:
         raise SettingError(
             f"{source} holds no parameters: give the record of an identification, or names and values"
         )
-    values = {name: float(one.value) for name, one in entries.items()}
     axis, status = (record[name] if isinstance(record.get(name), str) else "" for name in ("axis", "status"))
+    deviations = {name: one.std for name, one in entries.items()}
     return Values(
-        source,
-        axis,
-        status,
-        values,
-        (deviations := {name: one.std for name, one in entries.items()}),
-        {name: one.unit for name, one in entries.items() if one.unit},
-        _covariance(record, deviations),
-        record["filter"] if isinstance(record.get("filter"), dict) else {},
-        _facts(record),
-        _errors(record),
+        source=source,
+        axis=axis,
+        status=status,
+        values={name: float(one.value) for name, one in entries.items()},
+        deviations=deviations,
+        units={name: one.unit for name, one in entries.items() if one.unit},
+        covariance=_covariance(record, deviations),
+        settings=record["filter"] if isinstance(record.get("filter"), dict) else {},
+        facts=_facts(record),
+        errors=_errors(record),
     )
 
 
