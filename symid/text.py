@@ -11,6 +11,8 @@ _UNSEEN: Final = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]"
 )
 """Control characters except for tab and line feed, marks that reorder or hide text, and lone surrogates."""
+_NAMES_OF_PERSONS: Final = ("coulomb", "stribeck")
+"""Words of effects that have a capital letter."""
 
 
 def visible(text: str) -> str:
@@ -63,9 +65,9 @@ def spoken(name: str, at: str = "") -> str:
     """The name of an effect or a status in words, with its place if one is given that the name does not say.
 
     >>> spoken("stribeck_friction", "motor"), spoken("actuator_lag", "actuator")
-    ('stribeck friction at motor', 'actuator lag')
+    ('Stribeck friction at motor', 'actuator lag')
     """
-    words = name.replace("_", " ")
+    words = " ".join(word.title() if word in _NAMES_OF_PERSONS else word for word in name.split("_"))
     return f"{words} at {at}" if at and at not in words.split() else words
 
 

@@ -41,7 +41,7 @@ _SENTENCES = {
 _NEXT = {
     "effect": "Nothing remains to be told apart. To narrow vs, move at 2 to 20 mm/s in both directions for 20 s.",
     "two effects": "A delay and a first-order lag of the drive are told apart by a chirp of 150 N, 20 to 120 Hz.",
-    "partly": "To confirm stribeck friction: hold several slow speeds in both directions.",
+    "partly": "To confirm Stribeck friction: hold several slow speeds in both directions.",
     "no gap": "Nothing is needed at these speeds; a faster motion would show what this one does not excite.",
     "parameters": "Use the identified values.",
     "unexplained": "Repeat the run with the table held: is the phase of the error tied to time, or to the motion?",

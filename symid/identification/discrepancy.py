@@ -236,7 +236,7 @@ def _between_bands(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[Disc
         change = inverse @ np.sum(slopes, axis=0)
         rests = (slopes - normals @ change) @ inverse @ root.T
         noise = rests.T @ rests * len(sums) / (len(sums) - 1)  # by clusters, as `scatter`
-        yield Discrepancy(f"what differs below {band} of the cutoff", (root @ change)[None], noise)
+        yield Discrepancy(f"other values below {band} of the cutoff", (root @ change)[None], noise)
 
 
 def _slower(part: Excerpt, passes: int) -> Excerpt:

@@ -165,7 +165,7 @@ def test_the_page_holds_both_results_side_by_side(folder: Path) -> None:
     assert record["errors"]["error of F, with the effects found"] == {"a": None, "b": 0.75, "unit": "N"}
     page = Path("page.html").read_text(encoding="utf-8")
     assert "A and B differ in M" in page
-    assert "stribeck friction at motor" in page
+    assert "Stribeck friction at motor" in page
     assert "a&lt;b.csv" in page
     assert "Only in A: Fv" in page
     assert "Only in B: more" in page

@@ -105,7 +105,7 @@ def test_effects_that_make_the_motion_worse_are_no_causes(logs, monkeypatch: pyt
     assert found.gap.explained == found.gap.reidentified
     assert found.alternatives[0].effect == "coulomb_friction"
     assert found.alternatives[0].probability <= 0.1
-    assert "Rejected: coulomb friction at motor" in found.assumptions[-1]
+    assert "Rejected: Coulomb friction at motor" in found.assumptions[-1]
 
 
 @pytest.mark.parametrize(("off", "speaks"), [(0.2, True), (0.3, False)])

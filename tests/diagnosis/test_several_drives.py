@@ -77,7 +77,7 @@ def test_friction_that_the_axis_lacks_at_one_drive() -> None:
     assert right.reidentified.rms > 20 * right.noise_floor.rms
     assert left.reidentified.rms < 1.3 * left.noise_floor.rms
     assert lacking.sentence.startswith(
-        "The model lacks coulomb friction at right: with it, the force errors fall from"
+        "The model lacks Coulomb friction at right: with it, the force errors fall from"
     )
 
 

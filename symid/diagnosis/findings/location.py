@@ -40,7 +40,7 @@ def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
         "direction": _cells(before, after, motion.directions()),
         "position": _cells(before, after, _ranges(motion.position, length_unit(drive.at))),
         "drive force": _cells(before, after, _ranges(motion.force, axis.signal_units[drive.signal])),
-        "time": _cells(before, after, _ranges(motion.time, Unit.of("s"))),
+        "time": _cells(before, after, _ranges(motion.time + comparison.record.log.start, Unit.of("s"))),
     }
 
 

@@ -7,15 +7,20 @@ import math
 MISSING = "–"
 _LARGE = 3.0
 """A change by more than this factor is written as a factor."""
+_LONG = 1e6
+"""Magnitude from which a rounded number is written with an exponent."""
 
 
 def significant(value: float, digits: int = 4) -> str:
     """A number with its significant digits.
 
-    >>> significant(3.14159), significant(float("nan"))
-    ('3.142', '–')
+    >>> significant(3.14159), significant(123.4, 2), significant(2.5e9), significant(float("nan"))
+    ('3.142', '120', '2.5e+09', '–')
     """
-    return f"{value:.{digits}g}" if math.isfinite(value) else MISSING
+    if not math.isfinite(value):
+        return MISSING
+    rounded = f"{value:.{digits}g}"
+    return f"{float(rounded):.0f}" if 10**digits <= abs(value) < _LONG else rounded
 
 
 def with_deviation(value: float, deviation: float) -> str:
