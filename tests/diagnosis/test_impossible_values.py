@@ -1,5 +1,6 @@
 """Values that no machine has speak against the effects beside them."""
 
+import re
 import sys
 
 import numpy as np
@@ -63,7 +64,9 @@ def test_a_cause_beside_impossible_damping_is_not_probable(
 
 def test_the_reading_that_makes_it_impossible_is_named(before_and_after: tuple[Diagnosis, Diagnosis]) -> None:
     _, found = before_and_after
-    assert found.faults[0].startswith("ql is read 1 ms late against qm")
+    late = re.match(r"ql is read ([\d.]+) ms late against qm", found.faults[0])
+    assert late is not None
+    assert float(late[1]) == pytest.approx(1.0, abs=0.01)
     assert {own.name: own.explained for own in found.parameters} == pytest.approx(VALUES, rel=0.03)
 
 

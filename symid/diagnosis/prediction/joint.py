@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.prediction.corners import Reversals, reversals_of, with_corners
 from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.record import SLOW_SHARE, Record
 from symid.simulation.dynamics_terms import LawTerm
@@ -49,28 +50,32 @@ class Joint:
         """Displacement on the fine grid."""
         return self.record.fine(self.spectrum)
 
-    @cached_property
+    @property
     def v(self) -> FloatArray:
         """Velocity on the fine grid."""
-        return self.record.fine(1j * self.record.omega * self.spectrum)
+        return self._reversals.velocity
+
+    @cached_property
+    def _reversals(self) -> Reversals:
+        """The velocity and its changes of sign; measured motion has corners there."""
+        record = self.record
+        velocity = record.fine(1j * record.omega * self.spectrum)
+        if self.modelled is not self.spectrum:
+            return reversals_of(velocity)
+        highest = float(record.omega[-1] * record.fine_time[1])
+        return with_corners(velocity, highest, record.moves(np.abs(velocity)))
 
     @cached_property
     def a(self) -> FloatArray:
         """Acceleration from the driven position, without the noise of further readings."""
         return self.record.fine(-(self.record.omega**2) * self.modelled)
 
-    @cached_property
-    def _crossings(self) -> tuple[IntArray, FloatArray]:
-        """Points after which the velocity changes sign, and the share of the step at which it does."""
-        before = np.flatnonzero(np.signbit(self.v[:-1]) != np.signbit(self.v[1:]))
-        return before, self.v[before] / (self.v[before] - self.v[before + 1])
-
     def averaged(self, force: FloatArray) -> FloatArray:
         """Mean over each step of a force on the fine grid that may jump where the velocity changes sign.
 
         A jump between two points is divided between them; without this its time would be off by up to half a step.
         """
-        k, passed = self._crossings
+        _, k, passed = self._reversals
         jump = force[..., k + 1] - force[..., k]
         shift = np.zeros_like(force)
         shift[..., k] += np.maximum(0.5 - passed, 0.0) * jump
