@@ -223,7 +223,7 @@ class PreslidingFriction(JointImperfection):
     Parameters
     ----------
     at : Body or Between
-        The joint, with `CoulombFriction`.
+        The joint, which needs a `CoulombFriction`.
     level : float
         Part of the Coulomb friction, N or N m.
     reach : float

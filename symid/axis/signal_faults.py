@@ -24,8 +24,9 @@ from symid.axis.imperfections import (
     Imperfection,
     JointImperfection,
     PayloadChange,
+    PreslidingFriction,
 )
-from symid.axis.laws import Law
+from symid.axis.laws import CoulombFriction, Law
 from symid.axis.laws.law import is_finite
 from symid.axis.sensors import MotionSensor, Sensor
 from symid.signal_names import is_signal_name
@@ -211,8 +212,14 @@ def drive_imperfection_faults(elements: Sequence[object], drives: Sequence[Drive
 
 
 def imperfection_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Iterator[str]:
-    """Changes of a known mass, and ripples of a sensor that reads no position."""
+    """Changes of a known mass, friction that builds up in a joint without friction, ripples of no position sensor."""
+    rubbing = [element.at for element in elements if isinstance(element, CoulombFriction)]
     for element in elements:
+        if isinstance(element, PreslidingFriction) and element.at not in rubbing:
+            yield (
+                f"PreslidingFriction at {joint_label(element.at)!r}: it is how Coulomb friction of the joint builds "
+                "up, and none is declared: declare CoulombFriction there too, or leave it out"
+            )
         if isinstance(element, PayloadChange) and element.body.numbers():
             body = element.body.name
             yield f"PayloadChange of {body!r}, whose mass is a known number: give it a name, and its value to simulate"

@@ -195,6 +195,10 @@ def test_faults_are_reported_and_files_written() -> None:
         AXIS.with_effect(EncoderRipple("qx", 1e-6, 0.0, pitch=0.01))
     two = load_axis("ballscrew_2m1s")
     with pytest.raises(
+        DeclarationError, match=r"PreslidingFriction at 'load': .* declare CoulombFriction there too"
+    ):
+        two.with_effect(PreslidingFriction(two.bodies[1], 5.0, reach=1e-4))
+    with pytest.raises(
         DeclarationError, match=r"at 'load': a force constant is of the drive: put it at 'motor'"
     ):
         two.with_effect(ForceConstantRipple(two.bodies[1], 0.1, 0.0, pitch=0.02))
