@@ -43,10 +43,8 @@ class LeastSquares:
         sigma_rho_j of [25], from each equation alone; of a homogeneous one, from the joint ordinary solution.
     residual_norm, y_norm : array, shape (n_equations,)
         Norms of the unweighted residual and of y of each equation.
-    rows : tuple of int
-        Rows of each equation.
-    condition_number : float
-        2-norm condition number of the unweighted W in the caller's units.
+    factors : tuple of TriangularFactor
+        Of each equation.
     condition_number_scaled : float
         That of the weighted W with columns of unit norm.
     rank : RankAnalysis
@@ -63,10 +61,20 @@ class LeastSquares:
     sigma_rho_equation: FloatArray
     residual_norm: FloatArray
     y_norm: FloatArray
-    rows: tuple[int, ...]
-    condition_number: float
+    factors: tuple[TriangularFactor, ...]
     condition_number_scaled: float
     rank: RankAnalysis
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """Rows of each equation."""
+        return tuple(factor.rows for factor in self.factors)
+
+    @property
+    def condition_number(self) -> float:
+        """2-norm condition number of the unweighted W in the caller's units."""
+        R = _stacked(self.factors, np.ones(len(self.factors)))[:-1, :-1]
+        return condition_number(np.asarray(np.linalg.svd(R, compute_uv=False), dtype=np.float64))
 
     @property
     def standard_deviations(self) -> FloatArray:
@@ -130,12 +138,12 @@ def estimate(
     ([-0.5, 2.5], [1.118034, 0.866025])
     """
     _check(factors, method, ddof)
-    rows, plain = sum(factor.rows for factor in factors), np.ones(len(factors))
+    rows = sum(factor.rows for factor in factors)
     ranks = [analyse_rank(factor.R[:-1, :-1], factor.rows) for factor in factors]
     sigmas, floors = _equation_deviations(factors, ranks, ddof)
     # An exact fit has the weight of rounding errors; an equation without information has the weight 1.
     levels = np.maximum(sigmas, floors)
-    weights = plain if method == "ols" else 1.0 / np.where(levels > 0.0, levels, 1.0)
+    weights = np.ones(len(factors)) if method == "ols" else 1.0 / np.where(levels > 0.0, levels, 1.0)
     R = _stacked(factors, weights)
     if len(factors) == 1:
         rank = replace(ranks[0], inverse_root=read_only(ranks[0].inverse_root / weights[0]))
@@ -147,7 +155,6 @@ def estimate(
     sigma = float(np.linalg.norm(weights * residual_norm)) / np.sqrt(divisor) if divisor > 0 else float("nan")
     covariance = sigma**2 * (rank.inverse_root @ rank.inverse_root.T)
     free = list(rank.undetermined)
-    unscaled = np.linalg.svd(_stacked(factors, plain)[:-1, :-1], compute_uv=False)
     deficient: Status = "rank_deficient" if free else "ok"
     return LeastSquares(
         status="too_few_rows" if rows <= len(rank.singular_values) else deficient,
@@ -160,8 +167,7 @@ def estimate(
         sigma_rho_equation=read_only(sigmas),
         residual_norm=read_only(residual_norm),
         y_norm=read_only(np.array([factor.norms[-1] for factor in factors])),
-        rows=tuple(factor.rows for factor in factors),
-        condition_number=condition_number(np.asarray(unscaled, dtype=np.float64)),
+        factors=tuple(factors),
         condition_number_scaled=rank.condition_number,
         rank=rank,
     )

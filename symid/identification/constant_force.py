@@ -28,7 +28,7 @@ def constant_force(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
         laws = [column for j, column in model.law_columns if j == equation]
         if force not in model.forces or not laws or model.known:
             continue
-        used = np.concatenate([at_samples(p, p.observation.valid[equation]) > 0.5 for p in parts])
+        used = np.concatenate([used_samples(p, equation) for p in parts])
         acting = np.concatenate([p.log[force] for p in parts])[used]
         signs = np.stack([np.concatenate([direction(p, equation, law) for p in parts])[used] for law in laws])
         if is_constant(acting, signs):
@@ -53,6 +53,13 @@ def direction(part: Excerpt, equation: int, column: int) -> FloatArray:
     return part.kept(
         (direction, equation, column),
         lambda: np.sign(at_samples(part, np.sign(part.observation.W[equation, :, column]))),
+    )
+
+
+def used_samples(part: Excerpt, equation: int) -> BoolArray:
+    """Samples of the log whose nearest row of an equation is used."""
+    return part.kept(
+        (used_samples, equation), lambda: np.asarray(at_samples(part, part.observation.valid[equation]) > 0.5)
     )
 
 

@@ -168,6 +168,11 @@ def estimate_of(observations: Iterable[Observation | ObservationBlock]) -> Least
     return estimate([factor for o in observations for factor in triangular_factors(o.W, o.y, o.valid)])
 
 
+def estimate_of_parts(parts: Sequence[Excerpt]) -> LeastSquares:
+    """Weighted least squares of the rows of excerpts, computed once."""
+    return parts[0].kept((estimate_of, *parts), lambda: estimate_of(part.observation for part in parts))
+
+
 def block_of(
     seen: Observation, number: int, *, continues: bool = False, instruments: FloatArray | None = None
 ) -> ObservationBlock:

@@ -25,7 +25,13 @@ from symid.estimation import (
 )
 from symid.estimation.triangular import triangle
 from symid.identification.criteria import CRITERIA
-from symid.identification.excerpts import Excerpt, blocks_of, estimate_of, running_integral
+from symid.identification.excerpts import (
+    Excerpt,
+    blocks_of,
+    estimate_of,
+    estimate_of_parts,
+    running_integral,
+)
 from symid.identification.identification_result import Identification
 from symid.identification.lag_scan import shiftable
 from symid.identification.observation import Observation, SignalRows
@@ -187,7 +193,7 @@ def _filtered_before(
 
     With `constants` each part has its own, from which an integral starts.
     """
-    before = estimate_of(part.observation for part in parts)
+    before = estimate_of_parts(parts)
     every = [
         _StepRows.of(part.observation, [one, *constants[k : k + 1]])
         for k, (part, one) in enumerate(zip(parts, more, strict=True))

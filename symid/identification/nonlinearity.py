@@ -19,7 +19,7 @@ from symid.codegen import GeneratedModel
 from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.added_column import AddedColumn
-from symid.identification.constant_force import at_samples, direction
+from symid.identification.constant_force import direction, used_samples
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.identification_result import Identification
@@ -119,10 +119,8 @@ class ColumnTests:
 
     def _acts_one_way(self, force: str, signs: Sequence[FloatArray]) -> bool:
         """Whether a force hardly acts where one of the signs holds, in the rows that are used."""
-        used = [
-            at_samples(part, np.any(part.observation.valid, axis=0, keepdims=True)[0]) > 0.5
-            for part in self.parts
-        ]
+        equations = range(len(self.model.output_names))
+        used = [np.any([used_samples(part, j) for j in equations], axis=0) for part in self.parts]
         squares = [np.square(part.log[force]) * one for part, one in zip(self.parts, used, strict=True)]
         power = np.concatenate(squares) * np.concatenate(signs)
         ways = np.array([power.clip(min=0.0).sum(), -power.clip(max=0.0).sum()])
