@@ -42,14 +42,14 @@ def concluded(
     `fits` are the re-identified model and those with the accepted effects, one more in each; `comparison` has them and
     the nominal model on the validation data. `logs` are the identification log and the validation log, if there is one.
     """
+    # Only effects that hold on the validation data count, on the force with the largest error.
     validated = comparison.validated
     comparison, fits = comparison.with_effects(validated).of_largest, fits[: 1 + validated]
     gaps, found = _gaps(comparison), maps(comparison)
-    share = comparison.unexplained_of_all
-    nonparametric = _nonparametric_fit(gaps, fits)
-    chances = outcome(
-        steps, validated, _errors(gaps, share, is_stationary(comparison), fits[0], nonparametric.share)
-    )
+    # The probabilities of the outcomes follow from the errors before and after, and from the test for a lack of fit.
+    share, nonparametric = comparison.unexplained_of_all, _nonparametric_fit(gaps, fits)
+    errors = _errors(gaps, share, is_stationary(comparison), fits[0], nonparametric.share)
+    chances = outcome(steps, validated, errors)
     verdict = _verdict(chances, gaps, share, damaged)
     # Effects are reported where the verdict names them; otherwise the gap stays that of the re-identified model.
     accepted = accepted_of(steps)[:validated] if verdict in ("effect", "partly") else []
@@ -58,6 +58,7 @@ def concluded(
         gaps, found = _gaps(comparison), maps(comparison)
     axis = comparison.record.dynamics.axis
     parameters = parameter_changes(fits, nominal)
+    # Effects beside values that no machine has are hardly causes.
     if any(own.is_far_from_physical for own in parameters if own.name not in axis.signed_parameters):
         chances = chances.at_most(THRESHOLDS.impossible)
     effects = _effects(comparison, accepted, fits, chances, nonparametric)
@@ -120,12 +121,12 @@ def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, non
 
     nominal = [gap.nominal for gap in gaps if gap.nominal is not None]
     return Errors(
-        largest(nominal) if nominal else None,
-        largest(gap.reidentified for gap in gaps),
-        largest(gap.explained for gap in gaps),
-        share,
-        stationary,
-        gaps[0].reidentified.relative,
+        nominal=largest(nominal) if nominal else None,
+        reidentified=largest(gap.reidentified for gap in gaps),
+        explained=largest(gap.explained for gap in gaps),
+        left=share,
+        stationary=stationary,
+        relative=gaps[0].reidentified.relative,
         others=float(np.sqrt(plain.squares[len(gaps) :].max(initial=0.0))),
         nonparametric=nonparametric,
     )
@@ -169,7 +170,7 @@ def _effects(
         there = chances.effect if i == 0 else THRESHOLDS.further_effect * is_there(step)
         if _may_be_an_order(item, last.state.placed):
             there *= THRESHOLDS.other_order
-        # it makes up for the wrong shape
+        # An effect at the place of an outdone first one makes up for the wrong shape of that.
         if nonparametric.outdoes and item.at == last.state.placed[known].at:
             there = min(there, chances.effect)
         felt = comparison.felt_by(i + 2)
