@@ -9,8 +9,8 @@ projected out.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from typing import Self
 
 import numpy as np
@@ -18,6 +18,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.data import Log
+from symid.last_values import LastValues
 from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.output_error.predictor import Predictor, predictor
 from symid.output_error.run import JointMotion, LogRun, motion_between
@@ -45,6 +46,7 @@ class PredictionError:
     run: LogRun
     motions: tuple[JointMotion, ...]
     free_timing: bool = False
+    _memory: LastValues = field(default_factory=LastValues, init=False, repr=False)
 
     @property
     def first_nuisance(self) -> FloatArray:
@@ -201,18 +203,10 @@ class PredictionError:
 
     def _sampled(self, plant: Plant) -> SampledPlant:
         """The plant from sample to sample; the last one is kept, as noise ratios and timing do not change it."""
-        sampled = self._last.get(plant)
-        if sampled is None:
-            signals = self.run.signals
-            disturbed = [signals[i] for i in self._disturbed]
-            sampled = sampled_plant(plant, signals, self.run.period, self.run.parts, disturbed)
-            self._last.clear()
-            self._last[plant] = sampled
-        return sampled
-
-    @cached_property
-    def _last(self) -> dict[Plant, SampledPlant]:
-        return {}
+        signals = self.run.signals
+        disturbed = [signals[i] for i in self._disturbed]
+        made = partial(sampled_plant, plant, signals, self.run.period, self.run.parts, disturbed)
+        return self._memory.of("sampled", plant, made)
 
     def _assumed_noise(self, sampled: SampledPlant, nuisance: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Noise of the forces and of the readings, up to a common factor."""

@@ -13,6 +13,7 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis, of_any_axis
 from symid.errors import SettingError
+from symid.last_values import LastValues
 from symid.simulation.added_laws import stored_with_laws
 from symid.simulation.dynamics_terms import JointTerms, LawTerm, Polynomial, PolynomialArrays, SensorTerms
 from symid.simulation.massless_bodies import without_massless_bodies
@@ -102,6 +103,7 @@ class ForwardDynamics:
     constant: tuple[Polynomial, ...]
     laws: tuple[JointTerms, ...]
     sensors: Mapping[str, SensorTerms]
+    _memory: LastValues = field(default_factory=LastValues, init=False, repr=False)
 
     def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
         """Masses, springs or dampers in a matrix: its physical parameters that cannot be negative."""
@@ -124,19 +126,12 @@ class ForwardDynamics:
 
     def at(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, as `plant_of`; that of the last values is kept."""
-        values = tuple(parameters.get(name) for name in self.parameters)
-        plant = self._last.get(values)
-        if plant is None:
-            plant, heavy = self.with_nodes(parameters), self._free_bodies[1]
-            plant = plant if heavy.all() else without_massless_bodies(plant, heavy)
-            self._last.clear()
-            self._last[values] = plant
-        return plant
 
-    @cached_property
-    def _last(self) -> dict[tuple[float | None, ...], Plant]:
-        """The plant that was asked for last, by its parameters."""
-        return {}
+        def made() -> Plant:
+            plant, heavy = self.with_nodes(parameters), self._free_bodies[1]
+            return plant if heavy.all() else without_massless_bodies(plant, heavy)
+
+        return self._memory.of("plant", tuple(parameters.get(name) for name in self.parameters), made)
 
     def with_nodes(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, in which bodies without mass remain bodies."""

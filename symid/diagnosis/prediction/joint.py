@@ -9,8 +9,8 @@ import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.prediction.corners import Reversals, reversals_of, with_corners
-from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.record import SLOW_SHARE, Record
+from symid.last_values import LastValues
 from symid.simulation.dynamics_terms import LawTerm
 
 _BACK = 0.02

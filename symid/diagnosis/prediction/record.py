@@ -19,12 +19,12 @@ from symid.axis import Body, Spring
 from symid.data import Log
 from symid.data.lost_samples import step_of
 from symid.diagnosis.prediction.driven_positions import signals_of
-from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.motion_band import force_noise, motion_band, noise_beyond
 from symid.diagnosis.prediction.periodic_log import FEWEST_BINS, PeriodicLog
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
+from symid.last_values import LastValues
 from symid.simulation import ForwardDynamics
 from symid.simulation.law_code import dry_level
 

@@ -19,8 +19,8 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.record import Record
+from symid.last_values import LastValues
 from symid.simulation import Plant
 
 Impedance = tuple[FloatArray, ComplexArray]

@@ -1,4 +1,4 @@
-"""Cache of values computed from a motion or a frequency response."""
+"""Cache of the last values of functions that are asked again for the same arguments."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ class LastValues:
 
     def of(self, key: Hashable, given: Hashable, compute: Callable[[], Found]) -> Found:
         """Value of a key for `given`: the last one if `given` has not changed, otherwise computed."""
-        if key not in self.known or self.known[key][0] != given:
-            self.known[key] = given, compute()
-        found: Found = self.known[key][1]
+        known = self.known.get(key)
+        if known is None or known[0] != given:
+            known = self.known[key] = given, compute()
+        found: Found = known[1]
         return found
