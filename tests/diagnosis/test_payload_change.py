@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from symid import Log, PayloadChange, load_axis
-from symid.diagnosis import Diagnosis, diagnose
+from symid.axis import LoadDependentFriction
+from symid.diagnosis import LIBRARY, Diagnosis, diagnose
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.state import first_state, with_effects
+from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 AXIS = load_axis("rigid_1m").with_signal("q", noise=1e-7).with_signal("F", noise=0.5)
@@ -12,8 +18,8 @@ VALUES = {"M": 50.0, "Fv": 120.0, "Fs": 70.0}
 MOVES = trapezoids([0.1], [0.2, 0.3], acceleration=6.0, jerk=200.0, dwell=0.1, sampling_period=1e-3)
 
 
-def log_with_change(time: float, seed: int) -> Log:
-    loaded = AXIS.with_effect(PayloadChange(AXIS.bodies[0], 30.0, time=time))
+def log_with_change(time: float, seed: int, *further: LoadDependentFriction) -> Log:
+    loaded = AXIS.with_effect(PayloadChange(AXIS.bodies[0], 30.0, time=time), *further)
     return simulate(loaded, VALUES, MOVES, tuned_cascade(plant_of(AXIS, VALUES), "q"), seed=seed).log
 
 
@@ -41,3 +47,17 @@ def test_a_change_at_constant_speed_may_have_been_anywhere_in_it(found: Diagnosi
 def test_a_change_in_motion_is_timed_in_the_validation_log(found: Diagnosis) -> None:
     # Its moment there is another one; an error of 1 ms would leave some ten times the noise.
     assert found.gap.explained.rms < 1.8 * found.gap.noise_floor.rms
+
+
+def test_a_payload_loads_the_bearings_too() -> None:
+    # A friction of 0.25 of the drive force multiplies the force of the added mass by 1 / (1 - 0.25) as well.
+    time, body = float(CRUISES[0]), AXIS.bodies[0]
+    log = log_with_change(time, 1, LoadDependentFriction(body, 0.25))
+    data = data_of(AXIS, (joined([log]), None), Recorded({}, True))
+    state, weighting = first_state(data.record, VALUES)
+    effects = {effect.name: effect for effect in LIBRARY}
+    friction = Placed(effects["load_dependent_friction"], body.name, (), (0.25,))
+    payload = Placed(effects["payload_change"], body.name, (30.0, time), (1.0,))
+    for _ in range(3):  # each time the friction approaches the balance further
+        state = with_effects(state, weighting, (friction, payload))
+    assert Fit(state, weighting).mean_square < 4.0  # 1700 with the friction of the axis without payload

@@ -10,7 +10,7 @@ import pytest
 from hand_made import RIGID, motion
 
 from symid import Log, load_axis
-from symid.diagnosis.findings.shares import closed_fraction
+from symid.diagnosis.findings.shares import closed_fraction, removed_share, surely_decreases
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.autoregression import autoregression
 from symid.diagnosis.prediction.record import record_of
@@ -93,6 +93,16 @@ def test_autoregression_finds_the_known_one_and_whitens() -> None:
 )
 def test_closed_fraction(before: float, after: float, share: float) -> None:
     assert closed_fraction(np.full(4, before**2), np.full(4, after**2)) == pytest.approx(share)
+
+
+def test_an_excess_in_few_blocks_is_surely_removed() -> None:
+    before = np.random.default_rng(1).chisquare(1, 2400)
+    after = 0.95 * before
+    before[1200:1260] += 40.0
+    # Draws without these blocks have no excess, of which nothing can be removed, but smaller squares all the same.
+    assert removed_share(np.stack([before, before, after]), 1.5).low <= 0
+    assert surely_decreases(before, after)
+    assert not surely_decreases(after, before)
 
 
 def test_nothing_to_close_has_no_fraction() -> None:

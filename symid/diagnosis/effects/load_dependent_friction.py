@@ -17,7 +17,7 @@ _COEFFICIENTS = (0.02, 0.06, 0.15, 0.35)  # initial coefficients in a hidden joi
 
 
 class LoadDependentFrictionEffect(JointEffect):
-    """mu abs(drive force) sign(v), with the modelled drive force, which contains this friction.
+    """mu abs(drive force) sign(v), with the modelled drive force, which contains this friction and changes of masses.
 
     With the recorded force as load, the effect would explain the record by itself: F = mu abs(F) sign(v) holds with
     mu = 1 wherever the force has the sign of the velocity. The implicit equation is solved by iteration, which
@@ -33,7 +33,10 @@ class LoadDependentFrictionEffect(JointEffect):
         return 0 <= placed.amplitudes[0] < _LARGEST_COEFFICIENT
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
-        drive = prediction.record.fine(prediction.outputs[prediction.drive_of(joint)])
+        outputs = (
+            prediction.outputs if prediction.changes is None else prediction.outputs + prediction.changes
+        )
+        drive = prediction.record.fine(outputs[prediction.drive_of(joint)])
         return sampled(prediction, np.abs(drive) * np.sign(joint.v), joint=joint)
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:

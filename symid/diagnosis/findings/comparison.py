@@ -11,7 +11,7 @@ import numpy as np
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data.density import power_density
 from symid.diagnosis.findings.gap import Level, Removed
-from symid.diagnosis.findings.shares import removed_share
+from symid.diagnosis.findings.shares import removed_share, surely_decreases
 from symid.diagnosis.findings.strength import FixedBand
 from symid.diagnosis.fitting.applied import applied, applied_or_none, errors_of, fitted_to_log
 from symid.diagnosis.fitting.fit import Fit
@@ -81,9 +81,14 @@ class Comparison:
         errors = [self._relative_error(model) for model in range(1, len(self.states))]
         held = [n for n in range(1, len(errors)) if errors[n] <= THRESHOLDS.falls * min(errors[:n])]
         last = max(held, default=0)
-        while last > 1 and not self.removed(last, last + 1).low > 0:
+        while last > 1 and not self._surely_better(last + 1):
             last -= 1
         return last
+
+    def _surely_better(self, model: int) -> bool:
+        """Whether a model surely errs less than the one before it, and more than noise was left before."""
+        before, after = (self.squares(n, self.output_of(model)) for n in (model - 1, model))
+        return self.removed(model - 1, model).share > 0 and surely_decreases(before, after)
 
     @property
     def worsened(self) -> int | None:

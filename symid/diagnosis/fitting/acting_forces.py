@@ -7,18 +7,29 @@ the outputs are then the linear response.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from symid.arrays import ComplexArray, norms_or_one
-from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
+from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.simulation.law_code import dry_level, not_below_zero
 from symid.simulation.plant import ScaledLaw
+
+
+def changes_by_others(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
+    """Change of the outputs by errors of the readings and changes of masses, of shape (n_outputs, n_bins)."""
+    others = (JointEffect, TransferEffect)
+    changes = (
+        item.change(prediction)
+        for item in placed
+        if not (item.effect.is_of_command or isinstance(item.effect, others))
+    )
+    return sum(changes, start=np.zeros_like(prediction.outputs))
 
 
 def next_prediction(
@@ -54,6 +65,7 @@ def next_prediction(
             joint = before.along(direction)
             impedances.append((direction, _equivalent(term.parameter * before.laws[i][1][k], joint)))
     like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
+    implicit = any(item.effect.implicit for item in placed)
     return prediction_of(
         record,
         parameters,
@@ -64,6 +76,7 @@ def next_prediction(
         integrated=integrated,
         integrated_terms=hidden,
         follows=before.follows,
+        changes=changes_by_others(before, placed) if implicit else None,
     )
 
 

@@ -15,8 +15,8 @@ from itertools import accumulate, chain, pairwise
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.diagnosis.effects import FreeForce, JointEffect, Placed, Shape, TransferEffect, declared_effects
-from symid.diagnosis.fitting.acting_forces import law_to_integrate, next_prediction
+from symid.diagnosis.effects import FreeForce, Placed, Shape, declared_effects
+from symid.diagnosis.fitting.acting_forces import changes_by_others, law_to_integrate, next_prediction
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, weighting_of
@@ -217,13 +217,7 @@ def output_errors(prediction: Prediction, placed: Iterable[Placed]) -> ComplexAr
 
 def as_read(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
     """Outputs with errors of the readings and changes of masses in them, before delays and lags."""
-    others = (JointEffect, TransferEffect)
-    changes = (
-        item.change(prediction)
-        for item in placed
-        if not (item.effect.is_of_command or isinstance(item.effect, others))
-    )
-    return sum(changes, start=prediction.outputs)
+    return prediction.outputs + changes_by_others(prediction, placed)
 
 
 def passed_on(prediction: Prediction, placed: Iterable[Placed], outputs: ComplexArray) -> ComplexArray:

@@ -43,6 +43,8 @@ class Prediction:
     integrated_terms: tuple[tuple[int, int], ...] = ()
     # whether the motion at which integrated laws act is drawn to the measured force, see `hidden_motion`
     follows: bool = False
+    # shape (n_outputs, n_bins): changes of the outputs by misreadings and other masses, which load the bearings too
+    changes: ComplexArray | None = None
 
     def leveled(self, levels: Sequence[float]) -> Prediction:
         """The prediction with weights that allow for other errors of the model."""
@@ -237,6 +239,7 @@ def prediction_of(
     integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
     integrated_terms: tuple[tuple[int, int], ...] = (),
     follows: bool = False,
+    changes: ComplexArray | None = None,
 ) -> Prediction:
     """The axis under a record at physical parameters, SI.
 
@@ -281,6 +284,7 @@ def prediction_of(
         levels=levels,
         integrated_terms=integrated_terms if integrated else (),
         follows=follows,
+        changes=changes,
     )
 
 
