@@ -9,7 +9,6 @@ import sympy as sp
 from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Sensor
-from symid.codegen.dynamics_store import dynamics_text
 from symid.codegen.lowering import code
 from symid.symbolic.forward_terms import Functional, forward_terms
 from symid.symbolic.lagrange import Kinematics
@@ -74,8 +73,3 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
         ],
         "sensors": {s.signal: sensor(s) for s in axis.sensors},
     }
-
-
-def generated_dynamics(axis: Axis) -> str:
-    """Text of the file that holds the forward dynamics of an axis."""
-    return dynamics_text(axis, dynamics_record(axis))

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from symid.axis import AnyAxis, axis_file, axis_names, axis_of, load_axis
-from symid.codegen.dynamics_record import generated_dynamics
-from symid.codegen.dynamics_store import dynamics_file
+from symid.codegen.dynamics_record import dynamics_record
+from symid.codegen.dynamics_store import dynamics_file, dynamics_text
 from symid.codegen.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
@@ -110,5 +110,6 @@ def _plan_axis(
         except EliminationError as error:
             leave_out(path, error)
     if measured is None:
-        files.append(planned_file(dynamics_file(folder, axis.name), generated_dynamics(axis)))
+        text = dynamics_text(axis, dynamics_record(axis))
+        files.append(planned_file(dynamics_file(folder, axis.name), text))
     return files

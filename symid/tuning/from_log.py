@@ -27,7 +27,7 @@ _BEYOND_COHERENCE = 1.5  # times the band in which force and motion are coherent
 _HIGHEST_SHARE = 0.4  # of the sampling frequency
 _LEAST_FRICTION = 1e-9  # SI: a negative estimate cannot be simulated
 _BANDWIDTHS = (10.0, 20.0, 40.0)  # Hz, of cascades that keep the axis to the log
-_ROUGH_DRAWS = 3  # of the noise, before the last round
+_DRAWS = (3, 12)  # of the noise in each round
 
 
 def run_of_log(
@@ -70,17 +70,6 @@ def run_of_log(
     return exact_run(axis, parameters, references, controllers)
 
 
-def runs_of_log(
-    axis: Axis,
-    model: GeneratedModel,
-    parameters: Mapping[str, float],
-    log: Log,
-    late: Mapping[str, float] | None = None,
-) -> tuple[ExactRun, ...]:
-    """Three simulations of the motion in a log, with cascades of 10, 20 and 40 Hz; parameters as in `run_of_log`."""
-    return tuple(run_of_log(axis, model, parameters, log, late, bandwidth) for bandwidth in _BANDWIDTHS)
-
-
 def identified_and_tuned(
     axis: Axis,
     model: GeneratedModel,
@@ -89,8 +78,6 @@ def identified_and_tuned(
     nominal: Mapping[str, float] | None = None,
     noise: Mapping[str, float] | None = None,
     preparation: Preparation | None = None,
-    rounds: int = 2,
-    draws: int = 12,
     track: Track = iter,
 ) -> TotalTuning:
     """Tune on the total error with parameters identified from the log itself.
@@ -112,10 +99,6 @@ def identified_and_tuned(
         Standard deviation of the noise of signals where it is known, SI; of the others it is read from the log.
     preparation : Preparation, optional
         Settings other than cutoff and decimation.
-    rounds : int
-        How often parameters are identified and the settings tuned.
-    draws : int
-        Draws of noise in the last round.
     track : callable, optional
         Is given the cutoffs of each round and passes them on, to show progress.
 
@@ -127,9 +110,10 @@ def identified_and_tuned(
     base = preparation or Preparation()
     levels = {**noise_deviations(model, log), **(noise or {})}
     settings, tuned = base, None
-    for last in [False] * (rounds - 1) + [True]:
+    late = base.with_hold(model, log.sampling_period)
+    for draws in _DRAWS:
         parameters = plausible_parameters(axis, model, log, settings, nominal)
-        runs = runs_of_log(axis, model, parameters, log, base.with_hold(model, log.sampling_period))
+        runs = [run_of_log(axis, model, parameters, log, late, bandwidth) for bandwidth in _BANDWIDTHS]
         tuned = tune_total(
             axis,
             model,
@@ -138,7 +122,7 @@ def identified_and_tuned(
             log.sampling_frequency,
             levels,
             preparation=base,
-            draws=draws if last else _ROUGH_DRAWS,
+            draws=draws,
             track=track,
         )
         settings = tuned.preparation
