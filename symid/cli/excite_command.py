@@ -180,6 +180,7 @@ def _record(found: Design, experiment: IdentificationTrial, output: str) -> dict
         "seconds": found.best.trajectory.duration,
         "tried": found.tried,
         "limits": experiment.allowed,
+        "undetermined": list(found.best.undetermined),
         "expected": {
             name: one and {"deviations": one.deviations, "relative": one.relative, "reached": one.reached}
             for name, one in every.items()
@@ -205,5 +206,10 @@ def _print(found: Design, experiment: IdentificationTrial, output: str) -> None:
     for name in best.relative:
         cells = ("" if one is None else f"{100 * one.relative[name]:.3g} %" for one in every.values())
         say(f"  {name:<{width}}" + "".join(f"  {cell or 'not determined':>18}" for cell in cells))
+    if best.undetermined:
+        say(
+            f"this does not determine {', '.join(best.undetermined)}, whose errors exceed their values: measure more, "
+            "give what is known (--fix), or allow more time, travel, speed or acceleration"
+        )
     columns = " and ".join(("t", *references_log(experiment.axis, best.references).signals))
     say(f"wrote {output}: columns {columns} at {1 / motion.sampling_period:g} Hz")

@@ -98,6 +98,11 @@ def design(
                 f"no motion determines {', '.join(unseen)} of axis {experiment.axis.name!r} by these sensors: declare "
                 "what is known as a number, or measure more"
             )
+        if beyond := experiment.beyond_at_rest(tried[0]):
+            raise SettingError(
+                f"axis {experiment.axis.name!r} reaches {beyond} already at rest, by noise in its loop or by "
+                "weights: lower the bandwidth of the controller or the noise, or allow more"
+            )
         is_common = drives > 1 and experiment.apart is None
         apart = ", or that drives differ by apart=..." if is_common else ""
         raise SettingError(

@@ -68,6 +68,11 @@ class Expectation:
         """Largest relative deviation."""
         return max(self.relative.values(), default=math.inf)
 
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Parameters whose expected error exceeds their value."""
+        return tuple(name for name, error in self.relative.items() if error > 1.0)
+
 
 @dataclass(frozen=True)
 class IdentificationTrial:
@@ -155,6 +160,16 @@ class IdentificationTrial:
             "force": float(np.abs(run.forces).max()),
         }
         return found if self.apart is None else {**found, "apart": float(np.ptp(position, axis=1).max())}
+
+    def beyond_at_rest(self, paths: Sequence[Trajectory]) -> str:
+        """Limits that the axis exceeds without a motion of its references, with what it reaches; empty if none."""
+        still = tuple(scaled(path, 0.0) for path in paths)
+        reached = self.reached(still, self.simulated(still, 0))
+        return ", ".join(
+            f"{name} {reached[name]:.3g} of {limit:g}"
+            for name, limit in self.allowed.items()
+            if reached[name] > limit
+        )
 
     def identified(self, run: Simulation) -> tuple[dict[str, float], dict[str, float]] | None:
         """Physical parameters and their deviations from a simulated log; None if the log does not determine them."""

@@ -1,6 +1,7 @@
 """Design of references: limits hold on the simulated axis, expected deviations are those that identifications have."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -176,4 +177,16 @@ def test_a_design_needs_some_runs():
 
 def test_limits_that_nothing_can_keep_are_reported():
     with pytest.raises(SettingError, match=r"none of .* references within the limits determines"):
-        design(experiment_of(force=1.0), 2.0, 500.0, seeds=0)
+        design(experiment_of(force=20.0), 2.0, 500.0, seeds=0)
+
+
+def test_noise_that_moves_the_axis_beyond_its_limits_is_named():
+    trial = experiment_of()
+    noisy = replace(trial, axis=trial.axis.with_signal("q", noise=1e-4))
+    with pytest.raises(SettingError, match=r"reaches acceleration [\d.]+ of 5 already at rest, by noise"):
+        design(noisy, 2.0, 500.0, seeds=0)
+
+
+def test_parameters_whose_error_exceeds_their_value_are_undetermined(found):
+    assert found.best.undetermined == ()
+    assert replace(found.best, relative={"M": 0.01, "Fv": 1.2, "Fs": 0.9}).undetermined == ("Fv",)
