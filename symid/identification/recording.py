@@ -32,6 +32,10 @@ _ROUGH, _ROUNDING = 0.6, 1e-9
 """Share of fourth differences that change sign, 0.8 of white noise; and their part of the signal by rounding."""
 _JUMP = 2.0
 """Times the usual steps that a reading catches up with at the end of a held span."""
+_FEW_TURNS = 30
+"""Samples of the sharpest turns of a reading that are compared with the forces, where a hundredth are less."""
+_UNDRIVEN = 0.1
+"""Part of the power of these turns that forces leave of an acceleration at most."""
 _WRAPPED = 0.8
 """Step in one sample, over the range, that counts as a wrap; a reversal of force and friction makes half at most."""
 _USUAL_STEP = 0.2
@@ -52,7 +56,7 @@ def fault_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares)
             x, is_force = part.log[name], name in model.forces
             if is_force and is_switched(x):
                 continue
-            if not is_force and (spikes := _spikes(x)):
+            if not is_force and (spikes := _undriven(model, part.log, name)):
                 k = spikes[0]
                 return (
                     f"{name} jumps by {x[k] - x[k - 1]:.3g} and back within a sample at t = {part.log.time[k]:.7g} s, "
@@ -138,6 +142,21 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
         odd = np.abs(mover[spans[:, 1]] - mover[spans[:, 0]]) > 0.25 * pace
     found = int(np.count_nonzero(inside & odd))
     return found if found >= FEWEST else 0
+
+
+def _undriven(model: GeneratedModel, log: Log, name: str) -> list[int]:
+    """Spikes of a reading, none where its sharpest turns follow those of the forces at once, as accelerations do.
+
+    The first sensor of an axis closes its loop: there it is the force that follows.
+    """
+    spikes = _spikes(x := log[name])
+    if not spikes or name == model.measured[0]:
+        return spikes
+    forces, turns = np.stack([log[force] for force in model.forces], axis=1), np.diff(x, 2)
+    sharpest = np.abs(turns) >= np.sort(np.abs(turns))[-max(_FEW_TURNS, turns.size // 100) :][0]
+    made, seen = np.diff(forces, 2, axis=0)[sharpest], turns[sharpest]
+    left = seen - made @ np.linalg.lstsq(made, seen, rcond=None)[0]
+    return spikes if left @ left > _UNDRIVEN * (seen @ seen) else []
 
 
 def _spikes(x: FloatArray) -> list[int]:

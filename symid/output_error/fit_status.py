@@ -197,11 +197,14 @@ def _log_remark(alone: Sequence[OutputErrorIdentification]) -> str:
 def _regression_remark(found: OutputErrorIdentification, regression: Identification | None) -> str:
     """Remark on parameters that differ from those of a least-squares fit without a fault.
 
-    What the model lacks need not be in their deviations: it moves both.
+    What the model lacks need not be in their deviations: it moves both. Where samples are sparse, a fit with a negative
+    mass or stiffness says nothing: its deviations hold at a place that no machine has.
     """
     if regression is None or regression.status not in ("ok", "undetermined"):
         return ""
     own, other = found.physical_parameters, regression.physical_parameters
+    if not _is_dense(found) and negative_parameters(found.model, np.array(list(other.values()))):
+        return ""
     spread = np.hypot(found.physical_deviations, replace(regression, discrepancies=()).physical_deviations)
     far = [
         f"{name} ({own[name]:.4g}, {other[name]:.4g})"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
-from benchmarks.promise.machines import Case, draw_case
+from benchmarks.promise.machines import Case, draw_case, draw_machine
 from symid import Log, Preparation, identify, load_generated
 from symid.data import central_difference, central_difference_gain, derivatives
 from symid.identification import Identification
@@ -273,3 +273,18 @@ def test_held_spans_in_motion_are_named(name: str) -> None:
     for start in range(500, x.size - 600, 400):
         x[start : start + 30] = x[start]
     assert f"{name} keeps exactly one value over" in identified(**{name: x}).message
+
+
+@pytest.mark.parametrize("is_driven", [True, False])
+def test_an_acceleration_may_jump_for_a_sample_where_the_force_does(is_driven: bool) -> None:
+    rng = np.random.default_rng(20261127)
+    case = draw_machine("direct_2m1s", ("q2", "ddq1", "ddq2"), rng)
+    sizes = {name: 2e-8 if name == "q2" else 1e-3 * np.std(x) for name, x in case.signals.items()}
+    logged = {name: x + sizes[name] * rng.standard_normal(x.size) for name, x in case.signals.items()}
+    at, pulse = np.arange(1, 6) * logged["Fm"].size // 7, 0.5 * np.ptp(logged["Fm"])
+    logged["ddq1"][at] -= pulse / case.truth["Ms"]
+    logged["ddq2"][at] += pulse * (1 / case.truth["Mm"] + 1 / case.truth["Ms"])
+    logged["Fm"][at] += pulse if is_driven else 0.0
+    found = identify("direct_2m1s", Log.from_arrays(logged, sampling_period=1 / case.rate))
+    assert ("ddq1 jumps by" in found.message) == (not is_driven)
+    assert (found.status == "ok") == is_driven

@@ -57,6 +57,20 @@ def test_faults_that_least_squares_finds_hold_where_samples_are_dense(
     assert verdict_of(simulated, replace(regression, status="not_physical"))[0] == "ok"
 
 
+def test_least_squares_with_a_negative_mass_are_compared_where_samples_are_dense(rigid: Log) -> None:
+    found = identified(rigid)
+    regression = identify(load_generated("rigid_1m"), rigid, preparation=Preparation(held=True))
+    (place,) = regression.physical
+    values = place.parameters * np.array([-1.0, 1.0, 1.0])
+    negative = replace(regression, physical=(replace(place, parameters=values),))
+    status, message = verdict_of(found, negative)
+    assert (status, "differ in M (100" in message) == ("poor_fit", True)
+    sparse = replace(found, comparison=replace(found.comparison, force="simulated"))
+    assert verdict_of(sparse, negative) == ("ok", "")
+    far = replace(regression, physical=(replace(place, parameters=1.5 * place.parameters),))
+    assert verdict_of(sparse, far)[0] == "poor_fit"
+
+
 def with_force(log: Log, force: np.ndarray) -> Log:
     return replace(log, signals={**log.signals, "F": force})
 
