@@ -182,6 +182,7 @@ class _Csv:
             decimal_comma=self.separator != ",",  # points are understood as well
             schema={name: dtype if name in wanted else pl.String() for name in names},
             columns=sorted(set(positions)),
+            missing_columns="insert",  # names above which no values stand
             encoding="utf8-lossy",
             glob=False,
         ).select(wanted)

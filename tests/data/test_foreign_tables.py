@@ -45,6 +45,27 @@ def test_times_that_are_alike_are_one_clock(tmp_path: Path) -> None:
     assert open_table(path, layout_found(path)).headers == ("Time (1)", "q", "Time (2)", "F")
 
 
+@pytest.mark.parametrize("digits", [0, 3])
+def test_milliseconds_stand_beside_a_time_of_day_or_repeat_it(tmp_path: Path, digits: int) -> None:
+    path, t = tmp_path / "a.csv", 58.9 + 0.01 * np.arange(N)
+    times = [
+        f"20.11.2026,10:{22 + int(x // 60)}:{x % 60 - (0 if digits else x % 1):0{2 + (digits and 4)}.{digits}f}"
+        for x in t
+    ]
+    rows = zip(times, np.rint(1e3 * t) % 1000, Q, F, strict=True)
+    path.write_text("Date,Time,Millitm,q,F\n" + "".join(f"{x},{m:.0f},{q},{f}\n" for x, m, q, f in rows))
+    log = read_log(path, expected=EXPECTED, columns={"t": "t"}, layout=layout_found(path))
+    assert (log.n_samples, log.sampling_period) == (N, pytest.approx(0.01))
+    np.testing.assert_allclose(log["q"], Q)
+
+
+def test_names_above_which_no_values_stand_do_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([lines()[0] + ",Start,Increment,", *lines()[1:]]))
+    for layout in (None, layout_found(path)):
+        np.testing.assert_allclose(read_log(path, expected=EXPECTED, layout=layout)["q"], Q, atol=1e-9)
+
+
 def lines() -> list[str]:
     return ["t,q,F", *(f"{t:.3f},{q:.9f},{f:.6f}" for t, q, f in zip(T, Q, F, strict=True))]
 

@@ -1,4 +1,4 @@
-"""Times in two columns, whole seconds and the rest, as robots and system calls write them."""
+"""Times in two columns, whole seconds and the rest, as robots, system calls and controllers write them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ from symid.data.table import Table
 
 _REST: Final = re.compile(r"(?P<stem>.*?)(?P<prefix>nano|micro|n|u)(?:s|secs?|seconds?)", re.IGNORECASE)
 _PARTS: Final = {"nano": 1e-9, "n": 1e-9, "micro": 1e-6, "u": 1e-6}
+_MILLISECONDS: Final = re.compile(r"milli(?:tm)?|m(?:illi)?s(?:ec(?:ond)?s?)?")
+"""Names of the rest beside a time of day in whole seconds."""
+_WHOLE_WITHIN: Final = 1e-6  # s
 _WHOLE: Final = ("sec", "secs", "second", "seconds", "s")
 
 
@@ -27,7 +30,7 @@ def with_joined_times(table: Table) -> Table:
     >>> found.headers, found.read([0])[0].tolist()
     (('t [s]', 'stamp.nanosec'), [0.5, 1.0])
     """
-    pair = _pair(table.headers)
+    pair = _pair(table.headers) or _time_of_day(table)
     if pair is None:
         return table
     whole, rest, factor = pair
@@ -38,7 +41,8 @@ def with_joined_times(table: Table) -> Table:
         seconds, parts = columns[whole], columns[rest]
         if not isinstance(seconds, str) and not isinstance(parts, str):
             first = seconds[np.isfinite(seconds)][:1].sum()  # a fraction of 1.7e9 s would lose digits
-            columns[whole] = (seconds - first) + factor * parts
+            if _are_parts(seconds - first, factor * parts):
+                columns[whole] = (seconds - first) + factor * parts
         return [columns[position] for position in positions]
 
     headers = tuple(f"{TIME} [s]" if place == whole else name for place, name in enumerate(table.headers))
@@ -56,6 +60,21 @@ def _pair(headers: Sequence[str]) -> tuple[int, int, float] | None:
             if len(whole) == 1:
                 return whole[0], rest, _PARTS[found["prefix"]]
     return None
+
+
+def _time_of_day(table: Table) -> tuple[int, int, float] | None:
+    """As `_pair`, of times of day beside a column of milliseconds."""
+    rest = [
+        place for place, name in enumerate(table.headers) if _MILLISECONDS.fullmatch(name.strip().lower())
+    ]
+    return (*table.stamps, *rest, 1e-3) if len(table.stamps) == len(rest) == 1 else None
+
+
+def _are_parts(seconds: FloatArray, rest: FloatArray) -> bool:
+    """Whether these are whole seconds and parts of a second, and neither repeats the other."""
+    known = np.isfinite(seconds) & np.isfinite(rest)
+    off = np.abs(seconds - np.rint(seconds))[known]
+    return bool(np.all(off < _WHOLE_WITHIN) and np.all((rest[known] >= 0.0) & (rest[known] < 1.0)))
 
 
 def _names(stem: str) -> list[str]:
