@@ -200,7 +200,7 @@ class _Guess:
         found.sort(key=lambda c: (c.constant, not c.header.startswith(signal)))
         column = self.chosen(signal, _in_degrees(found, unit) or self.called(signal))
         if column is not None:
-            self.take(signal, column)
+            self.take(signal, column, None if column.unit or column.scaled else str(unit))
             others = [repr(c.header) for c in found if c.header != column.header]
             if signal not in self.named and not column.header.startswith(signal) and len(others) >= alike:
                 self.guesses.append(f"{signal} may as well be column {' or '.join(others)}")
@@ -236,7 +236,7 @@ class _Guess:
         # v may be volts
         misnamed = signal in self.named and column.quantity in _MOTION and column.unit is None
         if (misnamed or column.quantity in (own, None)) and _is_unit_of_drive(column.unit, unit):
-            self.take(signal, column)
+            self.take(signal, column, column.unit or str(unit))
             if gain is not None:
                 self.gains[signal] = gain
             return

@@ -67,7 +67,7 @@ def _time_of_day(table: Table) -> tuple[int, int, float] | None:
     rest = [
         place for place, name in enumerate(table.headers) if _MILLISECONDS.fullmatch(name.strip().lower())
     ]
-    return (*table.stamps, *rest, 1e-3) if len(table.stamps) == len(rest) == 1 else None
+    return (next(iter(table.stamps)), rest[0], 1e-3) if len(table.stamps) == len(rest) == 1 else None
 
 
 def _are_parts(seconds: FloatArray, rest: FloatArray) -> bool:
