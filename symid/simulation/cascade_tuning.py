@@ -14,6 +14,8 @@ from symid.simulation.plant import Plant
 
 _SLOWEST, _FASTEST = 1e-6, 1e6
 """Range of bandwidths, Hz: beyond it powers of them overflow."""
+_HEAVIEST = 1e100
+"""Mass from which on powers of gains overflow, SI."""
 _SHARED = 1e-9
 """Singular value, relative to the largest, below which drives count as moving the same mass."""
 _RESOLVED = 1e-6
@@ -95,7 +97,14 @@ def tuned_cascades(
                 "it; an identification need not use it"
             )
     angular = 2 * math.pi * bandwidth_hz
-    masses = _moved_masses(plant, np.array([plant.sensors[signal].row for signal in signals]), angular / 100)
+    with np.errstate(over="ignore", invalid="ignore"):
+        masses = _moved_masses(
+            plant, np.array([plant.sensors[signal].row for signal in signals]), angular / 100
+        )
+    if not (np.abs(masses) < _HEAVIEST).all():
+        raise SettingError(
+            f"a drive of this axis moves {np.abs(masses).max():.3g} kg or kg*m^2: give masses below {_HEAVIEST:g}"
+        )
     reads = [plant.sensors[signal].order == 1 for signal in signals]
     return tuple(
         Cascade(

@@ -11,6 +11,7 @@ from axes.gantry import TRUE, matrices
 from scipy.linalg import block_diag, expm
 
 from symid import Axis, Between, Body, Drive, Position, Spring, ViscousFriction
+from symid.errors import SettingError
 from symid.simulation import Cascade, plant_of, tuned_cascades
 
 PERIOD = 5e-4
@@ -104,3 +105,11 @@ def test_friction_and_springs_that_are_less_than_the_mass_count_in_it() -> None:
     rate = 2 * math.pi * 0.2
     felt = math.hypot(0.05 - 0.02 / rate**2, 0.05 / rate)
     assert controller.velocity_gain == pytest.approx(2 * math.pi * 20.0 * felt)
+
+
+def test_a_mass_beyond_all_machines_is_refused_without_warnings() -> None:
+    table = Body("table", mass="M")
+    axis = Axis("slide", (table,), Drive("F", table), (Position("q", table),))
+    for mass in (1e101, 1e308):
+        with pytest.raises(SettingError, match=r"a drive of this axis moves .*: give masses below 1e\+100"):
+            tuned_cascades(plant_of(axis, {"M": mass}), ("q",))
