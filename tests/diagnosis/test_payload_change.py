@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from symid import Log, PayloadChange, load_axis
-from symid.axis import LoadDependentFriction
+from symid import Axis, Body, CoulombFriction, Drive, Log, PayloadChange, Position, ViscousFriction, load_axis
+from symid.axis import LoadDependentFriction, Weight
 from symid.diagnosis import LIBRARY, Diagnosis, diagnose
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.fit import Fit
@@ -61,3 +61,24 @@ def test_a_payload_loads_the_bearings_too() -> None:
     for _ in range(3):  # each time the friction approaches the balance further
         state = with_effects(state, weighting, (friction, payload))
     assert Fit(state, weighting).mean_square < 4.0  # 1700 with the friction of the axis without payload
+
+
+def test_a_payload_of_a_vertical_axis_has_a_weight() -> None:
+    table = Body("table", mass="M")
+    laws = Weight(table), CoulombFriction(table, "Fs"), ViscousFriction(table, "Fv")
+    lift = Axis("lift", (table, *laws), Drive("F", table), (Position("q", table),))
+    lift = lift.with_signal("q", noise=1e-7).with_signal("F", noise=0.5)
+    brakes = float(BRAKES[0])
+
+    def gripped(time: float, seed: int) -> Log:
+        loaded = lift.with_effect(PayloadChange(table, 8.0, time=time))
+        return simulate(loaded, VALUES, MOVES, tuned_cascade(plant_of(lift, VALUES), "q"), seed=seed).log
+
+    # In the validation log at rest, where the axis then sinks.
+    still = np.flatnonzero(~LATE & (SPEED == 0.0) & (np.arange(PATH.size) > PATH.size // 4))[20]
+    found = diagnose(lift, gripped(brakes, 1), validation=gripped(1e-3 * still, 2), nominal=VALUES)
+    (effect,) = found.effects
+    assert (effect.effect, effect.at) == ("payload_change", "table")
+    assert effect.parameters["dm"].value == pytest.approx(8.0, rel=0.01)
+    assert effect.parameters["t0"].value == pytest.approx(brakes, abs=0.005)
+    assert found.gap.explained.rms < 2.0 * found.gap.noise_floor.rms

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, least_squares
+from symid.axis import Weight
 from symid.diagnosis.effects.effect import Effect, MatchedFilter, Placed, Shape, best_peaks, joint_units
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
@@ -34,7 +35,7 @@ _UNSETTLED = 12
 
 
 class PayloadChangeEffect(Effect):
-    """The mass of a body is larger by dm from the time t0 on; before and after, the axis is linear."""
+    """The mass of a body, and its weight, is larger by dm from the time t0 on; before and after, the axis is linear."""
 
     name = "payload_change"
     amplitudes = ("share",)
@@ -49,13 +50,14 @@ class PayloadChangeEffect(Effect):
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         body, record = prediction.bodies[place], prediction.record
         response = -prediction.response.of_force(body.direction)
-        inertial = record.from_grid(body.a)
+        load = _load(prediction, body)
+        inertial = record.from_grid(load)
         energy = np.sum(record.fine(response * prediction.density * inertial) ** 2, axis=0) * record.in_log
         if not 0 < energy.sum() < np.inf:
             return []
-        # Matched filter for an inertial force from each time on: its correlation with the residual, less the part that
-        # a constant change of the mass would explain, relative to its energy.
-        later = np.cumsum((matched_filter(response) * body.a * record.in_log)[::-1])[::-1]
+        # Matched filter for the force of an added mass from each time on: its correlation with the residual, less the
+        # part that a constant change of the mass would explain, relative to its energy.
+        later = np.cumsum((matched_filter(response) * load * record.in_log)[::-1])[::-1]
         after = np.cumsum(energy[::-1])[::-1] / energy.sum()
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
         step = max(1, score.size // 400)
@@ -76,14 +78,17 @@ class PayloadChangeEffect(Effect):
         return larger < _MOST_OF_OTHER * smaller
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
-        return [(shape[0], float(share * record.duration)) for share in _MOMENTS]
+        moving = np.any([record.moves(speed) for speed in record.speeds], axis=0)
+        # A load that is gripped at rest sets a vertical axis moving.
+        begins = record.fine_time[1:][np.diff(moving.astype(np.int8)) > 0]
+        return [(shape[0], float(time)) for time in (*_MOMENTS * record.duration, *begins)]
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         """Change of the outputs by the added inertia, computed with the axis that has it throughout.
 
         The motion x of the axis as modelled obeys (M + dm) x'' + ... = f + dm x''. From t0 on the last term is absent,
-        so that the outputs change by the response of the axis with dm to -dm x'' from then on. The hidden bodies keep
-        their motion at t0.
+        and the body weighs dm g more, so that the outputs change by the response of the axis with dm to -dm (x'' + g)
+        from then on. The hidden bodies keep their motion at t0.
         """
         record, (change, moment) = prediction.record, shape
         body = prediction.bodies[place]
@@ -91,10 +96,10 @@ class PayloadChangeEffect(Effect):
             (self, place), change, lambda: self._with_change(prediction, body.direction, change)
         )
         if record.is_predicted(body.direction):  # the motion of the axis as modelled has no jump
-            acceleration = body.a * _later(record, moment, _SMOOTH)
+            load = _load(prediction, body) * _later(record, moment, _SMOOTH)
         else:
-            acceleration = _with_sharp_jump(prediction, body, shape) * _later(record, moment)
-        return self._ended(record, -change * other * record.from_grid(acceleration), free, moment)[None]
+            load = _with_sharp_jump(prediction, body, shape) * _later(record, moment)
+        return self._ended(record, -change * other * record.from_grid(load), free, moment)[None]
 
     def _with_change(
         self, prediction: Prediction, direction: FloatArray, change: float
@@ -124,6 +129,17 @@ class PayloadChangeEffect(Effect):
         return "1", str(force * Unit.of("s") ** 2 / length), "s"
 
 
+def _load(prediction: Prediction, body: Joint) -> FloatArray:
+    """Force of a body by its mass, on the fine grid: its acceleration, and that of its declared weight."""
+    return np.asarray(body.a + _gravity(prediction, body))
+
+
+def _gravity(prediction: Prediction, body: Joint) -> float:
+    """Acceleration by which a body weighs against its positive direction, m/s^2; 0 without a declared weight."""
+    weights = (own for own in prediction.axis.elements if isinstance(own, Weight))
+    return sum((own.acceleration for own in weights if own.body.name == body.name), start=0.0)
+
+
 def _later(record: Record, moment: float, points: int = 1) -> FloatArray:
     """A step from 0 to 1 at a moment of the log, over a number of points of the fine grid."""
     time = record.fine_time
@@ -131,15 +147,16 @@ def _later(record: Record, moment: float, points: int = 1) -> FloatArray:
 
 
 def _with_sharp_jump(prediction: Prediction, body: Joint, shape: Shape) -> FloatArray:
-    """A driven acceleration with what the band of the log leaves out of its jump, on the fine grid.
+    """The load of a driven body with what the band of the log leaves out of its jump, on the fine grid.
 
-    The forces on the body go on, so that its acceleration a(-) falls to a(-) m/(m + dm). The measured one passes the
+    The forces on the body go on, so that a(-) + g falls to (a(-) + g) m/(m + dm). The measured acceleration passes the
     jump half-way at its moment, in the time that the band allows.
     """
     record, (change, moment) = prediction.record, shape
     mass = 1 / float(body.direction @ np.linalg.pinv(prediction.response.plant.mass) @ body.direction)
     share = change / (mass + change)
-    before = float(np.interp(moment, record.fine_time, body.a)) / (1 - share / 2)
+    load = _load(prediction, body)
+    before = float(np.interp(moment, record.fine_time, load)) / (1 - share / 2)
     fading = np.exp(-np.clip(record.fine_time - moment, 0.0, None) * record.band_hz / _FADES)
     step = _later(record, moment) * fading
-    return np.asarray(body.a - share * before * (step - record.fine(record.from_grid(step))))
+    return np.asarray(load - share * before * (step - record.fine(record.from_grid(step))))
