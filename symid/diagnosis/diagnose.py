@@ -237,9 +237,11 @@ class _Task:
 
         def concluded_from(models: Comparison) -> Diagnosis:
             found = concluded(models, steps, fits, self.nominal, logs, damaged)
-            if found.verdict in ("unexplained", "partly") and len(self._parts) == 1:
-                moment = momentary(models.with_effects(len(found.effects)), fits[len(found.effects)])
-                found = replace(found, next_experiment=moment or changed_span(base) or found.next_experiment)
+            if found.verdict in ("unexplained", "partly") and len(run.parts) == 1:
+                last, alone = len(found.effects), validation is None
+                moment = momentary(models.with_effects(last), fits[last]) if alone else ""
+                moment = moment or changed_span(base, "the log" if alone else "the identification log")
+                found = replace(found, next_experiment=moment or found.next_experiment)
             return with_motion(found, models, self.runs, data.held_out, controller=self.recorded.controller)
 
         found = concluded_from(comparison)

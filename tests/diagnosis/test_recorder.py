@@ -107,10 +107,11 @@ def test_no_effect_is_read_from_one_signal_that_is_averaged(name: str) -> None:
 
 def test_a_gain_that_changes_within_the_log_is_pointed_at() -> None:
     log, later = rigid_log(), np.arange(rigid_log().n_samples) > 0.6 * rigid_log().n_samples
-    changed = recorded(log, lambda x: np.where(later, x / 2, x), "F")
-    found = diagnose(load_axis("rigid_1m"), changed, nominal=RIGID)
-    assert found.verdict == "unexplained"
-    assert found.next_experiment.startswith("Look at what changed: in a part of the log from")
+    changed = recorded(log, lambda x: np.where(later, x / 3, x), "F")
+    for other, name in ((None, "the log"), (log, "the identification log")):
+        found = diagnose(load_axis("rigid_1m"), changed, validation=other, nominal=RIGID)
+        assert found.verdict == "unexplained"
+        assert found.next_experiment.startswith(f"Look at what changed: in a part of {name} from")
 
 
 def test_a_short_mean_costs_no_effect_its_name() -> None:

@@ -9,10 +9,11 @@ from symid.diagnosis.thresholds import THRESHOLDS
 from symid.identification.stability import greatest_change
 
 
-def changed_span(fit: Fit) -> str:
+def changed_span(fit: Fit, of: str) -> str:
     """Sentence if separate parameters for a span of the log explain most of the error of a model; empty otherwise.
 
-    Two machines in one log, or a gain that is another from some time on, are not effects of one machine.
+    Two machines in one log, or a gain that is another from some time on, are not effects of one machine. The log is
+    called `of`.
     """
     record, names = fit.state.prediction.record, list(fit.parameters)
     segments, root = fit.blocks.segments(record.row_time[fit.weighting.kept])
@@ -23,7 +24,7 @@ def changed_span(fit: Fit) -> str:
     i = change.most_certain(np.arange(values.size) < len(names))
     unit = record.dynamics.axis.physical_parameters[names[i]]
     return (
-        f"Look at what changed: in a part of the log from {change.begins + record.log.start:.4g} s on {names[i]} is "
+        f"Look at what changed: in a part of {of} from {change.begins + record.log.start:.4g} s on {names[i]} is "
         f"{change.inside[i]:.4g} {unit}, elsewhere {change.outside[i]:.4g}. This explains "
         f"{100 * change.explained:.0f} % of the error: another payload, gain or machine. Diagnose the parts apart "
         "(`trim`)."

@@ -47,14 +47,15 @@ class FixedBand:
         return np.array([self._strength(at) for at in range(self.n_declared, len(self.state.placed))])
 
     def removed(self, output: int) -> FloatArray:
-        """Share that each effect has in what all remove of the error of an output; shape (n_effects,).
+        """Share that each effect has in what all remove of the error of an output, 0 if nothing; shape (n_effects,).
 
         Each is added, with its value beside all others, to those before it, and the parameters are fitted to what is
         then left.
         """
         placed, counts = self.state.placed, range(self.n_declared, len(self.state.placed) + 1)
         left = [float(np.mean(self._left(self._errors(placed[:n])[[output]], [output]) ** 2)) for n in counts]
-        return np.asarray(-np.diff(left) / max(left[0] - left[-1], np.finfo(float).tiny))
+        taken = left[0] - left[-1]
+        return np.asarray(-np.diff(left) / taken if taken > 0 else np.zeros(len(left) - 1))
 
     def _errors(self, placed: tuple[Placed, ...]) -> FloatArray:
         """Errors with some of the effects, all values unchanged; shape (n_outputs, n_rows)."""
