@@ -21,6 +21,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _USUAL = ("coulomb_friction", "viscous_friction", "offset_force", "weight", "delay")
 """Effects of most machines that first models omit."""
+_DRIFT = "friction_drift"
 _LEVELS = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
 
 
@@ -68,8 +69,13 @@ def _turns_steadily(state: State, at: str) -> bool:
 
 
 def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
-    """Log-likelihood ratio of the friction level: grown in one direction against unchanged."""
+    """Log-likelihood ratio of the friction level: grown in one direction against unchanged.
+
+    Friction that drifts has no level to compare.
+    """
     along = moving_along(state.prediction, item.at)
+    if any(other.effect.name == _DRIFT and other.at in along for other in state.placed):
+        return 0.0
     frictions = [law for law in state.prediction.axis.laws if isinstance(law, CoulombFriction)]
     levels = {
         law.named("level"): max(

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 
 from symid.diagnosis.effects import Effect, Key, Placed, is_part, with_alike
 from symid.diagnosis.fitting.cross_validation import deviation
@@ -96,17 +95,20 @@ def _chosen(
     """The step of an effect beside all others; None if no candidate is justified.
 
     Fits begin with the values of the whole model: without a large effect, small ones would go astray. A `simpler`
-    effect that was dropped because this one contains it competes again, and so does a lag with a delay: which of them
-    fits better may not show before all other effects are in the model.
+    effect that was dropped because this one contains it competes again. So do others that it contains, and a lag with
+    a delay: which of them is enough may not show before all other effects are in the model.
     """
-    own = begun.placed
+    own, present = begun.placed, {item.key for item in before.state.placed}
     starts = [begun, *(Start.of(before, member.placed) for member in simpler)]
-    alike = with_alike([own.key]) - {own.key}
-    fitted_or_screened = (*(c.placed for c in step.confirmed), *(c.placed for c in step.screened))
-    others = islice((item for item in fitted_or_screened if item.key in alike), 1)
-    starts += [replace(begun, placed=other) for other in others]
+    alike = with_alike([own.key])
+    near = [
+        *(c.placed for c in step.screened),
+        *(c.placed for c in step.confirmed),
+    ]  # fitted values come last
+    others = {item.key: item for item in near if item.key in alike or own.contains(item.key)}
+    tried = {own.key, *present, *(member.placed.key for member in simpler)}
+    starts += [replace(begun, placed=item) for key, item in others.items() if key not in tried]
     if library:
-        present = {item.key for item in before.state.placed}
         rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS] if c.key not in present}
         rivals |= {c.placed.key: c.placed for c in screened(before, library)[:_RIVALS]}
         starts += [Start.of(before, item) for item in rivals.values()]

@@ -1,0 +1,59 @@
+"""Effects selected again, each beside all others."""
+
+from dataclasses import replace
+
+import pytest
+
+from symid import Log, OffsetForce, load_axis
+from symid.axis import FrictionDrift
+from symid.diagnosis import LIBRARY, diagnose
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.gauss_newton import fitted
+from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.selection.evidence import probabilities
+from symid.diagnosis.selection.reselection import reselected
+from symid.diagnosis.selection.step import accepted_of
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+RIGID = load_axis("rigid_1m")
+BODY = RIGID.bodies[0]
+VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 60.0}
+OFFSET = next(effect for effect in LIBRARY if effect.name == "offset_force")
+ASYMMETRIC = next(
+    effect for effect in LIBRARY if effect.name == "asymmetric_friction" and len(effect.amplitudes) == 2
+)
+DRIFTS = [effect for effect in LIBRARY if effect.name == "friction_drift"]
+
+
+def slide(seed: int) -> Log:
+    """A slide that a constant force pulls while its friction rises from a third."""
+    axis = RIGID.with_signal("q", noise=1e-7).with_signal("F", noise=0.4)
+    axis = axis.with_effect(OffsetForce(BODY, "F0"), FrictionDrift(BODY, -40.0, -50.0, 1.5))
+    moves = trapezoids([0.3, 0.1], [0.2, 0.4], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    loop = tuned_cascade(plant_of(RIGID, VALUES), "q")
+    return simulate(axis, VALUES | {"F0": 15.0}, moves, loop, seed=seed).log
+
+
+def test_a_simpler_effect_competes_beside_all_others() -> None:
+    library = [OFFSET, *DRIFTS]
+    found = diagnose(
+        RIGID, slide(1), validation=slide(2), nominal=VALUES | {"Fs": 20.0}, held=True, library=library
+    )
+    *steps, last = accepted_of(found.search)
+    # The same with asymmetric friction in the place of the constant force, as if that had been found.
+    fit = last.best.fit
+    placed = tuple(
+        Placed(ASYMMETRIC, BODY.name, (), (item.amplitudes[0], 1.0))
+        if item.effect.name == "offset_force"
+        else item
+        for item in fit.state.placed
+    )
+    whole = fitted(with_effects(fit.state, fit.weighting, placed), fit.weighting, 5)
+    last = replace(last, confirmed=(replace(last.best, fit=whole), *last.confirmed[1:]))
+    members = reselected([*steps, last], ())
+    chosen = next(member.step for member in members if member.placed.effect.name != "friction_drift")
+    rivals = {own.effect.name: own for own in chosen.confirmed}
+    assert rivals["offset_force"].placed.amplitudes[0] == pytest.approx(15.0, rel=0.01)
+    # The level of friction that drifts cannot tell which of the two it is.
+    assert not any(own.log_prior_odds for own in rivals.values())
+    assert probabilities(chosen, [("friction_drift", BODY.name)])["offset_force", BODY.name] > 0.3
