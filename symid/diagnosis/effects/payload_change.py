@@ -78,9 +78,8 @@ class PayloadChangeEffect(Effect):
         return larger < _MOST_OF_OTHER * smaller
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
-        moving = np.any([record.moves(speed) for speed in record.speeds], axis=0)
         # A load that is gripped at rest sets a vertical axis moving.
-        begins = record.fine_time[1:][np.diff(moving.astype(np.int8)) > 0]
+        begins = record.fine_time[1:][np.diff(record.moving.astype(np.int8)) > 0]
         return [(shape[0], float(time)) for time in (*_MOMENTS * record.duration, *begins)]
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:

@@ -87,8 +87,9 @@ class Comparison:
 
     def _surely_better(self, model: int) -> bool:
         """Whether a model surely errs less than the one before it, and more than noise was left before."""
-        before, after = (self.squares(n, self.output_of(model)) for n in (model - 1, model))
-        return self.removed(model - 1, model).share > 0 and surely_decreases(before, after)
+        output = self.output_of(model)
+        falls = self.excess(model - 1, output) > self.excess(model, output)
+        return falls and surely_decreases(self.squares(model - 1, output), self.squares(model, output))
 
     @property
     def worsened(self) -> int | None:

@@ -98,7 +98,7 @@ def training_and_held_out(record: Record) -> tuple[BoolArray, BoolArray]:
 
     The parts divide the time of motion if the axis mostly rests or moves only briefly.
     """
-    moving = np.any([record.moves(speed) for speed in record.speeds], axis=0)
+    moving = record.moving
     seconds = float(np.sum(moving) * record.fine_time[1])
     few = 2 * record.band_hz * seconds < _FEW_ROWS
     rests = few or seconds < _MOSTLY_MOVES * record.duration

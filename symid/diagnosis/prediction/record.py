@@ -224,6 +224,11 @@ class Record(PeriodicLog):
         return np.asarray(speed > least)
 
     @property
+    def moving(self) -> BoolArray:
+        """Points of the fine grid at which a driven position moves by more than noise."""
+        return np.asarray(np.any([self.moves(speed) for speed in self.speeds], axis=0))
+
+    @property
     def is_drowned(self) -> bool:
         """Whether noise in the band hides all but the fastest motion of the driven positions."""
         fast = np.quantile(self.speeds[:, self.in_log], 0.95, axis=1).max()
