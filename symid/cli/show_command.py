@@ -26,4 +26,5 @@ def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_
         from symid.report.figures.schematic import schematic
 
         save_figure(schematic(declared, palette_of(dark)), plot)
-    give_result(derivation_record(derive(declared, signal_list(measured))), json_file, print_derivation)
+    model = derive(declared, signal_list(measured))
+    give_result(derivation_record(model), json_file, lambda _: print_derivation(model))

@@ -32,7 +32,7 @@ from symid.report.pages.fleet_page import write_fleet_html
 from symid.report.pages.identification_page import write_identification_html
 from symid.report.pages.page import html_path, page_templates
 from symid.report.tables.console import ReportConsole
-from symid.report.tables.derivation import derivation_record, print_derivation
+from symid.report.tables.derivation import print_derivation
 from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
 from symid.report.tables.fleet import print_batch
 from symid.report.tables.identification import (
@@ -87,7 +87,7 @@ def _(model: GeneratedModel, console: Console) -> None:
         console.print(f"assumed: {assumption}", markup=False)
 
 
-show.register(DerivedModel, lambda model, to: print_derivation(derivation_record(model), to))
+show.register(DerivedModel, print_derivation)
 show.register(Tuning, print_tuning)
 show.register(TotalTuning, print_total_tuning)
 show.register(Identification, lambda found, to: print_identification(identification_record(found), to))

@@ -145,8 +145,10 @@ def _driven(
     X = 0 also solves 0 = D X: with noise in D, least squares would shrink the parameters towards it. The sum and the
     other equation together are equivalent. The equation with the force that gives fewest terms is added, of those that
     share a parameter with it and so determine its scale.
-    Both are differentiated alike first, and a balance of forces is multiplied by a ratio of the axis before it is added
-    to one of torques, and vice versa: terms of other units would be of other sizes.
+    Both are differentiated alike first, and multiplied such that a term cancels where they have one in common: the
+    force of a spring behind a gear, whose noise would outweigh the sum. Where they have none, a balance of forces is
+    multiplied by a ratio of the axis before it is added to one of torques, and vice versa: terms of other units would
+    be of other sizes.
     """
     if equation.force or not equation.is_linear:
         return equation
@@ -160,7 +162,7 @@ def _driven(
     def of_balances(one: InputOutputEquation) -> bool:
         return one.multipliers.keys() <= turns.keys()
 
-    sums = []
+    sums: list[InputOutputEquation] = []
     for other, its_row in found:
         if not (other.force and other.is_linear and equation.parameters & other.parameters):
             continue
@@ -168,7 +170,8 @@ def _driven(
             power = int(of_torques(other.multipliers)) - int(of_torques(equation.multipliers))
             more = max(0, row.degree - its_row.degree)
             alike = signals.equation(its_row.scaled(operators.ring.gens[0] ** more)) if more else other
-            sums.append(equation.scaled(metres_per_radian**power).plus(alike))
+            factors = equation.cancelling(alike) or [metres_per_radian**power]
+            sums.extend(equation.scaled(factor).plus(alike) for factor in factors)
     return min(
         sums,
         key=lambda e: (max(order for order, _ in e.force), sum(len(t.coefficient) for t in e.motion)),

@@ -65,6 +65,13 @@ class InputOutputEquation:
         multipliers = {balance: c.mul_ground(factor) for balance, c in self.multipliers.items()}
         return InputOutputEquation(motion, force, multipliers, self.dropped)
 
+    def cancelling(self, other: InputOutputEquation) -> list[Any]:
+        """Numbers of the coefficient field by which a term of it cancels one of another equation in the sum."""
+        terms = {t.expression: t.coefficient for t in self.motion}
+        pairs = ((terms[t.expression], t.coefficient) for t in other.motion if t.expression in terms)
+        factors = (-c / mine[m] for mine, its in pairs for m, c in its.terms() if m in mine)
+        return list(dict.fromkeys(factors))
+
     def plus(self, other: InputOutputEquation) -> InputOutputEquation:
         """Sum of both equations."""
         terms = {t.expression: t for t in self.motion}

@@ -82,6 +82,11 @@ class ParameterFunction:
         """Whether it is a sum of physical parameters times numbers."""
         return self.denominator.is_ground and all(sum(m) == 1 for m in self.numerator.itermonoms())
 
+    @property
+    def is_long(self) -> bool:
+        """Whether sympy would take minutes to sort its terms."""
+        return len(self.numerator) + len(self.denominator) > _LONG
+
     @cached_property
     def expression(self) -> sp.Expr:
         """Sum of fractions with monomials as denominators."""
@@ -96,8 +101,8 @@ class ParameterFunction:
         return sp.Add(*(sp.Add(*terms) / below for below, terms in fractions.items()))
 
     def __str__(self) -> str:
-        """The expression. A long one is written term by term, since sympy would take minutes to sort it."""
-        if len(self.numerator) + len(self.denominator) <= _LONG:
+        """The expression. A long one is written term by term."""
+        if not self.is_long:
             return str(self.expression)
         names, field = list(map(str, self.numerator.ring.symbols)), self.numerator.ring.domain
 

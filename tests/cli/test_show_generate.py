@@ -1,7 +1,9 @@
 """`symid show` and `symid generate` from the command line."""
 
 import json
+import math
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -216,3 +218,26 @@ axis = Axis(
     assert [path.name for path in (project / "generated").glob("*.py")] == ["mine__qm_ql.py"]
     code, out, _ = run(capsys, "generate", "mine", "--check", "--json", "-")
     assert (code, list(json.loads(out)["refused"])) == (1, ["mine__qm.py"])
+
+
+def test_show_writes_long_fractions_as_decimals(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Two motors on one belt: the square of half the radius of a pulley was a fraction of 65 digits."""
+    path = tmp_path / "mine.py"
+    text = """
+from math import pi
+from symid import *
+a, b = Body("a", inertia="J"), Body("b", inertia="J")
+half = 0.04 / pi / 2
+x = Body("x", mass="M", geared=(Geared(to=a, ratio=half), Geared(to=b, ratio=half)))
+y = Body("y", mass="m", geared=(Geared(to=a, ratio=half), Geared(to=b, ratio=-half)))
+axis = Axis("mine", (a, b, x, y), (Drive("Ta", a), Drive("Tb", b)), (Position("qa", a), Position("qb", b)))
+"""
+    path.write_text(text, encoding="utf-8")
+    code, out, err = run(capsys, "show", str(path))
+    assert (code, err) == (0, "")
+    assert "J + 4.05285e-5*M + 4.05285e-5*m" in out
+    assert not re.search(r"\d{8}", out)
+    record = json.loads(run(capsys, "show", str(path), "--json", "-")[1])
+    exact = 0.003 + 10 * (0.04 / math.pi / 2) ** 2
+    values = {"J": 0.003, "M": 3.0, "m": 7.0}
+    assert eval(record["minimal_parameters"]["X1"], values) == pytest.approx(exact, rel=1e-15)

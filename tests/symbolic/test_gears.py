@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symid import Axis, Between, Body, Drive, Position, Spring, ViscousFriction
+from symid import Axis, Between, Body, Drive, PendulumWeight, Position, Spring, ViscousFriction
 from symid.codegen.generated_models import compiled
 from symid.errors import EliminationError
 from symid.symbolic import derive
@@ -137,3 +137,32 @@ def test_the_map_of_eight_bodies_is_known_locally() -> None:
     assert set(model.parameter_map.identifiability) == set(axis.physical_parameters)
     assert "several" in model.parameter_map.identifiability.values()
     assert not model.parameter_map.counted
+
+
+def test_the_force_of_a_spring_behind_a_gear_is_not_added_to_that_of_the_drive() -> None:
+    """Drive train: multiplied by the ratio, the balance of the rotor cancels the shaft in that of the generator.
+
+    The torque of the shaft at the rotor is 97 times that at the generator. In a sum that holds it, its noise moved K
+    from 8.7e8 to 4.6e5 N*m/rad.
+    """
+    generator, rotor = Body("generator", inertia="Jg"), Body("rotor", inertia="Jr")
+    shaft = Between(first=generator, second=rotor, ratio=1 / 97)
+    elements = (
+        generator,
+        ViscousFriction(generator, "b"),
+        rotor,
+        PendulumWeight(rotor, "G"),
+        Spring("shaft", shaft, stiffness="K"),
+    )
+    axis = Axis(
+        "turbine", elements, Drive("T", generator), (Position("qg", generator), Position("qr", rotor))
+    )
+    model = compiled(derive(axis, ("qg", "qr")))
+    moved = {"T": 9.0, "qg": 31.0, "qg_d1": 5.0, "qg_d2": 2.0, "qr": 0.3, "qr_d1": 0.05, "qr_d2": 0.02}
+    W, y = model.sample({name: np.full(1, value) for name, value in moved.items()})
+    names = list(model.physical_units)
+    units = dict(zip(names, np.eye(len(names)), strict=True))
+    at = {name: float(W[1, 0] @ model.minimal_parameters(*unit)) for name, unit in units.items()}
+    assert y[1, 0] == 9.0
+    expected = {"Jg": 2.0, "b": 5.0, "Jr": 0.02 / 97, "G": 9.80665 * np.sin(0.3) / 97, "K": 0.0}
+    assert at == pytest.approx(expected, rel=1e-12)

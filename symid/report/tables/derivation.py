@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rich.console import Console
@@ -9,6 +10,7 @@ from rich.table import Table
 
 from symid.axis import ActuatorDelay
 from symid.report.tables.console import report_console
+from symid.report.tables.readable import readable
 from symid.symbolic import DerivedModel
 
 _MOST_LETTERS = 400
@@ -19,26 +21,26 @@ _BESIDE = {
 }
 
 
-def derivation_record(model: DerivedModel) -> dict[str, Any]:
-    """Record of `symid show --json`."""
+def derivation_record(model: DerivedModel, write: Callable[[Any], str] = str) -> dict[str, Any]:
+    """Record of `symid show --json`; `write` makes text of a formula."""
     minimal, maps = model.minimal, model.parameter_map
-    branches = [{name: str(value) for name, value in branch.items()} for branch in maps.inverse]
+    branches = [{name: write(value) for name, value in branch.items()} for branch in maps.inverse]
     dynamics = minimal.source.source
     return {
         "axis": model.axis.name,
         "measured": list(model.measured),
         "equations_of_motion": [f"{e.lhs} = {e.rhs}" for e in dynamics.equations],
         "constants": dict(dynamics.constants),
-        "output": [str(y) for y in minimal.output],
-        "regressor": [[str(entry) for entry in row] for row in minimal.regressor],
-        "minimal_parameters": {name: str(function) for name, function in maps.functions.items()},
+        "output": [write(y) for y in minimal.output],
+        "regressor": [[write(entry) for entry in row] for row in minimal.regressor],
+        "minimal_parameters": {name: write(function) for name, function in maps.functions.items()},
         "minimal_units": {p.name: str(p.unit) for p in minimal.parameters},
         "physical_units": {name: str(unit) for name, unit in model.axis.physical_parameters.items()},
         "inverse": branches[0] if branches else None,
         "inverse_branches": branches,
         "identifiability": dict(maps.identifiability),
         "identifiability_counted": maps.counted,
-        "determined_combinations": [str(function) for function in maps.combinations],
+        "determined_combinations": [write(function) for function in maps.combinations],
         "relations": maps.relations,
         "assumptions": [
             *model.assumptions,
@@ -50,9 +52,9 @@ def derivation_record(model: DerivedModel) -> dict[str, Any]:
     }
 
 
-def print_derivation(record: dict[str, Any], console: Console | None = None) -> None:
-    """Print the record of a derived model."""
-    console = console or report_console()
+def print_derivation(model: DerivedModel, console: Console | None = None) -> None:
+    """Print what follows from an axis and a set of sensors."""
+    record, console = derivation_record(model, readable), console or report_console()
     console.print(f"[bold]{record['axis']}[/bold] measured by {', '.join(record['measured'])}\n")
     motion = "Equations of motion (coordinates relative to the body that carries)"
     _section(console, motion, record["equations_of_motion"])
