@@ -23,13 +23,22 @@ _MANY_ROWS = 1_000_000
 
 def require_memory(n_values: int, memory: int | None = None) -> None:
     """Raise LogError if numbers of 64 bit take more bytes than they may; by default, than this machine has free."""
-    needed, allowed = _VALUE * n_values, free_memory() if memory is None else memory
-    if needed > allowed:
+    if not fits_memory(n_values, memory):
+        needed, allowed = _VALUE * n_values, _allowed(memory)
         which = "are free" if memory is None else "are allowed (`memory`)"
         raise LogError(
             f"takes {_size(needed)} of memory where {_size(allowed)} {which}: cut the log, or save it as a CSV or "
             "Parquet file and identify it by wls, which reads blocks"
         )
+
+
+def fits_memory(n_values: int, memory: int | None = None) -> bool:
+    """Whether `require_memory` accepts so many numbers."""
+    return _VALUE * n_values <= _allowed(memory)
+
+
+def _allowed(memory: int | None) -> float:
+    return free_memory() if memory is None else memory
 
 
 def free_memory() -> float:

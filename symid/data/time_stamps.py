@@ -35,6 +35,12 @@ _DAYS: Final = (
     *(day + year for day in ("%d.%m.", "%m/%d/", "%d/%m/", "%d-%m-", "%m-%d-") for year in ("%Y", "%y")),
 )
 _SECONDS_OF_A_DAY: Final = 86_400.0
+_UNITS: Final = {"d": 86_400.0, "h": 3600.0, "m": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_DURATION: Final = (
+    "^(?i:L?T|L?TIME)#" + "".join(rf"(?:(?P<{unit}>\d+(?:\.\d+)?)(?i:{unit})_?)?" for unit in _UNITS) + "$"
+)
+"""A duration as controllers write it, T#1m30s250ms (IEC 61131-3, literals of TIME and LTIME)."""
+_READ_DURATION: Final = re.compile(_DURATION)
 
 
 def is_stamp(text: str) -> bool:
@@ -42,7 +48,11 @@ def is_stamp(text: str) -> bool:
 
     >>> [is_stamp(text) for text in ("2026-11-21T10:00:00.001Z", "10:00:00,5", "1/2/26 9:00:00 PM", "2026", "10:00")]
     [True, True, True, False, False]
+    >>> is_stamp("T#1s_250ms"), is_stamp("T#")
+    (True, False)
     """
+    if _is_duration(text):
+        return True
     found = _READ.match(text.strip())
     if found is None or not found["day"]:
         return found is not None and bool(found["hours"] or (found["seconds"] and len(found["seconds"]) > 2))
@@ -55,8 +65,15 @@ def has_time_of_day(text: str) -> bool:
     >>> has_time_of_day("20261121T100000"), has_time_of_day("21.11.2026")
     (True, False)
     """
+    if _is_duration(text):
+        return True
     found = _READ.match(text.strip())
     return is_stamp(text) and found is not None and bool(found["minutes"] or found["compact"])
+
+
+def _is_duration(text: str) -> bool:
+    found = _READ_DURATION.match(text.strip())
+    return found is not None and any(found.groups())
 
 
 def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
@@ -70,10 +87,14 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
     ([0.0, 2.0], [0.0, 1.0])
     >>> seconds_of_stamps(["11/21/26 11:59:59 AM", "11/21/26 12:00:01 PM"]).tolist()
     [0.0, 2.0]
+    >>> seconds_of_stamps(["T#59s750ms", "TIME#1m0.25s"]).tolist()
+    [0.0, 0.5]
     """
     written = pl.Series(texts, dtype=pl.String).str.strip_chars()
     if not len(written) or written.has_nulls() or not is_stamp(str(written[0])):
         return None
+    if _is_duration(str(written[0])):
+        return _seconds_of_durations(written)
     parts = written.str.extract_groups(_STAMP).struct.unnest()
     if any(parts[name].is_null().any() != parts[name].is_null().all() for name in parts.columns):
         return None
@@ -87,6 +108,19 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
         turns = np.cumsum(np.diff(within, prepend=within[0]) < -turn / 2, dtype=np.float64)
         days = turns * (turn / _SECONDS_OF_A_DAY)
     seconds: FloatArray = np.round(_SECONDS_OF_A_DAY * (days - days[0]) + (within - within[0]), 9)
+    return seconds
+
+
+def _seconds_of_durations(written: pl.Series) -> FloatArray | None:
+    """Seconds from the first of these durations; None if one is none."""
+    parts = written.str.extract_groups(_DURATION).struct.unnest()
+    numbers = parts.select(pl.all().cast(pl.Float64))
+    if numbers.select(pl.all_horizontal(pl.all().is_null()).any()).item():
+        return None
+    total = np.zeros(len(written))
+    for unit, size in _UNITS.items():
+        total += size * numbers[unit].fill_null(0.0).to_numpy()
+    seconds: FloatArray = np.round(total - total[0], 9)
     return seconds
 
 

@@ -96,6 +96,9 @@ def test_names_without_a_latin_letter_tell_the_quantity(tmp_path: Path) -> None:
         ("20261121T100000.5Z", "20261121T100001.5Z", 1.0),
         ("2026-11-21 10:00:00 UTC", "2026-11-21 10:00:00.25 UTC", 0.25),
         ("2026-11-21 10:00", "2026-11-21 10:01", 60.0),
+        ("T#0ms", "T#250ms", 0.25),
+        ("t#59s750ms", "T#1m0.25s", 0.5),
+        ("TIME#1d_23h", "LTIME#2d_1s_5us", 3601.000005),
     ],
 )
 def test_moments_in_many_forms_are_seconds(first: str, second: str, apart: float) -> None:
@@ -106,7 +109,15 @@ def test_moments_in_many_forms_are_seconds(first: str, second: str, apart: float
 
 @pytest.mark.parametrize(
     "texts",
-    [["10:00:00", "10:00:00 PM"], ["12345678"] * 2, ["13:61:00"] * 2, ["10:00:00Z", "10:00:00+01:00"], ["x"]],
+    [
+        ["10:00:00", "10:00:00 PM"],
+        ["12345678"] * 2,
+        ["13:61:00"] * 2,
+        ["10:00:00Z", "10:00:00+01:00"],
+        ["x"],
+        ["T#"] * 2,
+        ["T#1s", "T#2"],
+    ],
 )
 def test_other_texts_are_no_moments(texts: list[str]) -> None:
     assert seconds_of_stamps(texts) is None

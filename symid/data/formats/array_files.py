@@ -25,15 +25,14 @@ from symid.data.formats.channels import (
 )
 from symid.data.formats.hdf5 import MAGIC, open_hdf5, values_behind_references
 from symid.data.formats.matlab_objects import may_hold_objects, with_objects
+from symid.data.formats.matlab_sizes import COMPRESSED, DEFLATED, unpacked_sizes
 from symid.data.formats.separate import answer, channels_apart
-from symid.data.table import Table, first_line, parsing, require_memory
+from symid.data.table import Table, first_line, fits_memory, parsing, require_memory
 from symid.errors import LogError
 
 _SIMULINK, _DSPACE = ("time", "signals"), ("X", "Y")
 """Fields of a recording of Simulink and of dSPACE: times, and signals."""
 _DEEPEST = 12
-_COMPRESSED = 15
-"""Type of an element of a MATLAB file that is compressed."""
 _ADVICE = "save the Time and Data of a timeseries as vectors"
 _NOTHING = f"holds no vectors of numbers: {_ADVICE}"
 _Leaf: TypeAlias = "npt.NDArray[Any] | Channel"
@@ -57,7 +56,7 @@ def open_matlab(path: Path, memory: int | None = None) -> Table:
         except LogError as error:
             return _otherwise(open_hdf5(path, memory), path, error)
     # only compressed elements have a checksum, and a wrong element can end the process of its parser
-    if may_hold_objects(begin) or _COMPRESSED not in begin[128:132]:
+    if may_hold_objects(begin) or COMPRESSED not in begin[128:132]:
         return table_of_channels(_channels_apart(path, memory))
     return table_of_channels(_channels(path, memory))
 
@@ -184,12 +183,15 @@ def _leaves(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[
 
 
 def _require_memory_for(path: Path, memory: int | None) -> None:
-    """Raise LogError if the arrays of a MATLAB file, which may be compressed, would not fit."""
+    """Raise LogError if the variables of a MATLAB file, which may be compressed, would not fit."""
     try:
         listed = scipy.io.whosmat(path)
     except Exception:  # noqa: BLE001  what cannot be listed, such as a tf model, may still be loaded
-        return
+        listed = []
     require_memory(sum(math.prod(map(int, shape)) for _, shape, _ in listed), memory)
+    if not fits_memory(DEFLATED * path.stat().st_size // 8, memory):
+        for n_bytes in unpacked_sizes(path):  # fields of structs and cells are not listed
+            require_memory(n_bytes // 8, memory)
 
 
 def open_numpy(path: Path, memory: int | None = None) -> Table:

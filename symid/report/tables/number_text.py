@@ -16,11 +16,13 @@ def significant(value: float, digits: int = 4) -> str:
 
     >>> significant(3.14159), significant(123.4, 2), significant(2.5e9), significant(float("nan"))
     ('3.142', '120', '2.5e+09', '–')
+    >>> significant(9999.7), significant(-99.97, 3), significant(999999.7)
+    ('10000', '-100', '1e+06')
     """
     if not math.isfinite(value):
         return MISSING
     rounded = f"{value:.{digits}g}"
-    return f"{float(rounded):.0f}" if 10**digits <= abs(value) < _LONG else rounded
+    return f"{float(rounded):.0f}" if 10**digits <= abs(float(rounded)) < _LONG else rounded
 
 
 def with_deviation(value: float, deviation: float) -> str:
@@ -73,12 +75,12 @@ def _digits(value: float, deviation: float) -> tuple[int, int]:
 def multiple(value: float) -> str:
     """Multiples of the noise floor.
 
-    >>> multiple(1.0423), multiple(12.34), multiple(1244.2), multiple(float("inf"))
-    ('1.04 ×', '12.3 ×', '1244 ×', '–')
+    >>> multiple(1.0423), multiple(12.34), multiple(999.8), multiple(1244.2), multiple(float("inf"))
+    ('1.04 ×', '12.3 ×', '1000 ×', '1244 ×', '–')
     """
     if not math.isfinite(value):
         return MISSING
-    return f"{value:.3g} ×" if value < 1000 else f"{value:.0f} ×"
+    return f"{significant(value, 3) if value < 1000 else f'{value:.0f}'} ×"
 
 
 def times(value: float, floor: float) -> str:
@@ -93,10 +95,10 @@ def times(value: float, floor: float) -> str:
 def percent(value: float, digits: int = 3) -> str:
     """A share as a percentage.
 
-    >>> percent(0.0483), percent(0.97), percent(float("nan"))
-    ('4.83 %', '97 %', '–')
+    >>> percent(0.0483), percent(0.97), percent(9.997), percent(float("nan"))
+    ('4.83 %', '97 %', '1000 %', '–')
     """
-    return f"{100 * value:.{digits}g} %" if math.isfinite(value) else MISSING
+    return f"{significant(100 * value, digits)} %" if math.isfinite(value) else MISSING
 
 
 def share(value: float) -> str:
@@ -134,20 +136,21 @@ def change(value: float, reference: float) -> str:
     if not (math.isfinite(value) and math.isfinite(reference)) or reference == 0:
         return MISSING
     ratio = value / reference
-    return f"× {ratio:.3g}" if ratio > _LARGE else f"{100 * (ratio - 1):+.3g} %"
+    return f"× {significant(ratio, 3)}" if ratio > _LARGE else f"{100 * (ratio - 1):+.3g} %"
 
 
 def band(low: float, high: float) -> str:
     """A frequency band; an end that is not finite is open.
 
-    >>> band(0.5, 12.25), band(float("nan"), 8.0), band(40.0, float("inf"))
-    ('0.5–12.2 Hz', 'below 8 Hz', 'above 40 Hz')
+    >>> band(0.5, 12.25), band(float("nan"), 8.0), band(1234.0, float("inf"))
+    ('0.5–12.2 Hz', 'below 8 Hz', 'above 1230 Hz')
     """
+    begin, end = significant(low, 3), significant(high, 3)
     if math.isfinite(low) and math.isfinite(high):
-        return f"{low:.3g}–{high:.3g} Hz"
+        return f"{begin}–{end} Hz"
     if math.isfinite(high):
-        return f"below {high:.3g} Hz"
-    return f"above {low:.3g} Hz" if math.isfinite(low) else "all frequencies"
+        return f"below {end} Hz"
+    return f"above {begin} Hz" if math.isfinite(low) else "all frequencies"
 
 
 def capitalize_first(text: str) -> str:
