@@ -40,13 +40,14 @@ _MOST = 6
 """Most effects of one log."""
 _AS_MUCH = 0.5
 """Part of what the best column explains from which the log does not tell another one from it."""
-_MAINLY = 0.25
-"""Part of the residual's power that a column must explain which the model nearly explains."""
 _INDEPENDENT = 0.025
-"""Least part of a column's power that the model does not explain: with less, the effect would have to be six times as
-large as what it explains (drawn machines with small effects; with 0.01, EMPS unfiltered has Fv within 59 %). One that
-explains much of the residual, and twice as much as any other, counts all the same: a pendulum with 2 % offset
-of its torque, whose weight nearly imitates a constant force (0.02), was off by 38 deviations."""
+"""Part of a column's power that the model does not explain from which it counts as any other: with less, the effect
+would have to be six times as large as what it explains (drawn machines with small effects; with 0.01, EMPS unfiltered
+has Fv within 59 %). One with less, such as a constant force beside the weight of a pendulum, or drag beside viscous
+friction, counts where it explains most; three deviations make it certain, as few are imitated (mass on a sine: with
+four, drag in the noise had Fv off by 30 % at 20 deviations)."""
+_LARGEST = 0.1
+"""Size of one with less, as part of the output, beyond which it is not a small effect: noise makes it large."""
 _RESOLVED = 1e-4
 """Part of a column's power that rounding and filters leave of one that the model does explain."""
 _NOISY = 0.05
@@ -118,17 +119,24 @@ class _Columns:
             return found
         found["friction that turns at another moment"] = self._turned()
         motions = [Motion.of(part) for part in self.parts]
-        shapes = [shapes_of(motion, elsewhere=False) for motion in motions]
+        middle = float(np.mean(np.concatenate([motion.time for motion in motions])))
+        shapes = [shapes_of(*pair, middle) for pair in zip(motions, self._drive(), strict=True)]
         shapes = [one | wave for one, wave in zip(shapes, waves(motions, self._rests()), strict=True)]
         found |= {name: self._by_force([one[name] for one in shapes]) for name in shapes[0]}
         if len(self.model.output_names) > 1:  # a force on one body is in some of the equations
             equations = np.concatenate([np.full(r.residual.size, r.equation) for r in self.rows])
-            shapes = [shapes_of(motion, elsewhere=True) for motion in motions]
+            shapes = [shapes_of(motion) for motion in motions]
             for name in shapes[0]:
                 column = self._by_force([one[name] for one in shapes])
                 for j in range(len(self.model.output_names)):
                     found[f"{name}, in equation {j + 1}"] = np.where(equations == j, column, 0.0)
         return found
+
+    def _drive(self) -> list[FloatArray]:
+        """Predicted force of the drive at the rows of each part: that of the record holds its noise."""
+        names = list(self.model.output_names)
+        j = names.index(self.model.force) if self.model.force in names else 0
+        return [part.observation.W[j] @ self.fit.solution for part in self.parts]
 
     def _by_force(self, shapes: Sequence[FloatArray]) -> FloatArray:
         """The column that a force makes, by its course at the rows of each part."""
@@ -194,27 +202,33 @@ class _Columns:
 def _pursued(columns: _Columns) -> Iterator[Discrepancy]:
     """Effects that explain the residual, one by one."""
     named = columns.all()
-    Z, rest = (np.concatenate([getattr(r, name) for r in columns.rows]) for name in ("Z", "residual"))
+    Z, rest, predicted = (
+        np.concatenate([getattr(r, name) for r in columns.rows]) for name in ("Z", "residual", "prediction")
+    )
     root, names = columns.fit.rank.inverse_root, list(named)
     C = np.stack([column / (float(np.max(np.abs(column))) or 1.0) for column in named.values()], axis=1)
     along = np.linalg.lstsq(Z, C, rcond=None)[0]
     own = C - Z @ along
     whole = np.maximum(np.sum(C**2, axis=0), np.finfo(float).tiny / _RESOLVED)
+    largest = _LARGEST**2 * float(predicted @ predicted)
     for k in range(_MOST):
         taken, power = own.T @ rest, np.sum(own**2, axis=0)
         factor = np.divide(taken, power, out=np.zeros_like(power), where=power > _RESOLVED * whole)
         explained = np.minimum(factor * taken / max(float(rest @ rest), np.finfo(float).tiny), 1.0)
-        usual = np.where(power > _INDEPENDENT * whole, explained, 0.0)
-        if np.max(explained) < _MAINLY or np.max(usual) > _AS_MUCH * np.max(explained):
-            explained = usual
+        imitated = power <= _INDEPENDENT * whole
+        explained[imitated & (factor**2 * whole > largest)] = 0.0
         best = int(np.argmax(explained))
-        rest = rest - factor[best] * own[:, best]
+        left = rest - factor[best] * own[:, best]
         # squared deviations of each factor, for noise that is what the best effect leaves
-        independent = max(columns.independent(rest) - len(root) - k - 1, 0.0)
-        certain = explained * independent > _CERTAIN**2 * (1.0 - explained)
-        if not certain[best]:
+        independent = max(columns.independent(left) - len(root) - k - 1, 0.0)
+        deviations = np.where(imitated, _LIKELY, _CERTAIN)
+        explained[explained * independent <= deviations**2 * (1.0 - explained)] = 0.0
+        best = int(np.argmax(explained))
+        if not explained[best]:
             return
-        alike = certain & (explained >= _AS_MUCH * explained[best])
+        explained[imitated & (explained < explained[best])] = 0.0
+        rest = rest - factor[best] * own[:, best]
+        alike = explained >= _AS_MUCH * explained[best]
         changes = -(root @ (along * factor)[:, alike]).T
         name = "cogging" if names[best] == QUARTER else names[best]
         yield Discrepancy(name, changes, np.zeros((len(root), len(root))))

@@ -29,6 +29,7 @@ class Motion:
     velocity: FloatArray
     position: FloatArray  # from its mean
     period: float  # time between two rows, s
+    time: FloatArray  # of the rows, s
 
     @classmethod
     def of(cls, part: Excerpt) -> Motion:
@@ -39,7 +40,7 @@ class Motion:
         )
         period = (seen.time[-1] - seen.time[0]) / max(seen.time.size - 1, 1)
         position = running_integral(velocity, period)
-        return cls(velocity, position - np.mean(position), period)
+        return cls(velocity, position - np.mean(position), period, seen.time)
 
 
 def speeds_of(part: Excerpt) -> FloatArray:
@@ -57,8 +58,11 @@ def decaying(velocity: FloatArray, highest: float) -> dict[str, FloatArray]:
     }
 
 
-def shapes_of(motion: Motion, *, elsewhere: bool) -> dict[str, FloatArray]:
-    """Courses of the forces of typical effects at the drive, or of those that may act `elsewhere`."""
+def shapes_of(motion: Motion, drive: FloatArray | None = None, middle: float = 0.0) -> dict[str, FloatArray]:
+    """Courses of the forces of typical effects at the drive, whose force is given, or of those that may act elsewhere.
+
+    `middle` is the time at which friction that drifts is as estimated.
+    """
     velocity, sign = motion.velocity, direction(motion.velocity)
     highest = float(np.max(np.abs(velocity))) or 1.0
     stroke = float(np.ptp(motion.position)) or 1.0
@@ -71,12 +75,14 @@ def shapes_of(motion: Motion, *, elsewhere: bool) -> dict[str, FloatArray]:
     found = decaying(velocity, highest) | {
         "friction with the square of the speed": velocity * np.abs(velocity) / highest**2,
         "friction that builds up behind reversals": sign * np.exp(-since / _PATHS[0]),
-        "friction with the load": np.abs(load) * sign,
+        "friction with the load": np.abs(load if drive is None else drive) * sign,
         "a spring that is not linear": load * np.abs(load),
     }
-    if elsewhere:
+    if drive is None:
         return found | {"Coulomb friction": sign}
     return found | {
+        "Coulomb friction that drifts": sign * (motion.time - middle),
+        "viscous friction that drifts": velocity * (motion.time - middle) / highest,
         "friction that builds up along the stroke": sign * np.exp(-since / _PATHS[1]),
         "viscous friction that differs by direction": np.abs(velocity) / highest,
         "a constant force": np.ones_like(velocity),

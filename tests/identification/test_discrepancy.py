@@ -105,7 +105,7 @@ def test_a_change_that_is_certain_in_one_parameter_counts_with_less_in_others():
 def test_cogging_of_any_phase_is_one_column(phase):
     position = 0.2 * np.sin(np.arange(2000) / 300)
     rest = 2.0 * np.cos(2 * np.pi * position / 0.05 + phase)
-    motion = Motion(np.gradient(position, 1e-3), position, 1e-3)
+    motion = Motion(np.gradient(position, 1e-3), position, 1e-3, np.arange(2000) * 1e-3)
     (found,) = waves([motion], [rest])
     assert np.corrcoef(found["cogging"], rest)[0, 1] > 0.999
     assert abs(np.corrcoef(found[QUARTER], found["cogging"])[0, 1]) < 0.2
@@ -135,3 +135,52 @@ def test_a_constant_force_that_a_weight_nearly_imitates_is_within_the_intervals(
     assert found.status == "ok"
     assert error[3] > 0.05 * truth[3]
     assert np.all(error < 2 * found.physical_deviations)
+
+
+def test_friction_with_the_force_of_the_drive_is_within_the_intervals():
+    # mu |F| sign(v) with F on both sides: F (1 - mu sign(F v)) is what the motion and a held load of 60 N take
+    t = np.arange(8000) / RATE
+    w = 2 * np.pi * np.array([[0.7], [1.9], [4.3]])
+    size = np.array([[0.1], [0.03], [0.008]])
+    q, v, a = (np.sum(size * w**k * np.sin(w * t + k * np.pi / 2), axis=0) for k in range(3))
+    free = 5.0 * a + FV * v + FS * np.sign(v) + 60.0
+    noise = 0.05 * np.random.default_rng(3).standard_normal(t.size)
+    F = free / (1 - 0.05 * np.sign(free * v)) + noise
+    found = identify(load_generated("emps"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
+    error = np.abs(np.array(list(found.physical_parameters.values())) - [5.0, FV, FS, 60.0])
+    assert found.status == "ok"
+    assert np.any(error > 3 * replace(found, discrepancies=()).physical_deviations)
+    assert np.all(error < 3 * found.physical_deviations)
+
+
+@pytest.mark.parametrize("drifting", ["Coulomb", "viscous"])
+def test_friction_that_drifts_beside_a_growing_speed_is_within_the_intervals(drifting):
+    t = np.arange(8000) / RATE
+    grown, w = 0.2 + 0.8 * t / 8, 2 * np.pi * 1.1
+    q = 0.1 * grown * np.sin(w * t)
+    v = 0.1 * (0.1 * np.sin(w * t) + w * grown * np.cos(w * t))
+    a = 0.1 * (0.2 * w * np.cos(w * t) - w**2 * grown * np.sin(w * t))
+    warm = 1.08 - 0.16 * t / 8  # 1 in the mean
+    factors = (1.0, warm) if drifting == "Coulomb" else (warm, 1.0)
+    noise = 2.0 * np.random.default_rng(4).standard_normal(t.size)
+    F = M * a + FV * factors[0] * v + FS * factors[1] * np.sign(v) + noise
+    found = identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
+    assert found.status == "ok"
+    assert [one.effect for one in found.discrepancies if one.is_seen] == [f"{drifting} friction that drifts"]
+    assert np.all(off(found) < 2 * found.physical_deviations)
+
+
+def test_drag_that_viscous_friction_nearly_imitates_is_within_the_intervals():
+    t = np.arange(4000) / RATE
+    w = 2 * np.pi * 1.5
+    q, v, a = 0.05 * np.sin(w * t), 0.05 * w * np.cos(w * t), -0.05 * w**2 * np.sin(w * t)
+    noise = 6.0 * np.random.default_rng(9).standard_normal(t.size)
+    F = M * a + FV * v + FS * np.sign(v) + 60.0 * v * np.abs(v) + noise
+    found = identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
+    assert found.status == "ok"
+    assert (
+        next(one.effect for one in found.discrepancies if one.is_seen)
+        == "friction with the square of the speed"
+    )
+    assert off(found)[1] > 0.05 * FV
+    assert np.all(off(found) < found.physical_deviations)
