@@ -3,6 +3,11 @@
 from symid import Cogging, CoulombFriction, load_axis
 from symid.data import Log
 from symid.diagnosis import LIBRARY, diagnose
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.hidden_starts import Start
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.joined_logs import joined
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 AXIS = load_axis("direct_2m1s")
@@ -26,3 +31,20 @@ def test_friction_of_a_structure_is_found_beside_cogging_of_the_motor() -> None:
     assert (cogging.effect, cogging.at) == ("cogging", "motor")
     assert (friction.effect, friction.at) == ("coulomb_friction", "structure")
     assert abs(friction.parameters["Fs"].value - 60.0) < 1.0
+
+
+def test_friction_of_a_structure_begins_at_the_size_with_the_least_error() -> None:
+    structure = AXIS.bodies[0]
+    machine = AXIS.with_effect(CoulombFriction(structure, "Fss")).with_signal("q2", noise=1e-8)
+    reference = trapezoids(0.1, [0.15, 0.3], acceleration=4.0, jerk=120.0, dwell=0.1, sampling_period=1e-3)
+    loop = tuned_cascade(plant_of(AXIS, VALUES), "q2")
+    log = simulate(machine.with_signal("Fm", noise=0.3), VALUES | {"Fss": 60.0}, reference, loop, seed=1).log
+    data = data_of(AXIS, (joined([log]), None), Recorded({}, True))
+    state, weighting = first_state(data.record, VALUES)
+    (coulomb,) = (effect for effect in LIBRARY if effect.name == "coulomb_friction")
+    # A projection of a force that has changed its own motion may be far off, either way.
+    for projected in (2.0, 60.0, 900.0):
+        placed = Placed(coulomb, "structure", (), (projected,), integrated=True)
+        begun = Start(state, weighting, placed).best_state()
+        assert begun is not None
+        assert 25.0 < begun.placed[-1].amplitudes[0] < 150.0

@@ -207,7 +207,7 @@ def test_the_load_of_friction_is_that_of_the_model_and_not_the_record() -> None:
         prediction = prediction_of(record("rigid_1m", q=q, F=logged), RIGID)
         found.append(LoadDependentFrictionEffect().forces(prediction, prediction.joints["motor"], ()))
     assert np.abs(found[0]).max() > 0
-    assert np.allclose(found[0], found[1])
+    assert np.abs(found[0] - found[1]).max() < 1e-4 * np.abs(found[0]).max()
 
 
 def test_a_mode_is_a_mass_hung_on_a_spring() -> None:

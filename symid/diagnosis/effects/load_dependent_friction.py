@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+import scipy
 
 from symid.arrays import ComplexArray
 from symid.diagnosis.effects.effect import JointEffect, Placed, Shape, sampled
+from symid.diagnosis.prediction.drive_force import acting_force
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
@@ -18,6 +20,8 @@ _COEFFICIENTS = (0.02, 0.06, 0.15, 0.35)  # initial coefficients in a hidden joi
 
 class LoadDependentFrictionEffect(JointEffect):
     """mu abs(drive force) sign(v), with the modelled drive force, which contains this friction and changes of masses.
+
+    Where the modelled force is mostly noise, the recorded one stands for it: the absolute value would rectify noise.
 
     With the recorded force as load, the effect would explain the record by itself: F = mu abs(F) sign(v) holds with
     mu = 1 wherever the force has the sign of the velocity. The implicit equation is solved by iteration, which
@@ -33,11 +37,9 @@ class LoadDependentFrictionEffect(JointEffect):
         return 0 <= placed.amplitudes[0] < _LARGEST_COEFFICIENT
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
-        outputs = (
-            prediction.outputs if prediction.changes is None else prediction.outputs + prediction.changes
-        )
-        drive = prediction.record.fine(outputs[prediction.drive_of(joint)])
-        return sampled(prediction, np.abs(drive) * np.sign(joint.v), joint=joint)
+        drive = acting_force(prediction, prediction.drive_of(joint))
+        load = scipy.signal.resample(np.abs(drive), prediction.record.n_fine)
+        return sampled(prediction, load * np.sign(joint.v), joint=joint)
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         return [((), (mu,)) for mu in _COEFFICIENTS]

@@ -23,12 +23,16 @@ from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.simulation.plant import direction_of
 
 _STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
 _MASSES = (0.9, 1.1)
 _SHARES = (1.0, 0.3, 0.1, 0.03)
 """Shares of the projected amplitudes with which a fit may begin."""
+_MULTIPLES = (30.0, 10.0, 3.0)
+"""Multiples of them with which a fit of integrated motion may begin too: a projection that knows nothing of the motion
+that the effect changes may be far too small as well."""
 _KEPT = 2
 """Number of starts of the grid that are fitted for each effect at each place."""
 
@@ -52,23 +56,31 @@ class Start:
         return self._with(self.placed)
 
     def best_state(self) -> State | None:
-        """The model with the largest share of the effect that lowers the error; None if no share gives finite errors.
+        """The model with the effect at the size to begin with; None if no size gives finite errors.
 
         The initial amplitudes come from a projection. They may be many times too large where the effect changes the
-        motion, or where the parameters are far off without it; a fit does not recover from there. A weak effect has a
-        shape that the first steps take anywhere, so amplitudes and parameters are fitted to the initial one.
+        motion, or where the parameters are far off without it, and many times too small where the effect holds hidden
+        motion; a fit does not recover from there. The largest size that lowers the error is taken, and that with the
+        least error where the motion is integrated. A weak effect has a shape that the first steps take anywhere, so
+        amplitudes and parameters are fitted to the initial one.
         """
-        plain, state = Fit(self.state, self.weighting).cost, None
-        for share in (1.0,) if self.placed.effect.fixed else _SHARES:
-            weaker = tuple(share * amplitude for amplitude in self.placed.amplitudes)
-            tried = self._with(replace(self.placed, amplitudes=weaker))
-            if not np.isfinite(tried.rows).all():
-                continue
-            state = tried if state is None else state
-            begun = Fit(tried, self.weighting)
-            if begun.cost < plain:
-                return with_shapes_held(begun).state if share < 1.0 and self.placed.shape else tried
-        return state
+        item, plain = self.placed, Fit(self.state, self.weighting).cost
+        free = (1.0,) if item.effect.fixed else _SHARES
+        shares = (*free, *_MULTIPLES) if item.integrated and not item.effect.fixed else free
+        enough = (THRESHOLDS.far_less if item.integrated else 1.0) * plain
+        begun: list[tuple[float, Fit]] = []
+        for share in shares:
+            state = self._with(replace(item, amplitudes=tuple(share * x for x in item.amplitudes)))
+            if np.isfinite(state.rows).all():
+                begun.append((share, Fit(state, self.weighting)))
+                if begun[-1][1].cost < enough:
+                    break
+        if not begun:
+            return None
+        share, best = min(begun, key=lambda one: one[1].cost)
+        if not item.integrated and best.cost >= plain:
+            return begun[0][1].state
+        return with_shapes_held(best).state if share != 1.0 and item.shape else best.state
 
     def _with(self, placed: Placed) -> State:
         return with_effects(self.state, self.weighting, (*self.state.placed, placed))

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
+from symid.arrays import FloatArray
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 
 _AT_REST = 1e-9
 """Displacement of a joint, relative to the largest, below which it does not follow the drive."""
+_SMOOTHED, _MARGIN = 15, 4.0
+"""Frequencies over which the power of a force is averaged, and its least ratio to the power of noise in it."""
 
 
 def drive_force_of(prediction: Prediction, joint: Joint) -> float:
@@ -29,3 +33,26 @@ def drive_force_of(prediction: Prediction, joint: Joint) -> float:
         if moved > _AT_REST * np.abs(shape).max() * np.abs(joint.direction).max():
             return float(moved / pushed)
     return float(1.0 / np.abs(plant.drives[:, k]).max())
+
+
+def acting_force(prediction: Prediction, drive: int) -> FloatArray:
+    """Force of a drive at all samples of a period, (n_extended,): the modelled one, and the recorded one in its noise.
+
+    The modelled force has the noise of the position, times the square of the frequency. Where that exceeds the force,
+    towards the end of the band and beyond it, the recorded force stands for it (a Wiener filter), less its own noise.
+    """
+    record, modelled = prediction.record, prediction.outputs[drive]
+    if prediction.changes is not None:
+        modelled = modelled + prediction.changes[drive]
+    power = scipy.ndimage.uniform_filter1d(np.abs(modelled) ** 2, _SMOOTHED)
+    spread = record.noise_spread[: record.n_drives] * record.noise_of_motions[:, None] ** 2
+    noise = (
+        np.sum(np.abs(prediction.response.of_positions[:, drive]) ** 2 * spread, axis=0) * record.n_extended
+    )
+    share = np.minimum(_MARGIN * noise / np.maximum(power, np.finfo(float).tiny), 1.0)
+    force = scipy.fft.rfft(record.whole_forces[drive])
+    beyond = force[record.n_bins :]
+    of_noise = record.noise_of_outputs[drive] ** 2 * record.n_extended * beyond.size
+    beyond *= np.sqrt(max(1 - of_noise / max(float(np.sum(np.abs(beyond) ** 2)), of_noise), 0.0))
+    force[: record.n_bins] = modelled + share * (record.measured[drive] - modelled)
+    return np.asarray(scipy.fft.irfft(force, record.n_extended))

@@ -32,6 +32,7 @@ continuation of the log rings."""
 _MOST_OF_LOG = 0.05
 """Largest share of a log that is left out at either end for that."""
 _UNSEEN = 1e-9
+_ORTHONORMAL = 1e-12
 _MOST_STARTS = 40
 _TOGETHER = 16
 """Columns that are projected together, which need as much memory again."""
@@ -194,6 +195,14 @@ def _orthonormal(columns: FloatArray) -> FloatArray:
     """Orthonormal basis of columns, given as rows; negligible columns are left out."""
     norms = np.linalg.norm(columns, axis=1)
     seen = norms > _UNSEEN * norms.max(initial=0.0)
+    basis = columns[seen] / norms[seen, None]
+    try:  # Cholesky factors of the Gram matrix, twice: a quarter of the time of QR where rows are many
+        for _ in range(2):
+            basis = np.linalg.inv(np.linalg.cholesky(basis @ basis.T)) @ basis
+        if np.abs(basis @ basis.T - np.eye(len(basis))).max(initial=0.0) < _ORTHONORMAL:
+            return np.asarray(basis.T)
+    except np.linalg.LinAlgError:
+        pass  # columns that depend on each other to half the digits
     return np.asarray(np.linalg.qr((columns[seen] / norms[seen, None]).T)[0])
 
 
