@@ -21,17 +21,16 @@ from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
 from symid.identification.reliability import Faults, is_beyond_intervals
 from symid.identification.smoothing import slow_update, smoothing_of
-from symid.identification.stability import Change, greatest_change
-from symid.identification.whitened import Segment, whitened
+from symid.identification.stability import Change
+from symid.identification.whitened import whitened
 
 
 def faults_of(
-    found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], sums: Sequence[Segment], drift: str
+    found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], change: Change | None, drift: str
 ) -> Faults:
     """Statements on faults that contradict the estimate: a channel, a part of the logs, the force or its clock."""
     model = found.model
     inflation = rows_per_independent(found)
-    change = greatest_change(sums, fit.solution, fit.rank.inverse_root)
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
     return Faults(
         recording=fault_of(model, parts, fit)

@@ -36,6 +36,7 @@ from symid.identification.cutoff import CutoffTrial, Estimation, disagreement_of
 from symid.identification.discrepancy import discrepancies_of
 from symid.identification.examined_faults import faults_of
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
+from symid.identification.explained import explained_by_instruments
 from symid.identification.identification_result import Identification, best_covariance
 from symid.identification.inseparable import estimates_by_priors
 from symid.identification.lagging import lag_of
@@ -45,7 +46,7 @@ from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.reliability import with_discrepancies, with_faults
 from symid.identification.row_blocks import Run, blocks_of_runs
 from symid.identification.settings import Preparation, notes_on_declared
-from symid.identification.stability import scatter
+from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import delays_of, likeliest
 from symid.identification.verdict import verdict
 from symid.identification.whitened import Segment, segments
@@ -272,21 +273,21 @@ def with_checks(
     model, fit, bias, spread = found.model, found.fit, found.bias, found.scatter
     if bias is not None and bias.removed is not None:
         fit = replace(fit, solution=fit.solution + bias.removed)  # its residual is orthogonal to the columns
-    sums = segments(whole_logs(parts, logs, found.observations), fit)
-    if spread is None:
-        spread = _scatter(sums, fit)
+    whole, own = found.observations, fit
     if instruments is not None:
-        bias = bias_of_instruments(model, list(map(in_memory, logs)), found.observations, fit, instruments)
+        bias = bias_of_instruments(model, list(map(in_memory, logs)), whole, fit, instruments)
+        whole, own = explained_by_instruments(whole, instruments, fit)
+    sums = segments(whole_logs(parts, logs, whole), own)
+    if spread is None:
+        spread = _scatter(sums, own)
     # Signals that are late by a constant time, by one that grows along the log, or by the lag of a filter
     delays = delays_of(model, parts, fit)
     examined = replace(found, timing=likeliest(delays), bias=bias, scatter=spread)
-    drift = (
-        drift_by_rows(parts, fit, model.forces)
-        or lag_of(examined, parts, fit)
-        or drift_within_a_row(parts, fit, delays)
-    )
+    drift = drift_by_rows(parts, fit, model.forces) or lag_of(examined, parts, fit)
+    drift = drift or drift_within_a_row(parts, fit, delays)
     # Faults of channels, of parts of the logs and of the structure; then what no fault explains widens the deviations
-    faults = faults_of(examined, fit, parts, sums, drift)
+    change = greatest_change(sums, own.solution, own.rank.inverse_root)
+    faults = faults_of(examined, fit, parts, change, drift)
     faults = replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
     checked = with_faults(examined, faults)
     if checked.status == "ok":

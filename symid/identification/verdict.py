@@ -65,15 +65,19 @@ def verdict(
         missing = ", ".join(names[i] for i in fit.undetermined)
         return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
     helped = bool(physical) and physical[0].restricted is not None
+    vague = [n for n, r in zip(names, fit.relative_standard_deviations, strict=True) if not r < 50]
     if fit.condition_number_scaled > _HIGHEST_CONDITION and not helped:
-        vague = [n for n, r in zip(names, fit.relative_standard_deviations, strict=True) if not r < 50]
         return "poorly_excited", (
             f"the columns of W are nearly dependent (condition {fit.condition_number_scaled:.2g} scaled), and noise "
             f"decides on {', '.join(vague or names)}: move at several speeds, accelerations and frequencies"
         )
     if not physical and model.physical_parameters is not None:
-        cause = "the inverse map gives no finite values: the model, the filter, the timing or the log does not fit"
-        return "no_physical_parameters", cause
+        cause = "the model, the filter, the timing or the log does not fit"
+        if vague:
+            cause = (
+                f"noise decides on {', '.join(vague)}: move at other speeds, accelerations and frequencies"
+            )
+        return "no_physical_parameters", f"the inverse map gives no finite values: {cause}"
     if not physical and len(model.physical_units) > len(names):
         few = f"{len(names)} minimal parameters do not determine {len(model.physical_units)} physical ones"
         return "no_physical_parameters", f"{few}: give what is known with `fixed` or `prior`, or add a sensor"

@@ -11,6 +11,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.axis import Axis
+from symid.axis.sensors import controlled_of
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.cascade_tuning import tuned_cascades
@@ -53,7 +54,7 @@ class ClosedLoop:
     Raises
     ------
     SettingError
-        If the axis has no position sensor to control, or the rate is not positive.
+        If the axis has no position or velocity to control, or the rate is not positive.
     """
 
     axis: Axis
@@ -62,10 +63,10 @@ class ClosedLoop:
     trajectory: Trajectory | Sequence[Trajectory] | None = None
 
     def __post_init__(self) -> None:
-        if not any(sensor.derivative == 0 for sensor in self.axis.sensors):
+        if controlled_of(self.axis.sensors) is None:
             raise SettingError(
-                f"axis {self.axis.name!r} has no position sensor: a controller needs one: "
-                "declare it, or identify by wls or oe"
+                f"axis {self.axis.name!r} has no sensor of a position or velocity, of which a controller is made: "
+                "declare one, or identify by wls or oe"
             )
         if self.rate_hz is not None and not (math.isfinite(self.rate_hz) and self.rate_hz > 0):
             raise SettingError(f"the controller's rate is {self.rate_hz:g} Hz: give a positive number")

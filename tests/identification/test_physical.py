@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from symid import load_generated
+from symid.estimation import estimate, triangular_factors
 from symid.identification import physical_estimates
 from symid.identification.physical import jacobian
+from symid.identification.verdict import verdict
 
 DIRECT = np.array([3899.0, 3949.17, 1e9, 362.58, 88.6, 146.0])  # the paper's Table 1
 BALLSCREW = np.array([80.0, 120.0, 50.0, 6e6, 700.0, 200.0, 150.0])
@@ -130,3 +132,14 @@ def test_proportional_damping_of_two_structures_is_no_obstacle(measured: tuple[s
     first = physical_estimates(model, minimal, np.diag((1e-6 * minimal) ** 2))[0]
     assert first.parameters == pytest.approx(truth, rel=1e-9)
     assert np.all(first.standard_deviations < 1e-4 * truth)
+
+
+def test_a_map_without_finite_values_names_what_noise_decides() -> None:
+    """Not the structure is at fault where a minimal parameter in a denominator is nothing but noise."""
+    model, random = load_generated("direct_2m1s", ("q2",)), np.random.default_rng(2)
+    W = random.standard_normal((200, 7))
+    for X2, cause in ((0.0, "noise decides on X2: move at other speeds"), (1.0, "the model, the filter,")):
+        y = W @ [1.0, X2, 1.0, 1.0, 1.0, 1.0, 1.0] + 0.1 * random.standard_normal(200)
+        status, message = verdict(model, estimate(triangular_factors(W[None], y[None])), ())
+        assert status == "no_physical_parameters"
+        assert message.startswith(f"the inverse map gives no finite values: {cause}")

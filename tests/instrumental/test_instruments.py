@@ -1,18 +1,37 @@
 """Instrumental variables: the formula, its covariance by Monte Carlo, and axes whose encoders are noisy."""
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import polars as pl
 import pytest
 from command_line import run
 
-from symid import Log, Preparation, identify, load_axis, load_generated
+from symid import (
+    Axis,
+    Body,
+    CoulombFriction,
+    Drive,
+    Log,
+    Preparation,
+    Velocity,
+    ViscousFriction,
+    compiled,
+    derive,
+    identify,
+    load_axis,
+    load_generated,
+)
 from symid.errors import SettingError
 from symid.estimation import ObservationBlock, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification import Identification, Observation
+from symid.identification.explained import explained_by_instruments
+from symid.identification.stability import greatest_change, scatter
+from symid.identification.whitened import segments
 from symid.instrumental import identify_by_instruments
 from symid.instrumental.instrumental_fit import estimate_by_instruments
 from symid.simulation import ClosedLoop, multisine, plant_of, simulate, trapezoids, tuned_cascade
@@ -66,6 +85,48 @@ def test_the_corrected_covariance_of_instruments_is_the_spread_of_estimates() ->
         claimed.append(covariance.standard_deviations[0])
     assert np.mean(estimates) == pytest.approx(2.0, abs=0.05)
     assert np.mean(claimed) == pytest.approx(np.std(estimates, ddof=1), rel=0.2)
+
+
+def test_noise_in_the_columns_is_no_change_within_a_log() -> None:
+    """One column is small in some fifths of the log: there noise makes most of it.
+
+    Compared by W, its second parameter was 0.98 in one part and 4.05 elsewhere, by eight deviations.
+    """
+    random, t = np.random.default_rng(8), np.arange(6000) / 100
+    z = np.stack([np.sin(2.1 * t), np.cos(3.7 * t) * np.repeat([1.0, 0.2, 1.0, 0.2, 1.0], 1200)], axis=1)
+    estimates, claimed = [], []
+    for _ in range(60):
+        W = z + 0.3 * random.standard_normal(z.shape)
+        y = z @ [2.0, 5.0] + 0.1 * random.standard_normal(t.size)
+        seen = replace(observation(W, y), time=t)
+        start = estimate(triangular_factors(W[None], y[None]))
+        fit = estimate_by_instruments([seen], [z[None]], start).fit
+        (explained,), own = explained_by_instruments([seen], [z[None]], fit)
+        assert explained.y - explained.W @ fit.solution == pytest.approx(y[None] - W @ fit.solution, abs=1e-9)
+        sums = segments([SimpleNamespace(observation=explained, of=0)], own)
+        change = greatest_change(sums, own.solution, own.rank.inverse_root)
+        assert change is not None
+        assert np.max(np.abs(change.inside - change.outside) / change.deviations) < 5
+        estimates.append(fit.parameters)
+        claimed.append(np.diag(scatter(sums, own)))
+    spread = np.std(estimates, axis=0, ddof=1)
+    assert np.sqrt(np.mean(claimed, axis=0)) == pytest.approx(spread, rel=0.25)
+
+
+def test_a_wheel_with_a_tachometer_is_identified_by_instruments() -> None:
+    """It has no position; the simulated loop is one of the velocity, as that of the machine."""
+    wheel = Body("wheel", inertia="J")
+    friction = ViscousFriction(wheel, "Fv"), CoulombFriction(wheel, "Fs")
+    sensor = Velocity("w", wheel, noise=2e-3)
+    axis = Axis("wheel", (wheel, *friction), Drive("T", wheel, noise=1e-4), (sensor,))
+    values = {"J": 0.08, "Fv": 2e-3, "Fs": 0.02}
+    reference = trapezoids([20.0], [10.0, 4.0], acceleration=20.0, jerk=2e3, dwell=0.1, sampling_period=1e-3)
+    log = simulate(axis, values, reference, tuned_cascade(plant_of(axis, values), "w", 5.0), seed=3).log
+    settings = Preparation(held=True)
+    found = identify_by_instruments(compiled(derive(axis)), log, ClosedLoop(axis), preparation=settings)
+    assert found.status == "ok"
+    errors = np.array(list(found.physical_parameters.values())) - list(values.values())
+    assert np.max(np.abs(errors) / found.physical_deviations) < 3
 
 
 @cache
