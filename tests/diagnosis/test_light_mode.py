@@ -5,6 +5,13 @@ import pytest
 from scipy.signal import lsim
 
 from symid import Log, diagnose, load_axis
+from symid.diagnosis import LIBRARY
+from symid.diagnosis.fitting.start import fitted_axis
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.joined_logs import joined
+from symid.diagnosis.selection import confirmation
+from symid.diagnosis.selection.forward import forward_selection
 
 PERIOD, INERTIA, MASS, STIFFNESS, DAMPING = 2e-3, 30.0, 12.0, 9000.0, 3.0
 TIME = np.arange(0, 16, PERIOD)
@@ -35,3 +42,16 @@ def test_a_mode_that_rings_is_found_with_its_values() -> None:
     assert values["f"].value == pytest.approx(np.sqrt(STIFFNESS / MASS) / (2 * np.pi), rel=0.01)
     assert values["D"].value == pytest.approx(DAMPING / (2 * np.sqrt(STIFFNESS * MASS)), rel=0.3)
     assert found.gap.explained.rms < 1.5 * found.gap.noise_floor.rms
+
+
+def test_the_leading_candidate_is_fitted_until_its_error_hardly_falls(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    library = [effect for effect in LIBRARY if effect.name == "flexible_mode"]
+    monkeypatch.setattr(confirmation, "_DIRECT", (0, 0, 0))
+    axis = load_axis("rigid_1m")
+    data = data_of(axis, (joined([ringing_log(4)]), None), Recorded({}, True))
+    plain = fitted_axis(*first_state(data.record, {"M": 40.0, "Fv": 80.0, "Fs": 15.0}))
+    (step,) = forward_selection(plain, library)[:1]
+    assert step.best.fit.mean_square < 0.02 * plain.mean_square
+    assert step.best.placed.shape[0] == pytest.approx(np.sqrt(STIFFNESS / MASS) / (2 * np.pi), rel=0.01)

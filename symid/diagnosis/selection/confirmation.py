@@ -26,6 +26,8 @@ _COULOMB, _COGGING, _PERIODIC = "coulomb_friction", "cogging", "periodic_disturb
 _DIRECT = (4, 4, 3)
 _INTEGRATION = (4, 8, 8)
 """Most iterations: before a hopeless fit is given up, after that, and with the weights of the values found."""
+_FURTHER = 12
+"""Most further iterations of the leading candidates."""
 
 
 def confirmed_from(
@@ -46,6 +48,15 @@ def confirmed_from(
             if found.mean_square < most:
                 found = refitted(continued(found, further), then)
             return _judged(fit, found, beside)
+    except (SettingError, np.linalg.LinAlgError, OverflowError):
+        return None
+
+
+def converged_from(fit: Fit, own: Confirmed) -> Confirmed | None:
+    """A candidate after further steps, until its error hardly falls; None if it is not credible then."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _judged(fit, refitted(continued(own.fit, _FURTHER), _FURTHER), ())
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
 

@@ -12,7 +12,7 @@ from symid.diagnosis.fitting.gauss_newton import fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
+from symid.diagnosis.selection.confirmation import confirmed_from, converged_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.late_forces import in_band_of_forces
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.stages import (
@@ -25,6 +25,9 @@ from symid.diagnosis.selection.stages import (
 )
 from symid.diagnosis.selection.step import Confirmed, SelectionStep, is_clear, is_more_than_noise
 from symid.diagnosis.thresholds import THRESHOLDS
+
+_LEADING = 2
+"""Candidates that are fitted until their errors hardly fall."""
 
 
 def forward_selection(
@@ -156,6 +159,7 @@ def _completed(
     tried |= _confirm(fit, [Start.of(fit, placed) for placed in late], confirmed)
     tried |= _confirm(fit, list(_simpler(fit, found, confirmed)), confirmed)
     _confirm(fit, [Start.of(fit, placed) for placed in _elsewhere(found, confirmed)], confirmed, math.inf)
+    _converge(fit, confirmed)
     refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
     return SelectionStep(fit.released(), tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
@@ -183,6 +187,14 @@ def _confirm(
         if own.key not in confirmed or _is_better(own, confirmed[own.key]):
             confirmed[own.key] = own
     return tried
+
+
+def _converge(fit: Fit, confirmed: dict[Key, Confirmed]) -> None:
+    """Fit the leading candidates on where they leave a clear gap: the slower one may lead in the end."""
+    for own in best_first(confirmed)[:_LEADING]:
+        after = converged_from(fit, own) if is_clear(own.fit) else None
+        if after is not None and _is_better(after, own):
+            confirmed[own.key] = after
 
 
 def _is_better(own: Confirmed, other: Confirmed) -> bool:
