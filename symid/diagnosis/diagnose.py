@@ -43,11 +43,13 @@ from symid.simulation import Cascade
 _ELSEWHERE = 5.0
 """Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which
 on something acts there that does not act here."""
+_FAR_LESS = 0.5
+"""Share of the error left unexplained below which the answer of the validation log takes the place of the other."""
 _MOST_READINGS = 3
 """Most steps to the time by which a reading is late: the errors that it makes hide a part of it."""
 _ONLY_IN_VALIDATION = (
-    "The effect shows in the validation log and hardly in the other one. It was identified from two thirds of the "
-    "former, and the gap measured on the rest."
+    "What the model lacks shows in the validation log, and in part hardly in the other one. It was identified from two "
+    "thirds of the former, and the gap measured on the rest."
 )
 
 
@@ -150,9 +152,9 @@ class _Task:
         if validation is None or not _shows_in_validation(found):
             return found
         other = replace(self, runs=(validation, None)).diagnosed()
-        if other.verdict not in ("effect", "partly") or _leads(other) == _leads(found):
+        if other.verdict not in ("effect", "partly") or _named(other) <= _named(found):
             return found
-        if found.verdict == "partly" and not other.gap.unexplained_share < found.gap.unexplained_share:
+        if not other.gap.unexplained_share < _FAR_LESS * found.gap.unexplained_share:
             return found
         return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
 
@@ -252,14 +254,14 @@ class _Task:
         return replace(found, sentence=sentence(found))
 
 
-def _leads(found: Diagnosis) -> tuple[tuple[str, str], ...]:
-    """Name and place of the first effect, if there is one."""
-    return tuple((one.effect, one.at) for one in found.effects[:1])
+def _named(found: Diagnosis) -> frozenset[tuple[str, str]]:
+    """Names and places of the effects."""
+    return frozenset((one.effect, one.at) for one in found.effects)
 
 
 def _shows_in_validation(found: Diagnosis) -> bool:
     """Whether the model found leaves only noise of its own log, or many times as much error of the other."""
-    if not found.search or found.verdict not in ("unexplained", "partly"):
+    if not found.search or found.verdict not in ("unexplained", "partly", "effect"):
         return False
     steps = accepted_of(found.search)[: len(found.effects)]
     fit = steps[-1].best.fit if steps else found.search[0].before

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import symid
-from symid import OffsetForce, load_axis
-from symid.simulation import Cascade, simulate, trapezoids
+from symid import ForceLimit, OffsetForce, load_axis
+from symid.diagnosis import LIBRARY
+from symid.simulation import Cascade, plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = load_axis("rigid_1m")
 
@@ -47,3 +48,25 @@ def test_a_drive_at_its_limit_is_none() -> None:
     found = symid.diagnose(axis, log)
     assert found.verdict == "effect"
     assert found.effects[0].effect == "offset_force"
+
+
+def test_a_limit_that_only_the_validation_log_reaches_is_found_beside_another_effect() -> None:
+    axis = RIGID.with_signal("F", noise=1.0).with_signal("q", noise=1e-7)
+    values = {"M": 100.0, "Fv": 80.0, "Fs": 40.0, "F0": 60.0}
+    loop = tuned_cascade(plant_of(RIGID, values), "q")
+    machine = axis.with_effect(OffsetForce(axis.bodies[0], "F0"), ForceLimit(420.0))
+
+    def moved_with(acceleration: float, seed: int) -> symid.Log:
+        path = trapezoids(
+            [0.2, 0.1, 0.3], 0.9, acceleration=acceleration, jerk=300.0, dwell=0.1, sampling_period=1e-3
+        )
+        return simulate(machine, values, path, loop, seed=seed).log
+
+    slow, fast = moved_with(2.0, 1), moved_with(2.6, 2)
+    assert np.abs(slow["F"]).max() < 420.0 < np.abs(fast["F"]).max()
+    library = [effect for effect in LIBRARY if effect.name in ("offset_force", "saturation")]
+    found = symid.diagnose(axis, slow, validation=fast, nominal=values, held=True, library=library)
+    assert {effect.effect for effect in found.effects} == {"offset_force", "saturation"}
+    assert "shows in the validation log" in found.assumptions[0]
+    (limit,) = (effect for effect in found.effects if effect.effect == "saturation")
+    assert limit.parameters["limit"].value == pytest.approx(420.0, rel=0.02)
