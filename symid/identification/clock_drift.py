@@ -102,7 +102,7 @@ def drift_within_a_row(parts: Sequence[Excerpt], fit: LeastSquares, delays: Sequ
 
 
 def _growth(parts: Sequence[Excerpt], fit: LeastSquares, delay: Timing) -> _Growth:
-    """Growth of a delay from the start to the end of the logs, by least squares beside the parameters and its mean."""
+    """Growth of a delay from the start to the end of the logs, beside its mean and parameters that drift."""
     rows, growing, blocks = [], [], []
     each = max(3, round(_BLOCKS / len(parts)))
     for k, part in enumerate(parts):
@@ -114,12 +114,14 @@ def _growth(parts: Sequence[Excerpt], fit: LeastSquares, delay: Timing) -> _Grow
         for j, used in enumerate(seen.valid):
             weight = fit.weights[part.of * len(seen.valid) + j]
             rows.append(weight * np.column_stack([seen.W[j], seen.y[j]])[used])
-            growing.append(rows[-1][:, -2] * course[used])
+            growing.append(rows[-1][:, :-1] * course[used, None])
             blocks.append(place[used])
-    # Frisch, Waugh and Lovell: the column and the output without what the parameters and the mean delay explain; their
-    # ratio is the growth. Its deviation comes from the scatter of sums over blocks, as residuals are correlated.
-    every, column, block = np.concatenate(rows), np.concatenate(growing), np.concatenate(blocks)
-    columns = every[:, :-1] / np.maximum(np.linalg.norm(every[:, :-1], axis=0), np.finfo(float).tiny)
+    # Frisch, Waugh and Lovell: the column and the output without what the mean delay and the parameters explain, which
+    # may drift themselves, as friction does that warms up; their ratio is the growth. Its deviation comes from the
+    # scatter of sums over blocks, as residuals are correlated.
+    every, drifting, block = np.concatenate(rows), np.concatenate(growing), np.concatenate(blocks)
+    column, columns = drifting[:, -1], np.column_stack([every[:, :-1], drifting[:, :-1]])
+    columns /= np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
     both = np.column_stack([column, every[:, -1]])
     own, left = (both - columns @ np.linalg.lstsq(columns, both, rcond=None)[0]).T
     power = float(own @ own)

@@ -101,6 +101,9 @@ class Criteria:
     disagreement: float = 1e-9
     # largest ratio of a residual to the noise of the log that counts as explained by it
     noise_explains: float = 3.0
+    # the same of a residual that is noise alone. What a controller makes of the encoder's noise looks like a delay, a
+    # drifting clock or a filter in it: drawn axes in closed loop, slow ones above all, have 0.4 to 1.07
+    noise_alone: float = 1.1
     # largest difference of the gains of redundant sensors: accelerometers are
     # calibrated to a few per cent
     gain: float = 0.05

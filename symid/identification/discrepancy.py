@@ -27,11 +27,12 @@ from symid.estimation import LeastSquares, independent_rows
 from symid.identification.coulomb import direction
 from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import shiftable
-from symid.identification.motion_shapes import QUARTER, Motion, shapes_of, speeds_of, waves
+from symid.identification.motion_shapes import OF_ACCELERATION, QUARTER, Motion, shapes_of, speeds_of, waves
 from symid.identification.noise import coefficients
 from symid.identification.whitened import WhitenedRows, segments, whitened
 from symid.signal_names import split_derivative
 
+_LATE = "a delay of"
 _CERTAIN = 4.0
 """Standard deviations from which an effect, or a change between bands, counts: one of some thirty is tried."""
 _LIKELY = 3.0
@@ -47,7 +48,9 @@ has Fv within 59 %). One with less, such as a constant force beside the weight o
 friction, counts where it explains most; three deviations make it certain, as few are imitated (mass on a sine: with
 four, drag in the noise had Fv off by 30 % at 20 deviations)."""
 _LARGEST = 0.1
-"""Size of one with less, as part of the output, beyond which it is not a small effect: noise makes it large."""
+"""Size of one with less, as part of the output, beyond which it is no small effect, but noise that is made large."""
+_MAINLY = 0.25
+"""Part of the residual's power that such a large one must explain."""
 _RESOLVED = 1e-4
 """Part of a column's power that rounding and filters leave of one that the model does explain."""
 _NOISY = 0.05
@@ -81,7 +84,12 @@ class Discrepancy:
 
 
 def discrepancies_of(
-    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, corrected: LeastSquares
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    corrected: LeastSquares,
+    *,
+    noise_alone: bool = False,
 ) -> tuple[Discrepancy, ...]:
     """Effects that the residual shows, in the order in which they explain it.
 
@@ -95,12 +103,17 @@ def discrepancies_of(
         The parameters by least squares, all determined.
     corrected : LeastSquares
         The parameters without their bias by noise in W, which is less in the slow part of the band.
+    noise_alone : bool
+        Whether the residual is no larger than the noise of the signals makes it. A delay of the force then says
+        nothing, as the force that a controller makes of the encoder's noise looks late.
     """
     found = _between_bands(parts, corrected)
     bias = np.abs(corrected.solution - fit.solution)
     if np.any(bias > np.maximum(_NOISY * np.abs(corrected.solution), fit.standard_deviations)):
         return tuple(found)  # the residual shows the noise of the columns
-    return (*_pursued(_Columns(model, parts, fit, list(whitened(parts, fit)))), *found)
+    rows = list(whitened(parts, fit))
+    late = [name for name in shiftable(model) if not (noise_alone and name in model.forces)]
+    return (*_pursued(_Columns(model, parts, fit, rows, late)), *found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +124,11 @@ class _Columns:
     parts: Sequence[Excerpt]
     fit: LeastSquares
     rows: Sequence[WhitenedRows]
+    late: Sequence[str]  # signals that may be late
 
     def all(self) -> dict[str, FloatArray]:
         """Columns of all effects that are tried, by their names."""
-        found = {f"a delay of {name}": self._late(name) for name in shiftable(self.model)}
+        found = {f"{_LATE} {name}": self._late(name) for name in self.late}
         if not any(self.model.sliding):
             return found
         found["friction that turns at another moment"] = self._turned()
@@ -182,6 +196,16 @@ class _Columns:
             ]
         )
 
+    def noise(self) -> tuple[FloatArray, FloatArray]:
+        """What noise makes of the products of the orthonormal columns with themselves, and with the residual."""
+        p, total = self.fit.solution.size, np.zeros((self.fit.solution.size + 1,) * 2)
+        for part in self.parts:
+            valid = part.observation.valid
+            weights = self.fit.weights[part.of * len(valid) : (part.of + 1) * len(valid)]
+            total += np.einsum("j,jab->ab", weights**2 * valid.sum(axis=1), part.noise)
+        root, error = self.fit.rank.inverse_root, np.append(self.fit.solution, -1.0)
+        return root.T @ total[:p, :p] @ root, -(root.T @ total[:p] @ error)
+
     def independent(self, rest: FloatArray) -> float:
         """Number of independent rows of a residual."""
         whole = [np.zeros(part.observation.y.shape) for part in self.parts]
@@ -202,6 +226,8 @@ class _Columns:
 def _pursued(columns: _Columns) -> Iterator[Discrepancy]:
     """Effects that explain the residual, one by one."""
     named = columns.all()
+    if not named:
+        return
     Z, rest, predicted = (
         np.concatenate([getattr(r, name) for r in columns.rows]) for name in ("Z", "residual", "prediction")
     )
@@ -210,13 +236,16 @@ def _pursued(columns: _Columns) -> Iterator[Discrepancy]:
     along = np.linalg.lstsq(Z, C, rcond=None)[0]
     own = C - Z @ along
     whole = np.maximum(np.sum(C**2, axis=0), np.finfo(float).tiny / _RESOLVED)
-    largest = _LARGEST**2 * float(predicted @ predicted)
+    # Noise of W is in what the model leaves of a column that holds none itself, and in the residual.
+    quiet = np.array([not name.startswith((*OF_ACCELERATION, _LATE)) for name in names], dtype=float)
+    (noise, both), largest = columns.noise(), _LARGEST**2 * float(predicted @ predicted)
     for k in range(_MOST):
-        taken, power = own.T @ rest, np.sum(own**2, axis=0)
+        taken, power = own.T @ rest + quiet * (along.T @ both), np.sum(own**2, axis=0)
         factor = np.divide(taken, power, out=np.zeros_like(power), where=power > _RESOLVED * whole)
         explained = np.minimum(factor * taken / max(float(rest @ rest), np.finfo(float).tiny), 1.0)
+        explained[power < 2 * np.einsum("aj,ab,bj->j", along, noise, along)] = 0.0  # half of them is noise
         imitated = power <= _INDEPENDENT * whole
-        explained[imitated & (factor**2 * whole > largest)] = 0.0
+        explained[imitated & (factor**2 * whole > largest) & (explained < _MAINLY)] = 0.0
         best = int(np.argmax(explained))
         left = rest - factor[best] * own[:, best]
         # squared deviations of each factor, for noise that is what the best effect leaves
@@ -228,6 +257,7 @@ def _pursued(columns: _Columns) -> Iterator[Discrepancy]:
             return
         explained[imitated & (explained < explained[best])] = 0.0
         rest = rest - factor[best] * own[:, best]
+        both = both + factor[best] * noise @ along[:, best]
         alike = explained >= _AS_MUCH * explained[best]
         changes = -(root @ (along * factor)[:, alike]).T
         name = "cogging" if names[best] == QUARTER else names[best]

@@ -12,6 +12,7 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification
+from symid.identification.lag_scan import shiftable
 from symid.identification.lagging import ac_coupling_of, smoothing_by_residual
 from symid.identification.modes import lost_mode, mode_above
 from symid.identification.nonlinearity import ColumnTests
@@ -26,10 +27,21 @@ from symid.identification.whitened import whitened
 
 
 def faults_of(
-    found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], change: Change | None, drift: str
+    found: Identification,
+    fit: LeastSquares,
+    parts: Sequence[Excerpt],
+    change: Change | None,
+    drift: str,
+    *,
+    noise_alone: bool,
 ) -> Faults:
-    """Statements on faults that contradict the estimate: a channel, a part of the logs, the force or its clock."""
+    """Statements on faults that contradict the estimate: a channel, a part of the logs, the force or its clock.
+
+    `noise_alone` is whether the residual is no larger than the noise of the signals makes it.
+    """
     model = found.model
+    # in noise alone a force, which a controller makes of the encoder's noise, shows no filter
+    shown = [name for name in shiftable(model) if not (noise_alone and name in model.forces)]
     inflation = rows_per_independent(found)
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
     return Faults(
@@ -37,8 +49,8 @@ def faults_of(
         or smoothing_of(model, parts)
         or folding_of(model, parts)
         or disagreement_of(model, parts)
-        or ac_coupling_of(found, parts, fit)
-        or ("" if drift else smoothing_by_residual(found, parts, fit))
+        or ac_coupling_of(found, parts, fit, shown)
+        or ("" if drift else smoothing_by_residual(found, parts, fit, shown))
         or ("" if drift else more.sensor_gain() or more.uneven_gain()),  # a lag changes gains too
         poor_fit=contradicting_part(model, parts, fit)
         or more.force_nonlinearity()
@@ -50,6 +62,7 @@ def faults_of(
         or _mode_beyond_band(found, parts, fit)
         or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
         drift=drift,
+        noise_alone=noise_alone,
         constant_force=constant_force(model, parts),
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
     )

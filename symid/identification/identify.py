@@ -32,6 +32,7 @@ from symid.identification.bias import Bias, Correction, bias_of_instruments
 from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import with_constraint_check
+from symid.identification.criteria import CRITERIA
 from symid.identification.cutoff import CutoffTrial, Estimation, disagreement_of, least_uncertain
 from symid.identification.discrepancy import discrepancies_of
 from symid.identification.examined_faults import faults_of
@@ -43,6 +44,7 @@ from symid.identification.lagging import lag_of
 from symid.identification.log_agreement import LogEstimate, disagreement_between
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
+from symid.identification.poor_fit import unexplained
 from symid.identification.reliability import with_discrepancies, with_faults
 from symid.identification.row_blocks import Run, blocks_of_runs
 from symid.identification.settings import Preparation, notes_on_declared
@@ -133,9 +135,8 @@ def identify(
     if examine == "bias" or found.fit.status != "ok":
         return with_constraint_check(found)
     checked = with_checks(found, parts_of(found.observations), every, tried=tried)
-    if len(every) == 1 or checked.status != "ok":
-        return checked
-    apart = _disagreement_of_logs(estimation, checked, constraints)
+    several = len(every) > 1 and checked.status == "ok"
+    apart = _disagreement_of_logs(estimation, checked, constraints) if several else ""
     return replace(checked, status="poor_fit", message=apart) if apart else checked
 
 
@@ -143,14 +144,14 @@ def _require_usable(model: GeneratedModel, logs: Sequence[AnyLog]) -> None:
     """SettingError if there is no log, one is too short, or several have parameters of their own."""
     if not logs:
         raise SettingError("there is no log: give at least one")
-    short = next((log for log in logs if log.n_samples < 3), None)
-    if short is not None:
+    if short := next((log for log in logs if log.n_samples < 3), None):
         raise SettingError(
             f"{short.source} has {short.n_samples} samples, an acceleration needs 3: record longer"
         )
     if len(logs) > 1 and model.per_log:
+        own = ", ".join(model.per_log)
         raise SettingError(
-            f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
+            f"axis {model.axis!r} has a parameter of each log ({own}): identify each log alone"
         )
 
 
@@ -266,10 +267,7 @@ def with_checks(
     instruments: tuple[FloatArray, ...] | None = None,
     tried: Sequence[Identification] = (),
 ) -> Identification:
-    """The identification after checks of timing and bias on excerpts, and against those tried at other cutoffs.
-
-    Other parameters are as in `found_from`.
-    """
+    """The identification after checks on excerpts, and against those tried at other cutoffs; else as `found_from`."""
     model, fit, bias, spread = found.model, found.fit, found.bias, found.scatter
     if bias is not None and bias.removed is not None:
         fit = replace(fit, solution=fit.solution + bias.removed)  # its residual is orthogonal to the columns
@@ -283,15 +281,19 @@ def with_checks(
     # Signals that are late by a constant time, by one that grows along the log, or by the lag of a filter
     delays = delays_of(model, parts, fit)
     examined = replace(found, timing=likeliest(delays), bias=bias, scatter=spread)
+    noise_alone = not np.any(unexplained(model, parts, fit, CRITERIA.noise_alone))
+    drifting = [one for one in delays if not (noise_alone and one.is_force)]
     drift = drift_by_rows(parts, fit, model.forces) or lag_of(examined, parts, fit)
-    drift = drift or drift_within_a_row(parts, fit, delays)
+    drift = drift or drift_within_a_row(parts, fit, drifting)
     # Faults of channels, of parts of the logs and of the structure; then what no fault explains widens the deviations
     change = greatest_change(sums, own.solution, own.rank.inverse_root)
-    faults = faults_of(examined, fit, parts, change, drift)
-    faults = replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
-    checked = with_faults(examined, faults)
+    faults = faults_of(examined, fit, parts, change, drift, noise_alone=noise_alone)
+    checked = with_faults(
+        examined, replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
+    )
     if checked.status == "ok":
-        checked = with_discrepancies(checked, discrepancies_of(model, parts, fit, found.fit))
+        seen = discrepancies_of(model, parts, fit, found.fit, noise_alone=noise_alone)
+        checked = with_discrepancies(checked, seen)
     return with_constraint_check(checked)
 
 

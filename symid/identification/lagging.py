@@ -78,10 +78,12 @@ def lag_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -
     )
 
 
-def ac_coupling_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Statement on a signal that has passed a high-pass, which moves parameters out of their intervals; else empty."""
+def ac_coupling_of(
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
+) -> str:
+    """Statement on one of some signals that has passed a high-pass, which moves parameters out of their intervals."""
     model, passed = found.model, []
-    for name in shiftable(model):
+    for name in names:
         integrals = [
             _rows_of(part, name, running_integral(part.log[name], part.log.sampling_period)) for part in parts
         ]
@@ -107,8 +109,10 @@ def ac_coupling_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSq
     return ""
 
 
-def smoothing_by_residual(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Statement on a signal whose fast part was damped without a delay, as a zero-phase filter does; else empty.
+def smoothing_by_residual(
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
+) -> str:
+    """Statement on one of some signals whose fast part was damped without a delay, as a zero-phase filter does.
 
     Such a filter of squared gain 1 / (1 + (T w)^2) is undone by x - T^2 x''. Where more of x'' is left than taken,
     the model imitates what a filter did, if next to nothing of the residual remains. A signal without noise beside one
@@ -116,7 +120,7 @@ def smoothing_by_residual(found: Identification, parts: Sequence[Excerpt], fit: 
     filters it undoes a part only.
     """
     every = []
-    for name in shiftable(found.model):
+    for name in names:
         bent = [
             _rows_of(part, name, _second_derivative(part.log[name], part.log.sampling_period))
             for part in parts

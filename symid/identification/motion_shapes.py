@@ -18,6 +18,8 @@ _PATHS = (0.03, 0.1)
 """Distances behind a reversal, over the stroke, within which friction builds up."""
 QUARTER = "cogging a quarter further"
 """Name of cogging a quarter of a period away from that which is named alone."""
+OF_ACCELERATION = "friction with the load", "a spring that is not linear", "play"
+"""Beginnings of the names of effects whose courses hold the noise of the acceleration, as W does."""
 _MOST_PERIODS, _STEP = 120.0, 0.5
 """Periods of cogging along the stroke that are tried: the most, and their step."""
 

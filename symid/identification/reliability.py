@@ -36,7 +36,8 @@ _GAIN_OF_DIFFERENCES = 0.997
 class Faults:
     """Statements that contradict an estimate, empty without a fault: on samples, the residual, the clock, the force.
 
-    `hint` is what may be a cause of another status and is none by itself.
+    `hint` is what may be a cause of another status and is none by itself; `noise_alone` is whether the residual is no
+    larger than the noise of the signals makes it.
     """
 
     recording: str = ""
@@ -44,6 +45,7 @@ class Faults:
     drift: str = ""
     constant_force: str = ""
     hint: str = ""
+    noise_alone: bool = False
 
 
 def with_faults(found: Identification, faults: Faults) -> Identification:
@@ -64,7 +66,7 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
         ("undetermined", faults.constant_force),  # then all else that is tested means nothing
         ("recording", faults.recording),
         ("timing", faults.drift),
-        ("timing", timing.statement if timing is not None and _is_fault(found, timing) else ""),
+        ("timing", timing.statement if timing and _is_fault(found, timing, faults.noise_alone) else ""),
         ("biased", large_bias if _NOISE_IN_W in large_bias else ""),
         ("poor_fit", faults.poor_fit),
         ("biased", large_bias),
@@ -147,12 +149,13 @@ def _matters(found: Identification, timing: Timing) -> bool:
     return abs(timing.samples) > _LEAST_DELAY and is_beyond_intervals(found, timing.parameters)
 
 
-def _is_fault(found: Identification, timing: Timing) -> bool:
-    """Whether a held force and the lag of a drive cannot explain a delay, or intervals do not hold what it changes.
+def _is_fault(found: Identification, timing: Timing, noise_alone: bool) -> bool:
+    """Whether a held force, the lag of a drive or noise do not explain a delay, or it moves parameters too far.
 
-    A force that acts before it is recorded has no natural cause, unless that is a small part of a sample.
+    A force that acts before it is recorded has no natural cause, unless that is a small part of a sample. In noise
+    alone the force that a controller makes of the encoder's noise looks late.
     """
-    natural = timing.is_force and timing.late <= 0 and timing.samples >= -_USUAL_LAG
+    natural = timing.is_force and (noise_alone or -_USUAL_LAG <= timing.samples <= 0)
     return not (natural or timing.is_small) or is_beyond_intervals(found, timing.parameters)
 
 
