@@ -260,10 +260,14 @@ def _named(found: Diagnosis) -> frozenset[tuple[str, str]]:
 
 
 def _shows_in_validation(found: Diagnosis) -> bool:
-    """Whether the model found leaves only noise of its own log, or many times as much error of the other."""
+    """Whether the model found leaves many times as much error of the validation log, or only noise of its own log.
+
+    The latter shows nothing where effects were found, which explain the validation log too.
+    """
     if not found.search or found.verdict not in ("unexplained", "partly", "effect"):
         return False
     steps = accepted_of(found.search)[: len(found.effects)]
     fit = steps[-1].best.fit if steps else found.search[0].before
     other = (found.gap.explained.rms / found.gap.noise_floor.rms) ** 2
-    return fit.mean_square < THRESHOLDS.fit_of_noise or other > _ELSEWHERE * fit.mean_square
+    only_noise = found.verdict != "effect" and fit.mean_square < THRESHOLDS.fit_of_noise
+    return only_noise or other > _ELSEWHERE * fit.mean_square
