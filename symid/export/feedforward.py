@@ -44,7 +44,7 @@ def feedforward(axis: Axis) -> Feedforward:
         term.xreplace(known)
         for term in (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drives, dynamics.constant)
     )
-    free = [sp.Matrix([1])] if len(dynamics.bodies) == 1 else _nullspace(stiffness)
+    free = [sp.Matrix([1])] if len(dynamics.bodies) == 1 else _nullspace(_of_springs(axis).xreplace(known))
     works = [sp.cancel((drive.T * motion)[0]) for motion in free]
     if len(free) != 1 or works[0] == 0:
         raise SettingError(
@@ -72,6 +72,12 @@ def feedforward(axis: Axis) -> Feedforward:
             "determines: leave out imperfections with memory or time"
         )
     return Feedforward((friction + other) / gain, friction / gain)
+
+
+def _of_springs(axis: Axis) -> sp.Matrix:
+    """Stiffness of the springs; a law of the position, such as that of a cable chain, is a force that moves along."""
+    along_stroke = [e for e in axis.laws if not e.in_spring and any(t.expression == "q" for t in e.terms())]
+    return symbolic_dynamics(axis.without(*along_stroke)).stiffness
 
 
 def _nullspace(matrix: sp.Matrix) -> list[sp.Matrix]:

@@ -14,10 +14,13 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.errors import SettingError
 from symid.simulation.plant import JUST_MOVING, JointLaw, Plant
 
 ORDER = 20
 """Terms of the Taylor series; within `Flow.reach` the next one is below 1/20! = 4e-19 of the first."""
+_MOST_DOUBLINGS = 42
+"""Halvings of a step down to the fastest motion, after which rounding changes slow motion by 2^42 * 2e-16 = 0.1 %."""
 _DEPENDENT = 1e-10
 """Relative eigenvalue of the mobility of stuck joints, each scaled to 1, below which they depend on each other."""
 
@@ -54,9 +57,15 @@ class Flow:
     def _transition(self, duration: float) -> tuple[FloatArray, FloatArray]:
         """Matrices of state and force over a duration, by scaling and squaring of the Taylor series.
 
+        Each squaring doubles the relative error of slow motion; SettingError where nothing of that would be left.
         SciPy's matrix exponential takes milliseconds for matrices of this size, which its library shares among threads.
         """
         doublings = max(math.ceil(math.log2(duration / self.reach)), 0) if duration > 0 else 0
+        if doublings > _MOST_DOUBLINGS:
+            raise SettingError(
+                f"the axis moves within {self.reach:.1e} s, too fast to be simulated over steps of {duration:.1e} s: "
+                "check its masses, dampings and stiffnesses"
+            )
         whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(ORDER), self.terms, 1)
         size = len(whole)
         transition, gain = whole[:, :size], whole[:, size:]

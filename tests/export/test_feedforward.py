@@ -25,6 +25,7 @@ from symid import (
     Drive,
     PayloadChange,
     Position,
+    PositionStiffness,
     PreslidingFriction,
     Spring,
     load_axis,
@@ -172,6 +173,23 @@ def test_an_axis_without_a_motion_of_its_own_is_refused() -> None:
     case = cases()["chain_2m2s_1"]
     with pytest.raises(SettingError, match="0 motions in which no spring deflects"):
         structured_text(case.declared, case.values)
+
+
+def test_a_force_of_the_position_moves_along_where_a_spring_may_not_deflect() -> None:
+    """A stage with a cable chain on an isolated base, and a scanner with a torsion bar: both were refused."""
+    base = Body("base", mass="Mb")
+    stage = Body("stage", mass="Ms", on=base)
+    isolator, chain = Spring("isolator", base, stiffness="Kb"), PositionStiffness(stage, "kc")
+    isolated = Axis("isolated", (base, stage, isolator, chain), Drive("F", stage), (Position("q", stage),))
+    found = structured_text(isolated, {"Mb": 900.0, "Ms": 22.0, "Kb": 4e5, "kc": 60.0}).text
+    moved = {"position": 0.2, "velocity": 0.5, "acceleration": 3.0}
+    assert executed(found, **moved)["force"] == pytest.approx(22.0 * 3.0 + 60.0 * 0.2, rel=1e-12)
+    rotor, mirror = Body("rotor", inertia="Jr"), Body("mirror", inertia="Jm")
+    shaft = Spring("shaft", Between(first=rotor, second=mirror), stiffness="K")
+    elements = (rotor, mirror, PositionStiffness(rotor, "kb"), shaft)
+    scanner = Axis("scanner", elements, Drive("T", rotor), (Position("phi", rotor),))
+    found = structured_text(scanner, {"Jr": 1.5e-7, "Jm": 1e-7, "kb": 0.047, "K": 60.0}).text
+    assert executed(found, **moved)["force"] == pytest.approx(2.5e-7 * 3.0 + 0.047 * 0.2, rel=1e-12)
 
 
 def test_the_command_writes_a_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,7 @@ import pytest
 from driven import driven
 from scipy.linalg import expm
 
-from symid import Axis, Body, Drive, Law, Position, Term, ViscousFriction, load_axis
+from symid import Axis, Between, Body, Drive, Law, Position, Spring, Term, ViscousFriction, load_axis
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation import OpenLoop, Trajectory, plant_of, simulate
@@ -98,3 +98,18 @@ def test_the_flow_is_the_matrix_exponential(duration: float) -> None:
         for columns in (slice(0, n), slice(n, 2 * n), slice(2 * n, 3 * n)):
             true = exact[rows, columns]
             assert np.abs(found[rows, columns] - true).max() < 2e-12 * np.abs(true).max()
+
+
+@pytest.mark.parametrize("damping", [1e3, 1e10, 1e13, 1e300])
+def test_motion_too_fast_for_numbers_is_refused_and_slower_motion_is_right(damping: float) -> None:
+    """Two bodies on a damper move as one, exp(-F t/m) by hand; beyond 1e11 N*s/m a simulation did not end."""
+    a, b = Body("a", mass="A"), Body("b", mass="B")
+    shaft = Spring("shaft", Between(first=a, second=b), stiffness="K", damping="D")
+    axis = Axis("tied", (a, b, ViscousFriction(a, "F"), shaft), Drive("T", a), (Position("q", a),))
+    flow = Flow(plant_of(axis, {"A": 1.0, "B": 1e-3, "F": 1.0, "K": 1e3, "D": damping}), ())
+    if damping > 1e11:
+        with pytest.raises(SettingError, match=r"too fast to be simulated over steps of 1\.0e-02 s"):
+            flow.transition(0.01)
+    else:
+        of_state, _ = flow.transition(0.01)
+        assert (of_state @ [0.0, 0.0, 1.0, 1.0])[2] == pytest.approx(np.exp(-0.01 / 1.001), rel=1e-4)

@@ -93,8 +93,9 @@ def of_doubtful_values(found: Diagnosis) -> str:
         cause = "small errors of model or timing that this log hardly shows distort it"
         said.append(f"No machine has {_values(negative)}: {cause}.")
     if least:
-        bound = "half of its nominal or re-identified value, whichever is smaller"
-        said.append(f"{_values(least)} is at its bound, {bound}: determine it from another log.")
+        held, them = ("is at its bound", "it") if len(least) == 1 else ("are at their bounds", "them")
+        bound = "half of the nominal or re-identified value, whichever is smaller"
+        said.append(f"{_values(least)} {held}, {bound}: determine {them} from another log.")
     return "".join(f" {sentence}" for sentence in said)
 
 
