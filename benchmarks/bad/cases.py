@@ -16,7 +16,7 @@ import click
 import polars as pl
 from hypothesis import strategies as st
 
-from symid.cli import group
+from symid.cli.command_line import group
 
 WORDS = (
     "", " ", "0", "-0", "-1", "1", "2", "1e-9", "1e9", "1e300", "1e-300", "1e400", "nan", "inf", "-inf", "²", "½", "١٢",

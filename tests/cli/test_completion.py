@@ -4,7 +4,7 @@ import pytest
 from click.shell_completion import ShellComplete
 
 from symid.axis import axis_names
-from symid.cli import group
+from symid.cli.command_line import group
 
 
 @pytest.mark.parametrize("command", ["identify", "show", "batch", "diagnose", "export", "simulate"])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from symid.cli import COMMANDS
+from symid.cli.command_line import COMMANDS
 from symid.cli.terminal import with_options
 
 PACKAGE = Path(__file__).parents[2] / "symid"

@@ -42,6 +42,24 @@ def test_table_and_figure(folder: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert LIGHT.paper.lower() not in drawn
 
 
+def test_what_no_motion_determines_has_a_dash(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Pinion and carriage: only J + r^2 M is determined."""
+    Path("rack.py").write_text(
+        "from symid import *\n"
+        'pinion = Body("pinion", inertia="J")\n'
+        'carriage = Body("carriage", mass="M", geared=Geared(to=pinion, ratio=0.04))\n'
+        'axis = Axis("rack", (pinion, carriage, ViscousFriction(pinion, "Fv")), Drive("T", pinion), '
+        '(Position("q", pinion),))\n'
+    )
+    Path("rack.json").write_text('{"J": 0.3, "M": 200.0, "Fv": 2.0}')
+    assert run("tune", "rack.py", "--parameters", "rack.json", "--seconds", "4", "--rate", "5000") == 0
+    printed = capsys.readouterr().out
+    assert {line.split()[0]: line.split()[1] for line in printed.splitlines() if line[1:2] in "JM"} == {
+        "J": "–",
+        "M": "–",
+    }
+
+
 def test_trapezoids_and_acceleration_sensor(folder: Path) -> None:
     options = (
         "--trajectory",

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from symid.report.tables.console import report_console
+from symid.report.tables.number_text import percent
 from symid.tuning import BoundSearch, TotalTuning, Tuning
 
 
@@ -64,7 +65,7 @@ def print_tuning(found: Tuning, console: Console | None = None) -> None:
     errors = Table("error of", "from the cutoff [35]", "from sampling [37]", box=None)
     for name in {**sampling.errors, **cutoff.errors}:
         parts = (part.errors.get(name) for part in (cutoff, sampling))
-        errors.add_row(name, *("" if error is None else f"{error:.4g} %" for error in parts))
+        errors.add_row(name, *("" if error is None else percent(error / 100, 4) for error in parts))
     console.print(errors)
 
 
