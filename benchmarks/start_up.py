@@ -21,6 +21,7 @@ import numpy as np
 import polars as pl
 
 from benchmarks.identify_speed import simulate_emps
+from benchmarks.installed import as_installed
 
 SAMPLES = 10_000
 AIM = 0.5
@@ -44,10 +45,10 @@ def commands(log: Path) -> dict[str, list[str]]:
     }
 
 
-def costs(command: list[str]) -> tuple[float, float]:
+def costs(command: list[str], environment: dict[str, str]) -> tuple[float, float]:
     """Seconds by the clock and of the processor that a process takes."""
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    subprocess.run(command, check=True, capture_output=True)
+    subprocess.run(command, check=True, capture_output=True, env=environment)
     clock, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
     return clock, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -61,10 +62,12 @@ def main() -> None:
         log = Path(name) / "log.csv"
         q, force = simulate_emps(SAMPLES, np.random.default_rng(0))
         pl.DataFrame({"t": np.arange(SAMPLES) / 1000.0, "q": q, "F": force}).write_csv(log)
-        compared = commands(log)
+        compared, environment = commands(log), as_installed(Path(name) / "compiled")
         for command in compared.values():
-            costs(command)
-        rounds = [[costs(command) for command in compared.values()] for _ in range(options.rounds)]
+            costs(command, environment)
+        rounds = [
+            [costs(command, environment) for command in compared.values()] for _ in range(options.rounds)
+        ]
     for run, (clock, processor) in zip(compared, np.median(rounds, axis=0), strict=True):
         verdict = (
             f" (aim {AIM:g} s: {'met' if processor <= AIM else 'MISSED'})" if run == "symid identify" else ""
