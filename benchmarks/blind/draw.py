@@ -85,10 +85,14 @@ def wandering(setting: Setting, rng: np.random.Generator) -> Setting:
     return replace(setting, noise=setting.noise | record)
 
 
+_ORDER = {"presliding_friction": 1, "position_dependent_friction": 2}
+"""Order of the effects of a case: presliding takes all that rubs, and a level that varies is never negative."""
+
+
 def simulate(setting: Setting, effects: tuple[laws.Effect, ...], log: str, *, disturbed: bool) -> Run:
     """One log by the engine; `disturbed`: the controller sees the encoder's noise and step, if it does in this case."""
     kind, plant = axes.KINDS[setting.axis], axes.machine(setting.axis, setting.true)
-    for effect in sorted(effects, key=lambda e: e.effect == "presliding_friction"):  # takes all that rubs
+    for effect in sorted(effects, key=lambda e: _ORDER.get(e.effect, 0)):
         plant = laws.enter(plant, effect, setting.axis, setting.travel)
     ticks = setting.motions[log].shape[1]
     noise = np.zeros((2, ticks))

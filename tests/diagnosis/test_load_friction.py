@@ -27,3 +27,23 @@ def test_noise_of_the_position_is_no_load() -> None:
     assert friction.effect == "load_dependent_friction"
     assert friction.parameters["mu"].value == pytest.approx(0.25, rel=0.01)  # 6 % less with the noise
     assert found.gap.explained.rms < 4.5 * found.gap.noise_floor.rms  # 8 with the noise
+
+
+def test_friction_by_load_of_a_read_load_holds_on_another_log() -> None:
+    """Iterated over a log instead of step by step, it ended in another motion near the resonance of the load."""
+    screw = load_axis("ballscrew_2m1s").with_signal("qm", noise=5e-8).with_signal("ql", noise=5e-8)
+    values = {"Mm": 81.0, "Fvm": 190.0, "Fsm": 88.0, "Kt": 7.65e6, "Ft": 600.0, "Ml": 246.0, "Fvl": 72.0}
+    machine = screw.with_signal("Fm", noise=1.3).with_effect(LoadDependentFriction(screw.bodies[1], 0.2))
+    loop = tuned_cascade(plant_of(screw, values), "qm")
+
+    def moved(speeds: list[float], seed: int) -> Log:
+        reference = trapezoids(0.15, speeds, acceleration=6.0, jerk=400.0, dwell=0.05, sampling_period=5e-4)
+        return simulate(machine, values, reference, loop, seed=seed).log
+
+    library = [effect for effect in LIBRARY if effect.name in ("load_dependent_friction", "cogging")]
+    logs = {"log": moved([0.2, 0.4], 1), "validation": moved([0.3], 2)}
+    found = diagnose(screw, **logs, nominal=values, library=library, held=True)
+    (friction,) = found.effects
+    assert (friction.effect, friction.at) == ("load_dependent_friction", "load")
+    assert friction.parameters["mu"].value == pytest.approx(0.2, rel=0.01)
+    assert found.gap.explained.rms < 8.0 * found.gap.noise_floor.rms  # 24 when iterated

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from symid.diagnosis.effects import Key, LawEffect, Placed
+from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.cross_validation import certainty, deviation, log_likelihood
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
@@ -40,6 +41,7 @@ def confirmed_from(
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
+            start = _solved_in_steps(start)
             state = start.best_state()
             if state is None:
                 return None
@@ -50,6 +52,16 @@ def confirmed_from(
             return _judged(fit, found, beside)
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
+
+
+def _solved_in_steps(start: Start) -> Start:
+    """The start with an implicit force on predicted motion integrated with it.
+
+    Iterated over a whole log, such a force grows near the resonance of a body and ends in another motion on every log.
+    """
+    if start.placed.effect.implicit and law_to_integrate(start.state.prediction, start.placed, read=True):
+        return replace(start, placed=replace(start.placed, integrated=True))
+    return start
 
 
 def converged_from(fit: Fit, own: Confirmed) -> Confirmed | None:

@@ -16,7 +16,7 @@ from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.screening import screened
-from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, takes
+from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, is_clear, takes
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _ITERATIONS = 3
@@ -58,11 +58,11 @@ def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> 
         own, before = begun.placed, fitted(begun.state, begun.weighting, _ITERATIONS).after(whole)
         simpler = [member for member in dropped if own.contains(member.placed.key)]
         sought = library if not any(is_part(item, own) for item in before.state.placed) else ()
-        found = _chosen(first, before, begun, step, sought if i == 0 else (), simpler)
+        found = _chosen(first, before, whole, begun, step, sought if i == 0 else (), simpler)
         matters = takes(before, whole, first)
         needed = matters and not before.mean_square < THRESHOLDS.as_good * whole.mean_square
         if found is None and matters and i > 0:
-            found = _chosen(first, before, begun, step, sought)
+            found = _chosen(first, before, whole, begun, step, sought)
         if found is not None and not _stands_in(found, before, whole):
             found = None
         if found is None and needed:
@@ -87,6 +87,7 @@ def _stands_in(found: SelectionStep, before: Fit, whole: Fit) -> bool:
 def _chosen(
     first: Fit,
     before: Fit,
+    whole: Fit,
     begun: Start,
     step: SelectionStep,
     library: Sequence[Effect],
@@ -106,6 +107,9 @@ def _chosen(
         *(c.placed for c in step.confirmed),
     ]  # fitted values come last
     others = {item.key: item for item in near if item.key in alike or own.contains(item.key)}
+    if is_clear(whole):
+        refined = (item for item in near if item.contains(own.key))
+        others |= {item.key: replace(item, integrated=own.integrated) for item in refined}
     tried = {own.key, *present, *(member.placed.key for member in simpler)}
     starts += [replace(begun, placed=item) for key, item in others.items() if key not in tried]
     if library:
