@@ -109,11 +109,10 @@ def discrepancies_of(
     """
     found = _between_bands(parts, corrected)
     bias = np.abs(corrected.solution - fit.solution)
-    if np.any(bias > np.maximum(_NOISY * np.abs(corrected.solution), fit.standard_deviations)):
-        return tuple(found)  # the residual shows the noise of the columns
+    is_noisy = bool(np.any(bias > np.maximum(_NOISY * np.abs(corrected.solution), fit.standard_deviations)))
     rows = list(whitened(parts, fit))
     late = [name for name in shiftable(model) if not (noise_alone and name in model.forces)]
-    return (*_pursued(_Columns(model, parts, fit, rows, late)), *found)
+    return (*_pursued(_Columns(model, parts, fit, rows, late), is_noisy=is_noisy), *found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,8 +222,8 @@ class _Columns:
         return found
 
 
-def _pursued(columns: _Columns) -> Iterator[Discrepancy]:
-    """Effects that explain the residual, one by one."""
+def _pursued(columns: _Columns, *, is_noisy: bool) -> Iterator[Discrepancy]:
+    """Effects that explain the residual, one by one; if W is noisy, those whose columns hold none of its noise."""
     named = columns.all()
     if not named:
         return
@@ -244,6 +243,8 @@ def _pursued(columns: _Columns) -> Iterator[Discrepancy]:
         factor = np.divide(taken, power, out=np.zeros_like(power), where=power > _RESOLVED * whole)
         explained = np.minimum(factor * taken / max(float(rest @ rest), np.finfo(float).tiny), 1.0)
         explained[power < 2 * np.einsum("aj,ab,bj->j", along, noise, along)] = 0.0  # half of them is noise
+        if is_noisy:
+            explained[quiet == 0.0] = 0.0
         imitated = power <= _INDEPENDENT * whole
         explained[imitated & (factor**2 * whole > largest) & (explained < _MAINLY)] = 0.0
         best = int(np.argmax(explained))

@@ -79,6 +79,7 @@ def shapes_of(motion: Motion, drive: FloatArray | None = None, middle: float = 0
         "friction that builds up behind reversals": sign * np.exp(-since / _PATHS[0]),
         "friction with the load": np.abs(load if drive is None else drive) * sign,
         "a spring that is not linear": load * np.abs(load),
+        "play": np.sign(load),
     }
     if drive is None:
         return found | {"Coulomb friction": sign}
@@ -89,7 +90,6 @@ def shapes_of(motion: Motion, drive: FloatArray | None = None, middle: float = 0
         "viscous friction that differs by direction": np.abs(velocity) / highest,
         "a constant force": np.ones_like(velocity),
         "a force with the position": motion.position / stroke,
-        "play": np.sign(load),
     }
 
 

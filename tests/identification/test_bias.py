@@ -183,3 +183,15 @@ def test_the_bias_of_a_long_log_is_not_that_of_its_excerpts() -> None:
     found = identify(model, log, preparation=Preparation(cutoff_hz=60.0))
     assert found.bias is not None
     assert np.all(np.abs(found.bias.preparation) < 0.02 * found.sampling_deviations)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_lacking_effect_is_seen_beside_the_bias_by_noise(seed: int) -> None:
+    """A cable of 400 N/m, whose column holds no noise of the encoder; the mass is biased by more than its deviation."""
+    log, position = rich_log(seed, 3e-5), rich_log(seed, 0.0)["q"]
+    pulled = Log.from_arrays({"q": log["q"], "F": log["F"] + 400.0 * position}, sampling_period=1 / RATE)
+    found = identify(load_generated("rigid_1m"), pulled, preparation=Preparation(cutoff_hz=60.0))
+    assert found.status == "ok"
+    assert "a force with the position" in [one.effect for one in found.discrepancies if one.is_seen]
+    error = np.abs(np.array(list(found.physical_parameters.values())) - [95.0, 200.0, 20.0])
+    assert np.all(error < 2 * found.physical_deviations)
