@@ -85,6 +85,16 @@ def test_noise_levels_are_those_of_the_noise() -> None:
     assert noisy.noise == pytest.approx([3e-6, 0.7], rel=0.15)
 
 
+def test_a_weight_that_the_drive_holds_makes_no_noise() -> None:
+    """A hoist holds 700 N: a noise of 0.02 N was taken for none, and 0.7 N in its place hid a gap of 0.29 N."""
+    t, q, F = waves(20.0)
+    random = np.random.default_rng(5)
+    noise = 0.02 * random.standard_normal(t.size)
+    for weight in (0.0, 700.0):
+        noisy = record("rigid_1m", q=q + 1e-8 * random.standard_normal(t.size), F=weight + F + noise)
+        assert noisy.noise[1] == pytest.approx(0.02, rel=0.2)
+
+
 def test_what_a_controller_makes_of_the_noise_of_an_encoder_is_no_noise_of_the_force() -> None:
     axis = load_axis("rigid_1m").with_signal("q", noise=2e-5).with_signal("F", noise=0.3)
     values = {"M": 20.0, "Fv": 15.0, "Fs": 20.0}

@@ -37,9 +37,9 @@ NOISE_MARGIN, SLOW_SHARE = 6.0, 0.004
 _FASTEST, _SLOWER = 0.25, 2**-0.25
 """Largest threshold of motion relative to the top speed, and the ratio of the bands tried in turn."""
 _FINEST_FORCE = 1e-4
-"""Least noise of a recorded force, relative to the largest: 12 bits have more; with less, it is a command."""
+"""Least noise of a recorded force, relative to half its range: 12 bits have more; with less, it is a command."""
 _COMMANDED = 1e-3
-"""Assumed error of a drive against its command, relative to the largest force: a recorded command shows none."""
+"""Assumed error of a drive against its command, relative to half its range: a recorded command shows none."""
 _FINEST_READING = 1e-8
 """Noise of the finest reading, relative to its range: an encoder of 24 bits has more."""
 
@@ -183,11 +183,9 @@ class Record(PeriodicLog):
         positions = np.stack([self.log[name] for name in self.driven])
         of_forces = []
         for name in self.forces:
-            level, largest = (
-                force_noise(self.log[name], positions, frequency, self.band_hz),
-                np.abs(self.log[name]).max(),
-            )
-            of_forces.append(level if level > _FINEST_FORCE * largest else _COMMANDED * float(largest))
+            level = force_noise(self.log[name], positions, frequency, self.band_hz)
+            largest = float(np.ptp(self.log[name])) / 2  # the weight that a drive holds makes no noise
+            of_forces.append(level if level > _FINEST_FORCE * largest else _COMMANDED * largest)
         return np.array([*found[: self.n_drives], *of_forces, *found[self.n_drives :]])
 
     @cached_property
