@@ -32,7 +32,7 @@ def applied(
         for _ in range(_SETTLING if effects else 0):
             state = with_effects(state, weighting, effects)
         state = timed(state, weighting)
-    weighting = with_restarts(weighting, state.prediction.hidden)
+    weighting = with_restarts(weighting, state.hidden)
     return state.weighted(weighting), weighting
 
 

@@ -61,7 +61,7 @@ def with_shapes_held(fit: Fit) -> Fit:
 
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
     """Fit again with an unknown state of the hidden motion after each standstill."""
-    weighting = with_restarts(fit.weighting, fit.state.prediction.hidden)
+    weighting = with_restarts(fit.weighting, fit.state.hidden)
     return continued(fit.with_weights(fit.state.weighted(weighting), weighting), iterations)
 
 
@@ -102,7 +102,7 @@ def fitted_on(fit: Fit) -> Fit:
 def settled(fit: Fit) -> Fit:
     """The same values with weights computed from them, which allow for the remaining error."""
     state, weighting = leveled(fit.state, fit.weighting.allowed, fit.levels)
-    weighting = with_restarts(weighting, state.prediction.hidden)
+    weighting = with_restarts(weighting, state.hidden)
     return fit.with_weights(state.weighted(weighting), weighting)
 
 

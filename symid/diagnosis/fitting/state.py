@@ -92,12 +92,17 @@ class State:
         """Weighted errors, of shape (n_outputs, n_rows)."""
         return self.weighting.rows(self.errors)
 
+    @property
+    def hidden(self) -> tuple[ComplexArray, ...]:
+        """Outputs for forces on hidden motion, after delays and lags."""
+        return tuple(passed_on(self.prediction, self.placed, outputs) for outputs in self.prediction.hidden)
+
     @cached_property
     def beginning(self) -> FloatArray:
         """Contribution of an unknown state at the beginning of the log to the rows, (n_starts, n_outputs, n_rows)."""
         response = self.prediction.response
         free = (
-            spectrum * response.of_force(direction)
+            passed_on(self.prediction, self.placed, spectrum * response.of_force(direction))
             for direction, spectrum in free_forces(self.prediction, self.placed)
         )
         return self.weighting.rows(starting_pulses(self.prediction.record, tuple(free)))
