@@ -30,7 +30,7 @@ from symid.diagnosis.prediction.prediction import prediction_of
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.response import response_of
 from symid.errors import LogError
-from symid.simulation import Cascade, forward_dynamics, simulate, trapezoids
+from symid.simulation import forward_dynamics
 
 PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
 SCREW = {"Mm": 120.0, "Fvm": 90.0, "Fsm": 50.0, "Kt": 8e6, "Ft": 700.0, "Ml": 200.0, "Fvl": 110.0}
@@ -83,28 +83,6 @@ def test_noise_levels_are_those_of_the_noise() -> None:
         "rigid_1m", q=q + 3e-6 * rng.standard_normal(t.size), F=F + 0.7 * rng.standard_normal(t.size)
     )
     assert noisy.noise == pytest.approx([3e-6, 0.7], rel=0.15)
-
-
-def test_a_weight_that_the_drive_holds_makes_no_noise() -> None:
-    """A hoist holds 700 N: a noise of 0.02 N was taken for none, and 0.7 N in its place hid a gap of 0.29 N."""
-    t, q, F = waves(20.0)
-    random = np.random.default_rng(5)
-    noise = 0.02 * random.standard_normal(t.size)
-    for weight in (0.0, 700.0):
-        noisy = record("rigid_1m", q=q + 1e-8 * random.standard_normal(t.size), F=weight + F + noise)
-        assert noisy.noise[1] == pytest.approx(0.02, rel=0.2)
-
-
-def test_what_a_controller_makes_of_the_noise_of_an_encoder_is_no_noise_of_the_force() -> None:
-    axis = load_axis("rigid_1m").with_signal("q", noise=2e-5).with_signal("F", noise=0.3)
-    values = {"M": 20.0, "Fv": 15.0, "Fs": 20.0}
-    path = trapezoids([0.3], [0.2, 0.5], acceleration=4.0, jerk=100.0, dwell=0.1, sampling_period=1e-3)
-    loop = Cascade("q", position_gain=30.0, velocity_gain=2000.0, integral_gain=4.0)
-    log = simulate(axis, values, path, loop, seed=3).log
-    assert np.diff(log["F"]).std() > 30.0  # a hundred times the noise that the recorder adds
-    position, force = record_of(forward_dynamics(axis), log).noise
-    assert position == pytest.approx(2e-5, rel=0.2)
-    assert force == pytest.approx(0.3, rel=0.4)
 
 
 def test_back_and_forth_between_the_grids() -> None:
