@@ -87,10 +87,10 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
     if without is None or both is None:
         return LackOfFit()
     # Where much else is missing, a law may explain more of that. The effect is then as good beside the law.
-    kept = (least - _square(both, noise)) / max(_square(without, noise) - own, np.finfo(float).tiny)
+    kept, alone = least - _square(both, noise), max(_square(without, noise) - own, np.finfo(float).tiny)
     share = (least - floor) / (own - floor)
     assert isinstance(law.effect, NonparametricLaw)
-    return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in else LackOfFit()
+    return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in * alone else LackOfFit()
 
 
 def _may_gain(law: Placed, whole: Fit) -> bool:
