@@ -82,6 +82,10 @@ class Effect(ABC):
         """Forces on bodies for pulses that set hidden motion of the effect going; none by default."""
         return ()
 
+    def elsewhere(self, prediction: Prediction, placed: Placed) -> Iterable[Placed]:
+        """The effect at places where linear screening does not find it, with values to begin with; none by default."""
+        return ()
+
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
         """Shapes to be tried for another log, if part of the shape is a property of a log."""
         return ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,6 +38,8 @@ _NEAR_MODE, _AT_MODE = 0.25, 0.5
 _MOST_OF_MASS = 0.95
 _INSIDE = 0.99
 _DAMPINGS = (0.01, 0.05, 0.2)
+_NEARBY, _LIGHT = (0.8, 1.0, 1.25), 0.1
+"""Frequencies, relative to that of a mode at another body, and mass, relative to that of the body, of a fit's start."""
 
 
 class FlexibleModeEffect(LinearEffect):
@@ -102,6 +105,16 @@ class FlexibleModeEffect(LinearEffect):
             if whole > 0:
                 scores[i] = explained**2 / max(whole - taken @ gram @ taken, _LEAST_LEFT * whole)
         return scores
+
+    def elsewhere(self, prediction: Prediction, placed: Placed) -> Iterable[Placed]:
+        """A heavy mode of a hidden body, which a light one of a driven body may imitate to the noise."""
+        for place, body in prediction.bodies.items():
+            if place == placed.at or not prediction.record.is_hidden(body.direction):
+                continue
+            mass = _LIGHT * float(body.direction @ prediction.response.plant.mass @ body.direction)
+            for factor in _NEARBY:
+                shape = self.bounded(prediction, place, (factor * placed.shape[0], _DAMPINGS[-2]))
+                yield replace(placed, at=place, shape=shape, amplitudes=(mass,))
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
         lowest, highest = _modes_seen(prediction.record)

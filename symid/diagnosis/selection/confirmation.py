@@ -45,7 +45,8 @@ def confirmed_from(
             state = start.best_state()
             if state is None:
                 return None
-            first, further, then = _INTEGRATION if start.placed.integrated else _DIRECT
+            many = start.placed.integrated or start.to_the_end
+            first, further, then = _INTEGRATION if many else _DIRECT
             found = fitted(state, start.weighting, first)
             if found.mean_square < most:
                 found = refitted(continued(found, further), then)

@@ -10,7 +10,7 @@ from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start
-from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.fitting.state import evaluated, with_effects
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, converged_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.late_forces import in_band_of_forces
@@ -158,7 +158,7 @@ def _completed(
     late = [c.placed for c in found if _is_other_timing(c.placed.key, tried)]
     tried |= _confirm(fit, [Start.of(fit, placed) for placed in late], confirmed)
     tried |= _confirm(fit, list(_simpler(fit, found, confirmed)), confirmed)
-    _confirm(fit, [Start.of(fit, placed) for placed in _elsewhere(found, confirmed)], confirmed, math.inf)
+    _confirm(fit, list(_elsewhere(fit, found, confirmed)), confirmed, math.inf)
     _converge(fit, confirmed)
     refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
@@ -227,13 +227,21 @@ def _simpler(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confi
                 yield Start(state, fit.weighting, simpler)
 
 
-def _elsewhere(found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> list[Placed]:
-    """The best effect in the other joints where its fit was given up: there it may explain as much."""
+def _elsewhere(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
+    """The best effect at other places, where it may explain as much.
+
+    These are places where its fit was given up, and those where it is far from its screening: from the nominal values.
+    """
     best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
     if best is None:
-        return []
+        return
     most = THRESHOLDS.hopeless * least_left(confirmed)
     given_up = {
         key for key, own in confirmed.items() if key[0] == best.key[0] and own.fit.mean_square >= most
     }
-    return [c.placed for c in found if c.placed.key in given_up - {best.key}]
+    yield from (Start.of(fit, c.placed) for c in found if c.placed.key in given_up - {best.key})
+    moved = list(best.effect.elsewhere(fit.state.prediction, best.placed))
+    if moved:
+        nominal = {**fit.parameters, **fit.nominal}
+        state = evaluated(fit.state, fit.weighting, nominal, fit.state.placed)
+        yield from (Start(state, fit.weighting, placed, to_the_end=True) for placed in moved)
