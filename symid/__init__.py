@@ -129,15 +129,16 @@ def __getattr__(name: str) -> Any:
     if name in ("__path__", "__wrapped__"):  # asked by the import system and by inspect
         raise AttributeError(name)
     axis = import_module("symid.axis")
-    laws = [
-        law
-        for part in (axis.drive_imperfections, axis.imperfections, axis.laws, axis.sensors)
-        for law in part.__all__
-    ]
+    parts = {
+        part: getattr(axis, part) for part in ("drive_imperfections", "imperfections", "laws", "sensors")
+    }
+    laws = [law for part in parts.values() for law in part.__all__]
     if name == "__all__":
         return ["SymidError", *(each for names in _LAZY.values() for each in names), *laws]
-    if name in laws or name == "axis":
-        return axis if name == "axis" else getattr(axis, name)
+    if name == "axis":
+        return axis
+    if name in parts or name in laws:
+        return getattr(axis, name)
     raise AttributeError(f"module 'symid' has no attribute {name!r}")
 
 

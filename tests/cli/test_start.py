@@ -41,4 +41,5 @@ def test_names_that_are_loaded_when_used_are_those_that_types_know() -> None:
     (listed,) = map(ast.literal_eval, lists)
     of_laws = [name for part in (drive_imperfections, imperfections, laws, sensors) for name in part.__all__]
     assert sorted(symid.__all__) == sorted([*listed, *of_laws])
-    assert all(getattr(symid, name) is not None for name in symid.__all__)
+    modules = ("axis", "drive_imperfections", "errors", "imperfections", "laws", "sensors")
+    assert all(getattr(symid, name) is not None for name in (*symid.__all__, *modules))
