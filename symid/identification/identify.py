@@ -51,7 +51,7 @@ from symid.identification.settings import Preparation, notes_on_declared
 from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import delays_of, likeliest
 from symid.identification.verdict import verdict
-from symid.identification.whitened import Segment, segments
+from symid.identification.whitened import segments
 
 if TYPE_CHECKING:
     from symid.symbolic import DerivedModel
@@ -213,7 +213,7 @@ def found_from(
         parts = parts_of(observations)
         correction = Correction.of(model, parts, fit)
         bias = correction.bias
-        spread = correction.grown(_scatter(segments(whole_logs(parts, logs, observations), fit), fit))
+        spread = correction.grown(scatter(segments(whole_logs(parts, logs, observations), fit), fit))
         fit, correlated = correction.applied(fit, correlated)
     physical = _physical(model, fit, correlated, nominal, constraints) if fit.status == "ok" else ()
     late, hold = observations[0].preparation.late, logs[0].sampling_period / 2
@@ -277,7 +277,7 @@ def with_checks(
         whole, own = explained_by_instruments(whole, instruments, fit)
     sums = segments(whole_logs(parts, logs, whole), own)
     if spread is None:
-        spread = _scatter(sums, own)
+        spread = scatter(sums, own)
     # Signals that are late by a constant time, by one that grows along the log, or by the lag of a filter
     delays = delays_of(model, parts, fit)
     examined = replace(found, timing=likeliest(delays), bias=bias, scatter=spread)
@@ -295,8 +295,3 @@ def with_checks(
         seen = discrepancies_of(model, parts, fit, found.fit, noise_alone=noise_alone)
         checked = with_discrepancies(checked, seen)
     return with_constraint_check(checked)
-
-
-def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:
-    """Covariance by the scatter between segments of excerpts, for all rows."""
-    return scatter(sums, fit) * (sum(s.rows for s in sums) / sum(fit.rows))

@@ -68,13 +68,17 @@ class Change:
 
 
 def scatter(parts: Sequence[Segment], fit: LeastSquares) -> FloatArray:
-    """Covariance of the minimal parameters from the scatter between segments; zeros if there are too few."""
+    """Covariance of the minimal parameters from the scatter between segments of a fit; zeros if there are too few.
+
+    The segments may hold a part of the rows of the fit.
+    """
     p, n = fit.solution.size, len(parts)
     if n < _FEWEST:
         return np.zeros((p, p))
     slopes = np.stack([segment.slope for segment in parts])
     root = fit.rank.inverse_root
-    return np.asarray(root @ (slopes.T @ slopes) @ root.T * n / (n - 1))
+    share = sum(segment.rows for segment in parts) / sum(fit.rows)
+    return np.asarray(root @ (slopes.T @ slopes) @ root.T * n / (n - 1) * share)
 
 
 def greatest_change(parts: Sequence[Segment], values: FloatArray, root: FloatArray) -> Change | None:
