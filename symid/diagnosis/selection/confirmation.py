@@ -69,7 +69,7 @@ def converged_from(fit: Fit, own: Confirmed) -> Confirmed | None:
     """A candidate after further steps, until its error hardly falls; None if it is not credible then."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            return _judged(fit, refitted(continued(own.fit, _FURTHER), _FURTHER), ())
+            return _judged(fit, refitted(continued(own.fit.released(), _FURTHER), _FURTHER), ())
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
 
