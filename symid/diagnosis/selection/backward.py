@@ -33,7 +33,8 @@ def backward_elimination(
         return tuple(steps)
     members = reselected(accepted, library)
     if not members:
-        return tuple(steps)
+        tentative = accepted[0].beside_others  # not certain alone, and not beside the others
+        return (replace(accepted[0], beside_others=False),) if tentative else tuple(steps)
     first, whole = accepted[0].before, members[-1].step.best.fit
     orders = (
         sorted(members, key=lambda member: (not member.is_timing, -member.lost)),
@@ -61,7 +62,9 @@ def _whole_before_part(order: Sequence[Member]) -> list[Member]:
 def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member]) -> tuple[SelectionStep, ...]:
     """The steps in their old order, with the lead over rivals that their effects have beside all others."""
     chosen = {member.placed.key: member.step for member in members}
-    return tuple(in_place_of(chosen.get(step.best.key, step), step.before, step.best) for step in accepted)
+    own = ((step, chosen.get(step.best.key, step)) for step in accepted)
+    found = (in_place_of(beside, step.before, step.best) for step, beside in own)
+    return tuple(replace(step, beside_others=step.best.key in chosen) for step in found)
 
 
 def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:

@@ -46,12 +46,29 @@ def forward_selection(
     # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and
     # presliding friction may be all friction or a part of it. Where one of them comes first, both searches are run to
     # their end, and the better prediction of blocks left out decides.
+    if not first.accepts:
+        return _together(fit, first, library, nominal)
     timings = first.other_timing()
     branches = [
         _continued(fit, step, library, nominal) for step in (first, *timings, *first.whole_before_part())
     ]
     weighting = in_band_of_forces(fit) if timings else fit.weighting
     return max(branches, key=lambda steps: _penalised_likelihood(steps, weighting))
+
+
+def _together(
+    fit: Fit, first: SelectionStep, library: Sequence[Effect], nominal: Fit | None
+) -> tuple[SelectionStep, ...]:
+    """An uncertain first effect and those found beside it, if together they leave hardly anything; else the first step.
+
+    Where two effects are as large, hardly a block of the log shows one of them alone.
+    """
+    if not (first.confirmed and is_clear(fit) and first.best.certainty > THRESHOLDS.least_tentative):
+        return (first,)
+    steps = _continued(fit, replace(first, beside_others=True), library, nominal)
+    last = steps[-1].best.fit if len(steps) > 1 and steps[-1].accepts else fit
+    explained = last.mean_square < THRESHOLDS.hardly * fit.mean_square and not is_clear(last)
+    return steps if explained else (first,)
 
 
 def _with_least_inertia(fit: Fit, nominal: Fit | None) -> tuple[Fit, Fit | None]:

@@ -1,0 +1,52 @@
+"""Two effects of one size: hardly a block of the log shows the first one alone."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from symid import Log, load_axis
+from symid.diagnosis import LIBRARY
+from symid.diagnosis.fitting.start import fitted_axis
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.joined_logs import joined
+from symid.diagnosis.selection import forward
+from symid.diagnosis.selection.backward import backward_elimination
+from symid.diagnosis.selection.step import SelectionStep, accepted_of
+
+NAMES = ("payload_change", "force_constant_ripple")
+TIME = np.arange(6000) * 1e-3
+WAVES = ((0.1, 2.1, 4.0), (0.05, 5.3, 1.7), (0.02, 11.7, 0.3), (0.005, 29.0, 5.1))
+
+
+def slide() -> Log:
+    """58 kg and, from 3.4 s on, 70 % more, moved by a force whose constant varies by 20 % over 27 mm."""
+    q = sum(x * np.sin(rate * TIME + phase) for x, rate, phase in WAVES)
+    v = sum(x * rate * np.cos(rate * TIME + phase) for x, rate, phase in WAVES)
+    a = -sum(x * rate**2 * np.sin(rate * TIME + phase) for x, rate, phase in WAVES)
+    force = 58.0 * (1 + 0.7 * (TIME > 3.4)) * a + 100.0 * v + 35.0 * np.sign(v)
+    noise = np.random.default_rng(0).standard_normal((2, TIME.size))
+    recorded = force / (1 + 0.2 * np.sin(2 * np.pi * q / 0.027 + 0.4))
+    return Log("by hand", 0.0, 1e-3, {"q": q + 1e-7 * noise[0], "F": recorded + noise[1]})
+
+
+def uncertain(*names: str) -> tuple[SelectionStep, ...]:
+    """Steps of the search after a first one whose candidates would not be certain enough."""
+    data = data_of(load_axis("rigid_1m"), (joined([slide()]), None), Recorded({}, True))
+    fit = fitted_axis(*first_state(data.record, {"M": 58.0, "Fv": 100.0, "Fs": 35.0}))
+    library = [effect for effect in LIBRARY if effect.name in names]
+    first = forward._selection_step(fit, library, None)
+    doubtful = tuple(replace(own, certainty=0.9) for own in first.confirmed)
+    first = replace(first, confirmed=doubtful)
+    assert not first.accepts
+    return backward_elimination(forward._together(fit, first, library, None), library)
+
+
+def test_two_effects_that_together_explain_a_log_are_found_together() -> None:
+    steps = accepted_of(uncertain(*NAMES))
+    assert {step.best.key[0] for step in steps} == set(NAMES)
+    assert steps[-1].best.fit.mean_square < 0.05 * steps[0].before.mean_square
+
+
+def test_an_uncertain_effect_that_leaves_a_gap_is_none() -> None:
+    assert accepted_of(uncertain("payload_change")) == []
