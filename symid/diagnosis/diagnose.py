@@ -152,7 +152,7 @@ class _Task:
         if validation is None or not _shows_in_validation(found):
             return found
         other = replace(self, runs=(validation, None)).diagnosed()
-        if other.verdict not in ("effect", "partly") or _named(other) <= _named(found):
+        if other.verdict not in ("effect", "partly") or other.named <= found.named:
             return found
         if not other.gap.unexplained_share < _FAR_LESS * found.gap.unexplained_share:
             return found
@@ -252,11 +252,6 @@ class _Task:
             found = concluded_from(comparison.with_effects(0))
             found = replace(found, assumptions=(*found.assumptions, rejected))
         return replace(found, sentence=sentence(found))
-
-
-def _named(found: Diagnosis) -> frozenset[tuple[str, str]]:
-    """Names and places of the effects."""
-    return frozenset((one.effect, one.at) for one in found.effects)
 
 
 def _shows_in_validation(found: Diagnosis) -> bool:

@@ -26,7 +26,7 @@ from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares, independent_rows
 from symid.identification.coulomb import direction
 from symid.identification.excerpts import Excerpt
-from symid.identification.lag_scan import shiftable
+from symid.identification.lag_scan import shown_late
 from symid.identification.motion_shapes import OF_ACCELERATION, QUARTER, Motion, shapes_of, speeds_of, waves
 from symid.identification.noise import coefficients
 from symid.identification.whitened import WhitenedRows, segments, whitened
@@ -111,7 +111,7 @@ def discrepancies_of(
     bias = np.abs(corrected.solution - fit.solution)
     is_noisy = bool(np.any(bias > np.maximum(_NOISY * np.abs(corrected.solution), fit.standard_deviations)))
     rows = list(whitened(parts, fit))
-    late = [name for name in shiftable(model) if not (noise_alone and name in model.forces)]
+    late = shown_late(model, noise_alone=noise_alone)
     return (*_pursued(_Columns(model, parts, fit, rows, late), is_noisy=is_noisy), *found)
 
 

@@ -12,7 +12,7 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.folding import folding_of
 from symid.identification.identification_result import Identification
-from symid.identification.lag_scan import shiftable
+from symid.identification.lag_scan import shown_late
 from symid.identification.lagging import ac_coupling_of, smoothing_by_residual
 from symid.identification.modes import lost_mode, mode_above
 from symid.identification.nonlinearity import ColumnTests
@@ -40,8 +40,7 @@ def faults_of(
     `noise_alone` is whether the residual is no larger than the noise of the signals makes it.
     """
     model = found.model
-    # in noise alone a force, which a controller makes of the encoder's noise, shows no filter
-    shown = [name for name in shiftable(model) if not (noise_alone and name in model.forces)]
+    shown = shown_late(model, noise_alone=noise_alone)
     inflation = rows_per_independent(found)
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
     return Faults(

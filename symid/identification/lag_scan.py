@@ -73,6 +73,14 @@ def shiftable(model: GeneratedModel) -> tuple[str, ...]:
     return tuple(free) if len(free) < len(names) else tuple(free[:-1])
 
 
+def shown_late(model: GeneratedModel, *, noise_alone: bool) -> list[str]:
+    """Those that a residual may show to be late or filtered.
+
+    In noise alone they are no forces: what a controller makes of the encoder's noise looks late.
+    """
+    return [name for name in shiftable(model) if not (noise_alone and name in model.forces)]
+
+
 def delayed_together(model: GeneratedModel) -> list[tuple[str, ...]]:
     """Signals that can be moved alone; and all of them together, which is the one that laws depend on the other way."""
     free = shiftable(model)

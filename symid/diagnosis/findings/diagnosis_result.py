@@ -235,6 +235,11 @@ class Diagnosis(Shown):
     model: State | None = field(default=None, repr=False)
 
     @property
+    def named(self) -> frozenset[tuple[str, str]]:
+        """Names and places of the effects found."""
+        return frozenset((one.effect, one.at) for one in self.effects)
+
+    @property
     def headline(self) -> str:
         """Axis, sensors, verdict and its sentence."""
         return f"{self.axis.name} from {', '.join(self.measured)}, {self.verdict}: {self.sentence}"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 
 import numpy as np
@@ -39,20 +40,26 @@ def confirmed_from(
     The fit stops early if the mean square is still `most` or more, as others leave much less. Effects `beside` are
     known to be present but not yet in the model.
     """
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            start = _solved_in_steps(start)
-            state = start.best_state()
-            if state is None:
-                return None
-            many = start.placed.integrated or start.to_the_end
-            first, further, then = _INTEGRATION if many else _DIRECT
-            found = fitted(state, start.weighting, first)
-            if found.mean_square < most:
-                found = refitted(continued(found, further), then)
-            return _judged(fit, found, beside)
-    except (SettingError, np.linalg.LinAlgError, OverflowError):
-        return None
+    with _without_impossible_models():
+        start = _solved_in_steps(start)
+        state = start.best_state()
+        if state is None:
+            return None
+        many = start.placed.integrated or start.to_the_end
+        first, further, then = _INTEGRATION if many else _DIRECT
+        found = fitted(state, start.weighting, first)
+        if found.mean_square < most:
+            found = refitted(continued(found, further), then)
+        return _judged(fit, found, beside)
+    return None
+
+
+@contextmanager
+def _without_impossible_models() -> Iterator[None]:
+    """Leave a fit whose steps end in values that no machine has, or in motion that diverges."""
+    refused = (SettingError, np.linalg.LinAlgError, OverflowError)
+    with suppress(*refused), np.errstate(over="ignore", invalid="ignore"):
+        yield
 
 
 def _solved_in_steps(start: Start) -> Start:
@@ -67,11 +74,9 @@ def _solved_in_steps(start: Start) -> Start:
 
 def converged_from(fit: Fit, own: Confirmed) -> Confirmed | None:
     """A candidate after further steps, until its error hardly falls; None if it is not credible then."""
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            return _judged(fit, refitted(continued(own.fit.released(), _FURTHER), _FURTHER), ())
-    except (SettingError, np.linalg.LinAlgError, OverflowError):
-        return None
+    with _without_impossible_models():
+        return _judged(fit, refitted(continued(own.fit.released(), _FURTHER), _FURTHER), ())
+    return None
 
 
 def _judged(fit: Fit, found: Fit, beside: Sequence[Placed]) -> Confirmed | None:

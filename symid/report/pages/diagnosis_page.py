@@ -103,16 +103,15 @@ def write_html(
     from symid.report.pages.interactive import plots_of  # half a second to load: only where a page is written
 
     path, record = html_path(file), reword(diagnosis_record(found))
-    accepted = {(effect.effect, effect.at) for effect in found.effects}
     ranked = list(enumerate(record["alternatives"], start=1))
-    shown = [(k, one) for k, one in ranked if k <= _MOST_SHOWN or (one["effect"], one["at"]) in accepted]
+    shown = [(k, one) for k, one in ranked if k <= _MOST_SHOWN or (one["effect"], one["at"]) in found.named]
     page = page_templates().get_template("diagnosis.html")
     text = page.render(
         d=record,
         verdict=VERDICTS[found.verdict],
         scale=scale_of([stage["multiple_of_floor"] for stage in record["waterfall"]]),
         maps=[(MAPS.get(name, name), cells) for name, cells in record["maps"].items() if cells],
-        accepted=accepted,
+        accepted=found.named,
         shown=shown,
         more=[one for one in ranked if one not in shown],
         plots=plots_of(found),
