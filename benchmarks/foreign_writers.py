@@ -16,8 +16,7 @@ import openpyxl
 import polars as pl
 import scipy.io
 from mcap.writer import Writer as McapWriter
-from rosbags.rosbag2 import StoragePlugin
-from rosbags.rosbag2 import Writer as BagWriter
+from rosbags.rosbag2 import StoragePlugin, Writer as BagWriter
 from rosbags.typesys import Stores, get_typestore
 
 from symid import load_axis, simulate

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Shown:
+class Shown(ABC):
     """Result that a user displays.
 
     How each kind looks is written in `symid.report.views`, above all results: it is opened when one is shown, so that
@@ -24,9 +25,9 @@ class Shown:
     """
 
     @property
+    @abstractmethod
     def headline(self) -> str:
         """One line that summarises the result."""
-        raise NotImplementedError
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {visible(self.headline)}>"

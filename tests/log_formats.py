@@ -14,8 +14,7 @@ import scipy.io
 from mcap.writer import Writer as McapWriter
 from mcap_ros2.writer import Writer as Ros2McapWriter
 from rosbags.rosbag1 import Writer as BagWriter
-from rosbags.rosbag2 import StoragePlugin
-from rosbags.rosbag2 import Writer as FolderWriter
+from rosbags.rosbag2 import StoragePlugin, Writer as FolderWriter
 from rosbags.typesys import Stores, get_typestore
 
 from symid.units import Unit

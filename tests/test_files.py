@@ -6,8 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from symid.errors import SettingError
 from symid.files import free_name, irregular, read_json, replacing, require_regular, write_whole

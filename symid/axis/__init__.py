@@ -2,17 +2,17 @@
 
 from symid.axis import drive_imperfections, elements, imperfections, laws, sensors
 from symid.axis.axis import Axis, Element
-from symid.axis.drive_imperfections import *  # noqa: F403
-from symid.axis.elements import *  # noqa: F403
-from symid.axis.imperfections import *  # noqa: F403
-from symid.axis.laws.along_stroke import *  # noqa: F403
-from symid.axis.laws.constant import *  # noqa: F403
-from symid.axis.laws.friction import *  # noqa: F403
-from symid.axis.laws.law import *  # noqa: F403
-from symid.axis.laws.spring import *  # noqa: F403
+from symid.axis.drive_imperfections import *
+from symid.axis.elements import *
+from symid.axis.imperfections import *
+from symid.axis.laws.along_stroke import *
+from symid.axis.laws.constant import *
+from symid.axis.laws.friction import *
+from symid.axis.laws.law import *
+from symid.axis.laws.spring import *
 from symid.axis.loading import AnyAxis, axis_file, axis_names, axis_of, load_axis, of_any_axis, shipped_folder
 from symid.axis.quantities import force_unit, length_unit
-from symid.axis.sensors import *  # noqa: F403
+from symid.axis.sensors import *
 from symid.axis.sketch import chain, sketch, sketch_source
 from symid.axis.source import axis_path, axis_source, write_axis
 

@@ -126,12 +126,6 @@ class Axis(Shown):
         """Effects with given numbers that no regressor contains, in the order of their declaration."""
         return tuple(element for element in self.elements if isinstance(element, Imperfection))
 
-    def laws_read_by(self, sensor: Sensor) -> tuple[Law, ...]:
-        """Nonlinear laws of the spring whose force a sensor reads."""
-        if not isinstance(spring := sensor.element, Spring):
-            return ()
-        return tuple(law for law in self.laws if law.in_spring and law.at == spring.at)
-
     def imperfections_of(self, drive: Drive) -> tuple[DriveImperfection, ...]:
         """Effects with given numbers that are in a drive, in the order of their declaration."""
         items = (item for item in self.imperfections if isinstance(item, DriveImperfection))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
@@ -20,7 +21,7 @@ class ReadingPart(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Sensor(Parametrised):
+class Sensor(Parametrised, ABC):
     """A reading of a quantity of the axis: quantity = gain * signal + offset.
 
     A kind of sensor is a subclass that states what is read in `parts`. Its derivation, identification and simulation
@@ -53,19 +54,19 @@ class Sensor(Parametrised):
     """Which derivative of a displacement is read, 0, 1 or 2; None of a sensor that reads something else."""
 
     @property
+    @abstractmethod
     def quantity(self) -> str:
         """Quantity read: position, velocity, acceleration or force."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def parts(self) -> tuple[ReadingPart, ...]:
         """Parts whose sum is the quantity."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def joint(self) -> Joint:
         """The joint in which it reads."""
-        raise NotImplementedError
 
     @property
     def element(self) -> Spring | Drive | None:

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 from sympy.polys.rings import PolyElement
 
-from symid.axis import Drive, Sensor
+from symid.axis import Drive, Sensor, Spring
 from symid.symbolic.expressions import law_expression
 from symid.symbolic.lagrange import ONE_INPUT, Kinematics
 from symid.symbolic.operators import OperatorModel, Row, add
@@ -75,8 +75,9 @@ def _laws_read(operators: OperatorModel, sensor: Sensor) -> Row:
     of_joint = {
         e.expression: str(e.symbol) for e in source.inputs if kinematics.displacement(e.joint) == read
     }
-    for law in source.axis.laws_read_by(sensor):
-        for term in law.terms():
+    in_spring = isinstance(sensor.element, Spring)
+    for law in source.axis.laws:
+        for term in law.terms() if in_spring and law.in_spring and law.at == sensor.joint else ():
             symbol = of_joint[law_expression(term.expression)]
             found = add(found, {symbol: _parameter(operators, term.parameter)}, operators.ring.one)
     return found

@@ -34,6 +34,7 @@ Method: TypeAlias = Literal["wls", "ols", "iv", "oe"]
 """Weighted or ordinary least squares, instrumental variables, output error."""
 
 
+# `known` and `method` decide on the kind of result.
 @overload
 def identify(
     axis: AnyAxis, logs: LogLike | Sequence[LogLike], *, known: Mapping[str, Sequence[float]], **settings: Any

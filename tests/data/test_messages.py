@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from log_formats import EXPECTED, PERIOD, STAMPS, F, Q, mcap_of_ros2, rosbag1
 from mcap.writer import Writer as McapWriter
-from rosbags.rosbag2 import StoragePlugin
-from rosbags.rosbag2 import Writer as FolderWriter
+from rosbags.rosbag2 import StoragePlugin, Writer as FolderWriter
 from rosbags.typesys import Stores, get_typestore
 
 from symid.data import open_table, read_log

@@ -4,8 +4,7 @@ import numpy as np
 import polars as pl
 import pytest
 import scipy.io
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from log_files import EXPECTED, FM, Q2, N, T, columns, error_of, write
 
 from symid.data import Log, read_log

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from symid.errors import SettingError
 from symid.estimation.corrected_covariance import ObservationBlock

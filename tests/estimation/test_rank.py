@@ -1,8 +1,7 @@
 """What is determined, what only in combination; decisions that do not depend on units."""
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from symid.estimation.least_squares import estimate
 from symid.estimation.triangular import triangular_factors

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 import symid
-from benchmarks import batch as batches
-from benchmarks import fleet_charts as charts
+from benchmarks import batch as batches, fleet_charts as charts
 
 
 def test_script_of_the_benchmark_finds_the_parameters_of_a_batch(tmp_path: Path) -> None:

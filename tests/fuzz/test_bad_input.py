@@ -6,8 +6,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, Phase, given, settings, strategies as st
 
 from benchmarks.bad.cases import BASES, READ_BY, Case, cases, fields, with_changed_field, with_each_option
 from benchmarks.bad.outcome import good_folder, outcome_in_a_copy

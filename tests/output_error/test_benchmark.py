@@ -5,9 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from benchmarks import cramer_rao
-from benchmarks import output_error as benchmark
-from benchmarks import output_error_bench as bench
+from benchmarks import cramer_rao, output_error as benchmark, output_error_bench as bench
 
 
 def test_at_250_hz_mass_and_spring_of_the_structure_are_within_5_percent() -> None:

@@ -6,10 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from axes.gantry import AXIS as GANTRY
-from axes.gantry import NOISE as GANTRY_NOISE
-from axes.gantry import TRUE as GANTRY_TRUE
-from axes.gantry import log as gantry_log
+from axes.gantry import AXIS as GANTRY, NOISE as GANTRY_NOISE, TRUE as GANTRY_TRUE, log as gantry_log
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 

@@ -1,8 +1,7 @@
 """Curves with fewer points keep their peaks and their gaps."""
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from symid.report.figures.envelope import envelope, envelope_places
 

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from axes.gantry import AXIS as GANTRY
-from axes.gantry import TRUE, matrices
+from axes.gantry import AXIS as GANTRY, TRUE, matrices
 from scipy.linalg import block_diag, expm
 
 from symid import Axis, Between, Body, Drive, Position, Spring, ViscousFriction

@@ -5,8 +5,7 @@ import pytest
 import sympy as sp
 from axes.catalogue import cases, derived, every_set, generated
 from axes.plant import Array
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from symid import (
     GROUND,

@@ -1,8 +1,7 @@
 """A quick slice of benchmarks/random_axes.py: derived equations of random axes beside an ODE written by hand."""
 
 import numpy as np
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from benchmarks import random_axes
 

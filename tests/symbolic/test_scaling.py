@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from axes.catalogue import cases, derived, every_set, generated
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from symid import Axis, Between, Body, Drive, Law, PendulumWeight, Position, Spring, Weight, derive
 from symid.units import Unit

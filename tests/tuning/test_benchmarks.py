@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from benchmarks import paper_tables as tables
-from benchmarks import tuning_grid as grid
+from benchmarks import paper_tables as tables, tuning_grid as grid
 
 SHORT = replace(tables.DEFAULT, seconds=3.0, rate=10_000.0)
 

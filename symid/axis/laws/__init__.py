@@ -10,11 +10,11 @@ declaration.
 """
 
 from symid.axis.laws import along_stroke, constant, friction, spring
-from symid.axis.laws.along_stroke import *  # noqa: F403
-from symid.axis.laws.constant import *  # noqa: F403
-from symid.axis.laws.friction import *  # noqa: F403
+from symid.axis.laws.along_stroke import *
+from symid.axis.laws.constant import *
+from symid.axis.laws.friction import *
 from symid.axis.laws.law import Hypothesis, Law, ShapeParameter, Term
-from symid.axis.laws.spring import *  # noqa: F403
+from symid.axis.laws.spring import *
 
 __all__ = ["Hypothesis", "Law", "ShapeParameter", "Term"]
 __all__ += along_stroke.__all__

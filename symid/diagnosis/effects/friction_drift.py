@@ -7,8 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import CoulombFriction as DeclaredCoulomb
-from symid.axis import ViscousFriction as DeclaredViscous
+from symid.axis import CoulombFriction as DeclaredCoulomb, ViscousFriction as DeclaredViscous
 from symid.diagnosis.effects.declared_friction import declared_level
 from symid.diagnosis.effects.effect import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import joints_with as _declared
