@@ -85,7 +85,8 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
     The force that a controller sends passes the gains and limits of its drive, then lags and delays, which are linear.
     Varying laws act over each piece of a sample with their force at its middle.
     """
-    # Numba counts references at each access to a field: the fields used by all samples are read once, here.
+    # Numba counts references at each access to a field, and at each call that is given a record: the fields used by all
+    # samples are read once, here, and the sensors are read here (a function for them takes 40 % longer in all).
     (states, accelerations, forces, between), (law_after, law_sent, law_acting, limits) = record, law
     references, noise, steps, misread = channels.references, channels.noise, channels.steps, channels.misread
     readings, rows, ages, places = channels.readings, channels.rows, channels.ages, channels.places

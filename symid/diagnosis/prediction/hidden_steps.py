@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from symid.jit import compiled
+from symid.jit import compiled, part
 from symid.simulation.evaluation import built_up, evaluate
 
 _SETTLED = 1e-6
@@ -27,12 +27,10 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
     x, rate, total, before_drive, last_elastic = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         last_total = total
-        if i:  # the linear part is exact for inputs that are linear between two points
-            now, then = pushed[i - 1], pushed[i]
-            given, quickened = falling[0] * now + rising[0] * then, falling[1] * now + rising[1] * then
-            ahead = transition[0, 0] * x + transition[0, 1] * rate + given - held[0] * total
-            rate = transition[1, 0] * x + transition[1, 1] * rate + quickened - held[1] * total
-            x = ahead
+        if i:
+            x, rate = _linear_step(
+                x, rate, pushed[i - 1], pushed[i], total, transition, falling, rising, held
+            )
         elastic = by_state[0] * x + by_state[1] * rate
         drive = load[i] + elastic
         if i:
@@ -81,6 +79,19 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
         last_elastic, observed[i] = elastic, x
     predicted = observed - _moved_by(corrections, transition) if corrections.any() else observed.copy()
     return predicted, observed, forces
+
+
+@part
+def _linear_step(x, rate, now, then, total, transition, falling, rising, held):  # type: ignore[no-untyped-def]
+    """Hidden coordinate and its rate a step later, exact for an input that is linear between `now` and `then`.
+
+    The smooth forces `total` are held at their values before the step; a corrector adds their change.
+    """
+    given, quickened = falling[0] * now + rising[0] * then, falling[1] * now + rising[1] * then
+    return (
+        transition[0, 0] * x + transition[0, 1] * rate + given - held[0] * total,
+        transition[1, 0] * x + transition[1, 1] * rate + quickened - held[1] * total,
+    )
 
 
 @compiled
