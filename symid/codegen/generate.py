@@ -20,7 +20,7 @@ from symid.codegen.store import (
     write,
 )
 from symid.errors import EliminationError, SettingError, SymidError
-from symid.symbolic.pipeline import derive
+from symid.symbolic import derive
 
 
 def plan(

@@ -76,7 +76,7 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
     except SymidError:
         # sympy is imported only if there is no module.
         from symid.codegen.module import module_text
-        from symid.symbolic.pipeline import derive
+        from symid.symbolic import derive
 
         text = module_text(derive(declared, signals))
         DERIVED[declared.signature, declared.name, signals] = text
@@ -171,7 +171,7 @@ def compiled(axis: AnyAxis, measured: Sequence[str] | None = None) -> GeneratedM
     if isinstance(axis, GeneratedModel):
         return axis
     from symid.codegen.module import module_text  # loads sympy
-    from symid.symbolic.pipeline import DerivedModel, derive
+    from symid.symbolic import DerivedModel, derive
 
     model = axis if isinstance(axis, DerivedModel) else derive(axis, measured)
     found = compile_module(module_text(model), module_name(model.axis.name, model.measured))

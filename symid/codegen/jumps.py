@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import sympy as sp
 
+from symid.symbolic import DerivedModel
 from symid.symbolic.expressions import is_smooth
 from symid.symbolic.minimal import MinimalModel
-from symid.symbolic.pipeline import DerivedModel
 
 
 def sliding_velocities(

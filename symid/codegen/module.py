@@ -13,9 +13,9 @@ from symid.codegen.lowering import code, minimal_parameter_code, signal_names
 from symid.codegen.store import FORMAT
 from symid.codegen.vetting import signed
 from symid.signal_names import split_derivative
+from symid.symbolic import DerivedModel
 from symid.symbolic.measurement import measurement
 from symid.symbolic.parameter_map import inverse_map
-from symid.symbolic.pipeline import DerivedModel
 from symid.symbolic.polynomials import expression, factored
 from symid.symbolic.triangular_systems import TriangularSolution
 from symid.units import Unit

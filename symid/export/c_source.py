@@ -33,7 +33,7 @@ from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported, losses_of_signals, require_physical
 from symid.export.feedforward import feedforward
 from symid.simulation import plant_of
-from symid.symbolic.pipeline import DerivedModel
+from symid.symbolic import DerivedModel
 
 _LONGEST, _STEPS_A_RADIAN = 2e-5, 100  # s; steps in a radian of the fastest motion
 

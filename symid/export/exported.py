@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from symid.axis import Axis
-from symid.axis.imperfections import Imperfection
+from symid.axis import Axis, Imperfection
 from symid.errors import SettingError
 from symid.simulation import plant_of
 

@@ -19,9 +19,8 @@ from symid.axis import Axis, axis_of
 from symid.errors import SettingError
 from symid.export.c_source import c_source, internal_step
 from symid.files import replacing
-from symid.symbolic.pipeline import DerivedModel
-from symid.units import Unit
-from symid.units.unit import BASE_UNITS
+from symid.symbolic import DerivedModel
+from symid.units import BASE_UNITS, Unit
 
 _DESCRIPTION = """\
 <?xml version="1.0" encoding="UTF-8"?>

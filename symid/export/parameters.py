@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from symid.codegen.generated_models import compiled
+from symid.codegen import compiled
 from symid.errors import SettingError
 from symid.estimation.correlation import correlation_matrix
 from symid.export.exported import require_physical
-from symid.symbolic.pipeline import DerivedModel
+from symid.symbolic import DerivedModel
 
 
 def parameter_record(

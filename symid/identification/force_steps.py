@@ -20,8 +20,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Log
-from symid.data.resampling import QuinticSpline
+from symid.data import AnyLog, Log, QuinticSpline
 from symid.errors import SettingError
 from symid.identification.identification_result import Identification
 from symid.identification.identify import identify

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
-from symid.axis import Axis, Drive
-from symid.axis.sensors import Sensor
+from symid.axis import Axis, Drive, Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.foreign import quantity_named, split_header, with_unit
 from symid.data.layout import first_lines

@@ -21,8 +21,8 @@ from symid.identification.whitened import segments_of_rows
 from symid.output_error.closed_loop_error import ORDER, ClosedLoopError, Whitening
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.search import Search
-from symid.simulation import ClosedLoop
-from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
+from symid.simulation import ClosedLoop, Command, Controller, LinearLaw
+from symid.simulation.controller import linear_law
 
 TERMS = (
     "proportional gain",

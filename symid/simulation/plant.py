@@ -15,8 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import Between, Body, Ground
-from symid.axis.elements import Joint
+from symid.axis import Between, Body, Ground, Joint
 from symid.errors import SettingError
 
 LawFunction = Callable[[Any, Any], Any]

@@ -13,12 +13,18 @@ import scipy
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
-from symid.identification import PhysicalEstimate, Preparation, excerpts, physical_estimates
+from symid.identification import (
+    Observation,
+    PhysicalEstimate,
+    Preparation,
+    excerpts,
+    observe,
+    physical_estimates,
+)
 from symid.identification.bands import widening_of
 from symid.identification.bias import MOST_TAKEN, NoiseBias
 from symid.identification.cutoff import Estimation
 from symid.identification.noise import noise_of_rows, response_of_rows
-from symid.identification.observation import Observation, observe
 
 _HIGHEST_CONDITION = 1e10
 """Condition of the scaled normal matrix beyond which parameters are not determined."""

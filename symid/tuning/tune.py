@@ -11,8 +11,7 @@ from typing import Literal
 import numpy as np
 
 from symid.axis import Axis, of_any_axis
-from symid.codegen import GeneratedModel
-from symid.codegen.generated_models import compiled
+from symid.codegen import GeneratedModel, compiled
 from symid.data import differencing_bandwidth
 from symid.errors import SettingError
 from symid.identification import Preparation, identify

@@ -1,7 +1,11 @@
 """The first moments of a command, and what `import symid` loads."""
 
+import importlib
 import subprocess
 import sys
+from pathlib import Path
+
+import pytest
 
 import symid
 from symid.axis import drive_imperfections, imperfections, laws, sensors
@@ -33,3 +37,12 @@ def test_each_kind_of_element_is_a_name_of_symid_that_loads_when_it_is_used() ->
     kinds = {name for part in (drive_imperfections, imperfections, laws, sensors) for name in part.__all__}
     assert kinds <= set(symid.__all__)
     assert all(getattr(symid, name) is not None for name in symid.__all__)
+
+
+@pytest.mark.parametrize(
+    "face", sorted(Path(symid.__file__).parent.rglob("__init__.py")), ids=lambda file: file.parent.name
+)
+def test_each_listed_name_of_a_package_exists(face: Path) -> None:
+    place = face.parent.relative_to(Path(symid.__file__).parents[1])
+    package = importlib.import_module(".".join(place.parts))
+    assert [name for name in getattr(package, "__all__", ()) if not hasattr(package, name)] == []

@@ -6,8 +6,7 @@ from axes.catalogue import cases, derived, every_set, generated
 from hypothesis import given, settings, strategies as st
 
 from symid import Axis, Between, Body, Drive, Law, PendulumWeight, Position, Spring, Weight, derive
-from symid.units import Unit
-from symid.units.unit import BASE_UNITS
+from symid.units import BASE_UNITS, Unit
 
 
 def knows_a_number(axis: Axis) -> bool:

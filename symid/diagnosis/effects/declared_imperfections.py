@@ -17,12 +17,12 @@ from symid.axis import (
     GainAsymmetry,
     GainNonlinearity,
     Imperfection,
+    JointImperfection,
     LoadDependentFriction,
     PayloadChange,
     PeriodicForce,
     PreslidingFriction,
 )
-from symid.axis.imperfections import JointImperfection
 from symid.diagnosis.effects.effect import ACTUATOR, Effect, Placed, Shape
 from symid.diagnosis.effects.friction_drift import FrictionDriftEffect, SteadyFrictionDriftEffect
 from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect

@@ -14,6 +14,7 @@ from symid.axis import (
     Body,
     Damper,
     Hypothesis,
+    Joint as Place,
     Law,
     PendulumWeight,
     ShapeParameter,
@@ -23,7 +24,6 @@ from symid.axis import (
     ViscousFriction,
     laws,
 )
-from symid.axis.elements import Joint as Place
 from symid.diagnosis.effects.effect import (
     JointEffect,
     LinearEffect,

@@ -14,8 +14,7 @@ from symid.data import Log
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.joined_logs import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
-from symid.simulation import Cascade
-from symid.simulation.forward_dynamics import forward_dynamics
+from symid.simulation import Cascade, forward_dynamics
 
 Runs = tuple[Joined, Joined | None]
 """Logs for identification, and for validation if there are any."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from symid.axis import Axis, Between, Spring
-from symid.axis.elements import Joint
+from symid.axis import Axis, Between, Joint, Spring
 
 
 def place_of(spring: Spring) -> str:

@@ -18,7 +18,8 @@ from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import Impedance, Response, noise_weights, response_of
-from symid.simulation.plant import Plant, direction_of
+from symid.simulation import Plant
+from symid.simulation.plant import direction_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,8 +16,7 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification import Identification, OutputPrediction
-from symid.identification.observation import Observation
+from symid.identification import Identification, Observation, OutputPrediction
 from symid.identification.residual_correlation import PredictedOutput
 from symid.report.figures.colours import Palette
 from symid.report.figures.panels import Panel, SensorMotion

@@ -9,8 +9,7 @@ from typing import Any
 
 from rich.console import Console
 
-from symid.diagnosis.experiment.design import Experiment
-from symid.diagnosis.findings.diagnosis_result import Diagnosis, Simulator
+from symid.diagnosis import Diagnosis, Experiment, Simulator
 from symid.diagnosis.findings.waterfall import waterfall
 from symid.report.tables.console import TextTable, plain, report_console
 from symid.report.tables.motion_gap import motion_line, motion_rows, motions, unit_of_errors
