@@ -6,7 +6,7 @@ from hand_made import RIGID, Sines, plain_force
 
 from symid import Log, load_axis
 from symid.diagnosis import diagnose
-from symid.diagnosis.findings.repetition import repeated_after
+from symid.diagnosis.findings.gap_of_comparison import repeated_after
 
 RATE, PERIOD = 2000.0, 2.0
 STROKES = Sines(np.array([0.08, 0.01, 0.001]), np.array([1, 4, 14]) / PERIOD, np.array([0.0, 1.0, 2.0]))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence, Set
 from dataclasses import replace
 
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, norms_or_one
-from symid.diagnosis.effects import Key, Placed
-from symid.diagnosis.fitting.bounds import beyond_bounds, moved_to_bounds
+from symid.diagnosis.effects import Key, Placed, declared_effects
 from symid.diagnosis.fitting.fit import Fit, stiffnesses
 from symid.diagnosis.fitting.moments import with_best_moments
 from symid.diagnosis.fitting.state import State, evaluated, leveled
@@ -32,6 +32,8 @@ ITERATIONS = 10
 """Most iterations of a fit that may begin far off."""
 _MOST_FITS, _FALLS = 6, 0.98
 """Most fits that continue another, as long as each leaves less than this share of the error before it."""
+_HALVINGS = 10
+"""Halvings of the way to a bound, which is then missed by a thousandth of a step."""
 
 
 def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolArray | None = None) -> Fit:
@@ -215,3 +217,34 @@ def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Plac
         within = item.effect.bounded(state.prediction, item.at, item.shape) == item.shape
         placed.append(replace(moved, shape=bounded) if within else moved)
     return parameters, tuple(placed)
+
+
+def beyond_bounds(state: State) -> set[Key]:
+    """Declared effects with values that no machine has."""
+    declared = {item.key for item in declared_effects(state.prediction)}
+    return {
+        item.key
+        for item in state.placed
+        if item.key in declared and not item.effect.is_possible(state.prediction, item)
+    }
+
+
+def moved_to_bounds(state: State, moved: Sequence[Placed], outside: Set[Key]) -> tuple[Placed, ...]:
+    """Effects of a state, those `outside` with the last possible values on their way to the `moved` ones."""
+    return tuple(
+        _to_bound(state, own, target) if own.key in outside else own
+        for own, target in zip(state.placed, moved, strict=True)
+    )
+
+
+def _to_bound(state: State, possible: Placed, impossible: Placed) -> Placed:
+    """The last possible values between two, by bisection."""
+    for _ in range(_HALVINGS):
+        middle = possible.with_free(
+            [(a + b) / 2 for a, b in zip(possible.free, impossible.free, strict=True)]
+        )
+        if middle.effect.is_possible(state.prediction, middle):
+            possible = middle
+        else:
+            impossible = middle
+    return possible

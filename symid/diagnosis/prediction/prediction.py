@@ -1,7 +1,4 @@
-"""The axis under a record at given parameters: motion of every joint, and predicted outputs.
-
-Effects compute their forces from a prediction.
-"""
+"""The axis under a record at given parameters: motion of every joint, for forces of effects, and predicted outputs."""
 
 from __future__ import annotations
 
