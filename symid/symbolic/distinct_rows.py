@@ -138,6 +138,7 @@ def _is_told_apart(mine: Signals, theirs: Signals, linear: Signals) -> bool:
         added = theirs.get(signal, ring.zero) * mine[output] - theirs.get(output, ring.zero) * mine[signal]
         return ring(added).evaluate(point)
 
+    # The minimal parameters: those of the linear row first, then a basis of the coefficients beside the output.
     span, changes = Span(), Span()
     monomials = [m for entry in linear.values() for m in entry.itermonoms()]
     shared = [x for i, x in enumerate(ring.gens) if i and any(m[i] for m in monomials)]
@@ -150,6 +151,8 @@ def _is_told_apart(mine: Signals, theirs: Signals, linear: Signals) -> bool:
     }
     for function in functions.values():
         span.add(function)
+    # A minimal parameter of this row alone may change freely, in proportion to its shares of the signals. The multiple
+    # shows unless such changes together are what it does to the coefficients.
     shares = {signal: span.coordinates(function) or {} for signal, function in functions.items()}
     for j in range(len(shared), max((max(s, default=0) for s in shares.values()), default=0) + 1):
         changes.add({signal: s[j] for signal, s in shares.items() if j in s})

@@ -162,7 +162,7 @@ def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> _Row:
         _Column(t.expression, t.order, t.smooth, False, ParameterFunction.quotient(t.coefficient, divisor))
         for t in equation.motion
     ]
-    if equation.force:
+    if equation.force:  # divided already: the columns are quotients by the coefficient of this force
         order, drive = lowest
         return _Row(sign * sp.Symbol(derivative_name(drive, order)), tuple(columns))
     leader = max((column for column in columns if column.smooth), key=lambda column: column.order)

@@ -84,6 +84,7 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
     inverse = _branches(model, solution) if solution and written <= _MOST_WRITTEN else ()
     axis = model.source.source.axis
     units = {name: str(unit) for name, unit in axis.physical_parameters.items()}
+    # Of several solutions, others than the true one may all have masses or frictions below zero.
     if len(inverse) > 1:
         known = {sp.Symbol(name): value for name, value in model.source.source.numbers.items()}
         forward = {name: function.expression.xreplace(known) for name, function in functions.items()}
@@ -221,6 +222,7 @@ def other_solutions_are_unphysical(
     `minimal` gives the minimal parameters in terms of the physical ones, `inverse` the physical ones of each solution
     in terms of the minimal ones. Parameters in `signed` may be negative.
     """
+    # Drawn machines are mapped to their minimal parameters, and these back by each solution of the inverse map.
     names = list(units)
     generator = np.random.default_rng(0)
     truth = [10 ** generator.uniform(*_RANGES.get(unit, (0.0, 3.0)), _DRAWS) for unit in units.values()]

@@ -130,6 +130,8 @@ def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | t
         return tuple(name for name in ratios if name in mixed)
     names = [str(symbol) for symbol in ring.symbols[1:]]
     of_laws = _constants_of_laws(operators, rows)
+    # Each balance is multiplied, each column and parameter scaled, by a product of powers of the ratios; the exponents
+    # are sought, one ratio after the other.
     keys = (
         *(("balance", b) for b in dict.fromkeys(term.balance for term in terms)),
         *(("column", c) for c in dict.fromkeys(term.column for term in terms)),

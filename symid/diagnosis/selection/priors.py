@@ -76,6 +76,7 @@ def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> 
     along = moving_along(state.prediction, item.at)
     if any(other.effect.name == _DRIFT and other.at in along for other in state.placed):
         return 0.0
+    # Level of the friction in the joint, nominal and fitted: of the declared laws, and of effects found.
     frictions = [law for law in state.prediction.axis.laws if isinstance(law, CoulombFriction)]
     levels = {
         law.named("level"): max(
@@ -89,6 +90,7 @@ def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> 
         for values in (nominal, state.prediction.parameters)
     )
     after += sum(along.get(p.at, 0.0) * _level(state, p) for p in state.placed if p.effect.name in _LEVELS)
+    # Friction that has grown in one direction has a higher level, by the amplitude; otherwise the level is as before.
     scale = THRESHOLDS.level_spread * max(abs(before), abs(after))
     if not scale or any(share and name not in nominal for name, share in levels.items()):
         return 0.0
