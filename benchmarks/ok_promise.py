@@ -23,7 +23,7 @@ from benchmarks.promise.machines import Case, draw_case
 from symid import Log, load_axis, load_generated
 from symid.errors import SymidError
 from symid.identification import identify
-from symid.identification.identification_result import Identification
+from symid.identification.results.identification_result import Identification
 from symid.output_error import OutputErrorIdentification, identify_output_error
 
 _WRONG, _DEVIATIONS = 0.05, 3.0

@@ -29,7 +29,7 @@ import numpy as np
 
 from symid import Axis, Log, Preparation, load_axis, load_generated
 from symid.arrays import FloatArray
-from symid.identification.bands import completed
+from symid.identification.rows.bands import completed
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 from symid.tuning import identified_and_tuned
 from symid.tuning.total_errors import TotalErrors, with_noise

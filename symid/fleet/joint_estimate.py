@@ -25,9 +25,9 @@ from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, TriangularFactor, estimate, triangular_factors
 from symid.identification import Identification, PhysicalEstimate, physical_estimates
-from symid.identification.identification_result import EstimatedParameters
-from symid.identification.log_agreement import LogEstimate, disagreement_between
-from symid.identification.verdict import Status, verdict
+from symid.identification.deviations.log_agreement import LogEstimate, disagreement_between
+from symid.identification.results.identification_result import EstimatedParameters
+from symid.identification.results.verdict import Status, verdict
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,22 +1,22 @@
 """Identification: observation of logs, estimation, physical parameters."""
 
-from symid.identification.axis_logs import measured_signals, open_axis_log, read_axis_log
-from symid.identification.bias import Bias
-from symid.identification.constraints import Constraints
-from symid.identification.contradiction import with_constraint_check, with_fixed
-from symid.identification.excerpts import Excerpt, excerpts
+from symid.identification.delays.timing import Timing, delays_of
+from symid.identification.deviations.bias import Bias
 from symid.identification.force_steps import identify_with_steps, logs_with_steps
-from symid.identification.guessed_mapping import guessed_mapping, stated_period
-from symid.identification.identification_result import Identification
 from symid.identification.identify import found_from, identify, with_checks
 from symid.identification.known_per_log import SharedIdentification, identify_with_known, known_of_logs
-from symid.identification.mapping import LogMapping, read_mapping
-from symid.identification.observation import Observation, observe
-from symid.identification.physical import PhysicalEstimate, physical_estimates
-from symid.identification.predicted_output import OutputPrediction, predict
-from symid.identification.residuals import EquationResidual
-from symid.identification.settings import Preparation
-from symid.identification.timing import Timing, delays_of
+from symid.identification.parameters.constraints import Constraints
+from symid.identification.parameters.physical import PhysicalEstimate, physical_estimates
+from symid.identification.results.contradiction import with_constraint_check, with_fixed
+from symid.identification.results.identification_result import Identification
+from symid.identification.results.predicted_output import OutputPrediction, predict
+from symid.identification.results.residuals import EquationResidual
+from symid.identification.rows.excerpts import Excerpt, excerpts
+from symid.identification.rows.observation import Observation, observe
+from symid.identification.rows.settings import Preparation
+from symid.identification.signals.axis_logs import measured_signals, open_axis_log, read_axis_log
+from symid.identification.signals.guessed_mapping import guessed_mapping, stated_period
+from symid.identification.signals.mapping import LogMapping, read_mapping
 
 __all__ = [
     "Bias",

@@ -19,15 +19,15 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, Method, TriangularFactor, estimate, refine_blocks
-from symid.identification.bands import cutoff_range
-from symid.identification.coulomb import factors_without
 from symid.identification.criteria import CRITERIA
-from symid.identification.excerpts import excerpts
-from symid.identification.identification_result import Identification
-from symid.identification.poor_fit import unexplained
-from symid.identification.row_blocks import Run, blocks_of_runs
-from symid.identification.settings import Preparation
-from symid.identification.verdict import poorly_fitted
+from symid.identification.faults.poor_fit import unexplained
+from symid.identification.results.identification_result import Identification
+from symid.identification.results.verdict import poorly_fitted
+from symid.identification.rows.bands import cutoff_range
+from symid.identification.rows.coulomb import factors_without
+from symid.identification.rows.excerpts import excerpts
+from symid.identification.rows.row_blocks import Run, blocks_of_runs
+from symid.identification.rows.settings import Preparation
 
 _STEP, _LOWER_CUTOFFS = 1.6, 5
 """Ratio and number of the lower cutoffs that are tried: to a tenth, in steps that change columns by half at most."""

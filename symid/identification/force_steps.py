@@ -22,9 +22,9 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, QuinticSpline
 from symid.errors import SettingError
-from symid.identification.identification_result import Identification
 from symid.identification.identify import identify
-from symid.identification.settings import Preparation
+from symid.identification.results.identification_result import Identification
+from symid.identification.rows.settings import Preparation
 
 Feedthrough = Callable[[Axis, Mapping[str, float]], Mapping[str, FloatArray]]
 """For physical parameters the acceleration that each accelerometer reads at once per unit of each drive's force."""

@@ -28,30 +28,30 @@ from symid.estimation import (
     corrected_covariance_of_blocks,
     estimate,
 )
-from symid.identification.bias import Bias, Correction, bias_of_instruments
-from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
-from symid.identification.constraints import Constraints, constrained_estimates
-from symid.identification.contradiction import with_constraint_check
 from symid.identification.criteria import CRITERIA
 from symid.identification.cutoff import CutoffTrial, Estimation, disagreement_of, least_uncertain
-from symid.identification.discrepancy import discrepancies_of
-from symid.identification.examined_faults import faults_of
-from symid.identification.excerpts import Excerpt, blocks_of, excerpts, whole_logs
-from symid.identification.explained import explained_by_instruments
-from symid.identification.identification_result import Identification, best_covariance
-from symid.identification.inseparable import estimates_by_priors
-from symid.identification.lagging import lag_of
-from symid.identification.log_agreement import LogEstimate, disagreement_between
-from symid.identification.observation import Observation
-from symid.identification.physical import PhysicalEstimate, physical_estimates
-from symid.identification.poor_fit import unexplained
-from symid.identification.reliability import with_discrepancies, with_faults
-from symid.identification.row_blocks import Run, blocks_of_runs
-from symid.identification.settings import Preparation, notes_on_declared
-from symid.identification.stability import greatest_change, scatter
-from symid.identification.timing import delays_of, likeliest
-from symid.identification.verdict import verdict
-from symid.identification.whitened import segments
+from symid.identification.delays.clock_drift import drift_by_rows, drift_within_a_row
+from symid.identification.delays.timing import delays_of, likeliest
+from symid.identification.deviations.bias import Bias, Correction, bias_of_instruments
+from symid.identification.deviations.discrepancy import discrepancies_of
+from symid.identification.deviations.explained import explained_by_instruments
+from symid.identification.deviations.log_agreement import LogEstimate, disagreement_between
+from symid.identification.deviations.stability import greatest_change, scatter
+from symid.identification.deviations.whitened import segments
+from symid.identification.faults.examined_faults import faults_of
+from symid.identification.faults.lagging import lag_of
+from symid.identification.faults.poor_fit import unexplained
+from symid.identification.parameters.constraints import Constraints, constrained_estimates
+from symid.identification.parameters.inseparable import estimates_by_priors
+from symid.identification.parameters.physical import PhysicalEstimate, physical_estimates
+from symid.identification.results.contradiction import with_constraint_check
+from symid.identification.results.identification_result import Identification, best_covariance
+from symid.identification.results.reliability import with_discrepancies, with_faults
+from symid.identification.results.verdict import verdict
+from symid.identification.rows.excerpts import Excerpt, blocks_of, excerpts, whole_logs
+from symid.identification.rows.observation import Observation
+from symid.identification.rows.row_blocks import Run, blocks_of_runs
+from symid.identification.rows.settings import Preparation, notes_on_declared
 
 if TYPE_CHECKING:
     from symid.symbolic import DerivedModel

@@ -20,14 +20,14 @@ from symid.axis import Axis
 from symid.codegen import model_of
 from symid.data import AnyLog
 from symid.errors import SettingError
-from symid.identification.constraints import Bounds, Constraints, Priors
-from symid.identification.contradiction import against, constraint_notes
-from symid.identification.identification_result import Identification, headline_of
 from symid.identification.identify import identify
-from symid.identification.physical import negative_parameters
-from symid.identification.settings import Preparation
+from symid.identification.parameters.constraints import Bounds, Constraints, Priors
+from symid.identification.parameters.physical import negative_parameters
+from symid.identification.parameters.starts import starts
+from symid.identification.results.contradiction import against, constraint_notes
+from symid.identification.results.identification_result import Identification, headline_of
+from symid.identification.rows.settings import Preparation
 from symid.identification.stacked import Stacked
-from symid.identification.starts import starts
 from symid.shown import Shown
 
 _LEAST_PROBABILITY = 1e-3

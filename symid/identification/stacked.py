@@ -10,10 +10,15 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.identification.constraints import Constraints, constrained_estimates
-from symid.identification.identification_result import Identification
-from symid.identification.inseparable import estimates_by_priors
-from symid.identification.physical import PhysicalEstimate, WhitenedMap, open_by_structure, open_directions
+from symid.identification.parameters.constraints import Constraints, constrained_estimates
+from symid.identification.parameters.inseparable import estimates_by_priors
+from symid.identification.parameters.physical import (
+    PhysicalEstimate,
+    WhitenedMap,
+    open_by_structure,
+    open_directions,
+)
+from symid.identification.results.identification_result import Identification
 
 
 class Stacked:

@@ -14,8 +14,8 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification.identification_result import frame_of, headline_of
-from symid.identification.physical import jacobian
+from symid.identification.parameters.physical import jacobian
+from symid.identification.results.identification_result import frame_of, headline_of
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.predicted_log import OutputErrorPrediction

@@ -21,10 +21,10 @@ from symid.identification import (
     observe,
     physical_estimates,
 )
-from symid.identification.bands import widening_of
-from symid.identification.bias import MOST_TAKEN, NoiseBias
 from symid.identification.cutoff import Estimation
-from symid.identification.noise import noise_of_rows, response_of_rows
+from symid.identification.deviations.bias import MOST_TAKEN, NoiseBias
+from symid.identification.rows.bands import widening_of
+from symid.identification.rows.noise import noise_of_rows, response_of_rows
 
 _HIGHEST_CONDITION = 1e10
 """Condition of the scaled normal matrix beyond which parameters are not determined."""

@@ -18,7 +18,7 @@ from symid.data.lost_samples import restored
 from symid.diagnosis import diagnose
 from symid.diagnosis.prediction.quantisation import rounding_error
 from symid.diagnosis.prediction.recorder import recovered
-from symid.identification.smoothing import interpolated_from, updated_every
+from symid.identification.faults.smoothing import interpolated_from, updated_every
 
 
 def with_drag(seconds: float = 6.0) -> Log:

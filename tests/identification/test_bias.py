@@ -7,10 +7,10 @@ import pytest
 
 from symid import Log, Preparation, identify, load_generated
 from symid.identification import observe
-from symid.identification.bias import _rest_of_sharper_rows
-from symid.identification.noise import noise_levels, noise_limited_widening, noise_of_rows
-from symid.identification.observation import rows_by
-from symid.identification.scheme import DIFFERENCE_ORDER, sharper
+from symid.identification.deviations.bias import _rest_of_sharper_rows
+from symid.identification.rows.noise import noise_levels, noise_limited_widening, noise_of_rows
+from symid.identification.rows.observation import rows_by
+from symid.identification.rows.scheme import DIFFERENCE_ORDER, sharper
 
 SHARP = sharper(DIFFERENCE_ORDER)
 

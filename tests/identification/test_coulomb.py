@@ -7,9 +7,9 @@ import pytest
 
 import symid
 from benchmarks.promise.machines import draw_case, draw_machine
-from symid.identification.coulomb import direction, factors_without
-from symid.identification.observation import observe
-from symid.identification.row_blocks import Run
+from symid.identification.rows.coulomb import direction, factors_without
+from symid.identification.rows.observation import observe
+from symid.identification.rows.row_blocks import Run
 
 LEVEL = 3.0
 PREPARATION = symid.Preparation(cutoff_hz=30.0, decimation=4, trim=(400, 400), standstill=0.0, widening=4.0)

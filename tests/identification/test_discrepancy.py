@@ -20,8 +20,8 @@ from symid import (
 )
 from symid.codegen import load_generated
 from symid.identification import Identification, identify
-from symid.identification.discrepancy import Discrepancy
-from symid.identification.motion_shapes import QUARTER, Motion, waves
+from symid.identification.deviations.discrepancy import Discrepancy
+from symid.identification.deviations.motion_shapes import QUARTER, Motion, waves
 
 M, FV, FS = 40.0, 120.0, 30.0
 RATE = 1000.0

@@ -7,8 +7,9 @@ import scipy
 from benchmarks.promise.faults import damaged
 from benchmarks.promise.machines import Case, draw_case
 from symid import Log, load_generated
-from symid.identification import Identification, examined_faults, identify
-from symid.identification.modes import mode_above
+from symid.identification import Identification, identify
+from symid.identification.faults import examined_faults
+from symid.identification.faults.modes import mode_above
 
 SEED = 80611
 

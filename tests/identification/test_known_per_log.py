@@ -31,7 +31,7 @@ from symid.codegen.generated_models import compiled
 from symid.data import write_log
 from symid.errors import DeclarationError, SettingError
 from symid.identification import identify_with_known
-from symid.identification.physical import open_by_structure
+from symid.identification.parameters.physical import open_by_structure
 from symid.simulation import Cascade, plant_of, simulate, trapezoids
 
 TABLE = Body("table", mass="M")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from symid import Log, identify, load_generated
-from symid.identification.log_agreement import LogEstimate, disagreement_between
+from symid.identification.deviations.log_agreement import LogEstimate, disagreement_between
 
 
 def run(mass: float, seed: int) -> Log:

@@ -6,8 +6,8 @@ import pytest
 from symid import load_generated
 from symid.estimation import estimate, triangular_factors
 from symid.identification import physical_estimates
-from symid.identification.physical import jacobian
-from symid.identification.verdict import verdict
+from symid.identification.parameters.physical import jacobian
+from symid.identification.results.verdict import verdict
 
 DIRECT = np.array([3899.0, 3949.17, 1e9, 362.58, 88.6, 146.0])  # the paper's Table 1
 BALLSCREW = np.array([80.0, 120.0, 50.0, 6e6, 700.0, 200.0, 150.0])

@@ -10,7 +10,7 @@ from benchmarks.promise.machines import Case, draw_case, draw_machine
 from symid import Log, Preparation, identify, load_generated
 from symid.data import central_difference, central_difference_gain, derivatives
 from symid.identification import Identification
-from symid.identification.bands import completed
+from symid.identification.rows.bands import completed
 
 RATE = 500.0
 TRUTH = {"M": 100.0, "Fv": 200.0, "Fs": 20.0}

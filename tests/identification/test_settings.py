@@ -6,7 +6,7 @@ from scipy import signal
 
 from symid import Log, load_generated
 from symid.data import derivatives
-from symid.identification.bands import Spectra, coherent_band, noise_limited_band
+from symid.identification.rows.bands import Spectra, coherent_band, noise_limited_band
 
 RIGID = load_generated("rigid_1m")
 

@@ -24,7 +24,7 @@ from symid import (
 from symid.codegen.generated_models import compiled
 from symid.errors import DeclarationError, LogError, SettingError
 from symid.identification import measured_signals, read_axis_log
-from symid.identification.bands import coherent_band
+from symid.identification.rows.bands import coherent_band
 
 SETS = (("q1", "q2", "qb"), ("q1", "q2"))
 

@@ -6,8 +6,8 @@ import pytest
 from symid import identify
 from symid.data.stuck import inspect_spans, is_switched
 from symid.identification import Preparation
-from symid.identification.recording import channel_fault
-from symid.identification.smoothing import interpolated_from
+from symid.identification.faults.recording import channel_fault
+from symid.identification.faults.smoothing import interpolated_from
 
 TRUE = {"M": 6.0, "Fv": 12.0, "Fs": 2.0}
 LEVEL, STEP = 13.0, 1e-4

@@ -22,7 +22,7 @@ from symid import (
     read_axis_log,
 )
 from symid.identification import Identification, observe
-from symid.identification.observation import SignalRows
+from symid.identification.rows.observation import SignalRows
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RATE = 1000.0

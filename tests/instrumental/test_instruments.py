@@ -29,9 +29,9 @@ from symid import (
 from symid.errors import SettingError
 from symid.estimation import ObservationBlock, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification import Identification, Observation
-from symid.identification.explained import explained_by_instruments
-from symid.identification.stability import greatest_change, scatter
-from symid.identification.whitened import segments
+from symid.identification.deviations.explained import explained_by_instruments
+from symid.identification.deviations.stability import greatest_change, scatter
+from symid.identification.deviations.whitened import segments
 from symid.instrumental import identify_by_instruments
 from symid.instrumental.instrumental_fit import estimate_by_instruments
 from symid.simulation import ClosedLoop, multisine, plant_of, simulate, trapezoids, tuned_cascade

@@ -9,7 +9,7 @@ from benchmarks.promise.faults import damaged
 from benchmarks.promise.machines import draw_case
 from symid import Log, Preparation, load_axis, load_generated
 from symid.identification import identify
-from symid.identification.verdict import Status
+from symid.identification.results.verdict import Status
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.output_error.fit_status import verdict_of
 from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade

@@ -12,7 +12,11 @@ from command_line import run
 
 import symid
 from symid.estimation.residual_measures import fit_percent
-from symid.identification.residual_correlation import PredictedOutput, correlation, residual_correlations
+from symid.identification.results.residual_correlation import (
+    PredictedOutput,
+    correlation,
+    residual_correlations,
+)
 from symid.report.pages.identification_page import write_identification_html
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from symid import Log, Preparation, load_axis, load_generated
 from symid.errors import SettingError
-from symid.identification.noise import noise_deviations
+from symid.identification.rows.noise import noise_deviations
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 from symid.tuning import tune_total
 from symid.tuning.from_log import run_of_log

@@ -6,7 +6,7 @@ import numpy as np
 
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.thresholds import THRESHOLDS
-from symid.identification.stability import greatest_change
+from symid.identification.deviations.stability import greatest_change
 
 
 def changed_span(fit: Fit, of: str) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from symid.axis import CoulombFriction
 from symid.diagnosis.effects.declared_friction import places_of
 from symid.diagnosis.fitting.fit import Fit
-from symid.identification.constant_force import CONSTANT, is_constant
+from symid.identification.faults.constant_force import CONSTANT, is_constant
 
 _FAST = 0.1
 """Share of the top speed above which the direction of a motion is certain."""

@@ -16,7 +16,7 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.data.lost_samples import restored, without_repeated_rows
-from symid.identification.smoothing import interpolated_from, updated_every
+from symid.identification.faults.smoothing import interpolated_from, updated_every
 
 _SHORTEST = 200
 """Least number of samples of a decimated log."""

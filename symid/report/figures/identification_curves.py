@@ -17,7 +17,7 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Observation, OutputPrediction
-from symid.identification.residual_correlation import PredictedOutput
+from symid.identification.results.residual_correlation import PredictedOutput
 from symid.report.figures.colours import Palette
 from symid.report.figures.panels import Panel, SensorMotion
 from symid.simulation.frequency_response import (

@@ -18,7 +18,7 @@ from symid.estimation.correlation import correlation_matrix
 from symid.estimation.residual_measures import fit_percent
 from symid.files import write_whole
 from symid.identification import Identification, OutputPrediction
-from symid.identification.residual_correlation import PredictedOutput, residual_correlations
+from symid.identification.results.residual_correlation import PredictedOutput, residual_correlations
 from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
 from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.identification_curves import (

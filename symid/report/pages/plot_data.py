@@ -14,7 +14,7 @@ import matplotlib as mpl
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.identification.residual_correlation import Correlation, OutputCorrelations
+from symid.identification.results.residual_correlation import Correlation, OutputCorrelations
 from symid.report.figures.colours import LIGHT
 from symid.report.figures.drawn import Drawn, title_lines, wide_and_narrow
 from symid.report.figures.envelope import envelope, envelope_places

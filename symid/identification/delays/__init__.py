@@ -1,0 +1,1 @@
+"""Signals that are recorded early or late against each other."""

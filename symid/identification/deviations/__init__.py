@@ -1,0 +1,1 @@
+"""Errors of the parameters beyond those by white noise: bias, scatter, what the model lacks."""

@@ -1,0 +1,1 @@
+"""Faults of recorders, logs and structure that contradict an estimate."""

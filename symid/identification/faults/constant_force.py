@@ -1,0 +1,69 @@
+"""A force that hardly changes while the axis moves: friction alone can make up for all of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.identification.rows.excerpts import Excerpt
+
+_CHANGES = 0.01
+"""Rms of a force beside a part with the sign of the motion, relative to the whole, below which it is constant."""
+CONSTANT = (
+    "{} hardly changes while the axis moves, so that the log does not tell friction from inertia and damping: move "
+    "with several forces and in both directions, or leave the friction out"
+)
+
+
+def constant_force(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+    """Statement on a force that is constant in each direction of the motion; empty without one.
+
+    Friction of that size, without any inertia, then fits exactly, and so does every mixture of it with the true values:
+    a step response shows a time constant and a gain, and no third value. A known inertia is a third one.
+    """
+    for equation, force in enumerate(model.output_names):
+        laws = [column for j, column in model.law_columns if j == equation]
+        if force not in model.forces or not laws or model.known:
+            continue
+        used = np.concatenate([used_samples(p, equation) for p in parts])
+        acting = np.concatenate([p.log[force] for p in parts])[used]
+        signs = np.stack([np.concatenate([direction(p, equation, law) for p in parts])[used] for law in laws])
+        if is_constant(acting, signs):
+            return CONSTANT.format(force)
+    return ""
+
+
+def is_constant(force: FloatArray, signs: FloatArray) -> bool:
+    """Whether a force hardly differs from a combination of signs of velocities, of shape (n_signs, n).
+
+    >>> sign = np.repeat([1.0, -1.0], 50)
+    >>> is_constant(3 * sign, sign[None]), is_constant(3 * sign + np.linspace(0, 1, 100), sign[None])
+    (True, False)
+    """
+    whole = float(force @ force)
+    rest = force - np.linalg.lstsq(signs.T, force, rcond=None)[0] @ signs
+    return whole > 0 and float(rest @ rest) < _CHANGES**2 * whole
+
+
+def direction(part: Excerpt, equation: int, column: int) -> FloatArray:
+    """Sign of a friction law at every sample."""
+    return part.kept(
+        (direction, equation, column),
+        lambda: np.sign(at_samples(part, np.sign(part.observation.W[equation, :, column]))),
+    )
+
+
+def used_samples(part: Excerpt, equation: int) -> BoolArray:
+    """Samples of the log whose nearest row of an equation is used."""
+    return part.kept(
+        (used_samples, equation), lambda: np.asarray(at_samples(part, part.observation.valid[equation]) > 0.5)
+    )
+
+
+def at_samples(part: Excerpt, rows: FloatArray | BoolArray) -> FloatArray:
+    """Values of the rows at every sample of the log."""
+    times = part.log.start + part.log.sampling_period * np.arange(part.log.n_samples)
+    return np.asarray(np.interp(times, part.observation.time, rows))

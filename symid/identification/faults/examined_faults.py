@@ -1,0 +1,109 @@
+"""Statements on all faults that contradict an estimate: of channels, of parts of the logs, of the structure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.estimation import LeastSquares
+from symid.identification.criteria import CRITERIA
+from symid.identification.delays.lag_scan import shown_late
+from symid.identification.deviations.stability import Change
+from symid.identification.deviations.whitened import whitened
+from symid.identification.faults.constant_force import constant_force
+from symid.identification.faults.folding import folding_of
+from symid.identification.faults.lagging import ac_coupling_of, smoothing_by_residual
+from symid.identification.faults.modes import lost_mode, mode_above
+from symid.identification.faults.nonlinearity import ColumnTests
+from symid.identification.faults.poor_fit import contradicting_part, unexplained, unexplained_outputs
+from symid.identification.faults.recording import fault_of
+from symid.identification.faults.redundancy import disagreement_of
+from symid.identification.faults.smoothing import slow_update, smoothing_of
+from symid.identification.parameters.physical import jacobian
+from symid.identification.results.identification_result import Identification
+from symid.identification.results.reliability import Faults, is_beyond_intervals
+from symid.identification.rows.excerpts import Excerpt
+
+
+def faults_of(
+    found: Identification,
+    fit: LeastSquares,
+    parts: Sequence[Excerpt],
+    change: Change | None,
+    drift: str,
+    *,
+    noise_alone: bool,
+) -> Faults:
+    """Statements on faults that contradict the estimate: a channel, a part of the logs, the force or its clock.
+
+    `noise_alone` is whether the residual is no larger than the noise of the signals makes it.
+    """
+    model = found.model
+    shown = shown_late(model, noise_alone=noise_alone)
+    inflation = rows_per_independent(found)
+    more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
+    return Faults(
+        recording=fault_of(model, parts, fit)
+        or smoothing_of(model, parts)
+        or folding_of(model, parts)
+        or disagreement_of(model, parts)
+        or ac_coupling_of(found, parts, fit, shown)
+        or ("" if drift else smoothing_by_residual(found, parts, fit, shown))
+        or ("" if drift else more.sensor_gain() or more.uneven_gain()),  # a lag changes gains too
+        poor_fit=contradicting_part(model, parts, fit)
+        or more.force_nonlinearity()
+        or _change_statement(found, change)
+        or more.gain_drift()
+        or more.friction_shape(found)
+        or more.force_limit()
+        or _structure_fault(found)
+        or _mode_beyond_band(found, parts, fit)
+        or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
+        drift=drift,
+        noise_alone=noise_alone,
+        constant_force=constant_force(model, parts),
+        hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
+    )
+
+
+def rows_per_independent(found: Identification) -> float:
+    """Rows for each one that is independent of the others, as their residual is correlated."""
+    return sum(found.fit.rows) / max(found.correlated.effective_samples, 1.0)
+
+
+def _change_statement(found: Identification, change: Change | None) -> str:
+    """Statement on a span of the logs with other parameters, that distort those of all or explain much."""
+    if change is None:
+        return ""
+    signed = np.zeros(change.inside.size, dtype=bool)
+    # minimal parameters of which all parts may be negative, such as an offset of the force
+    if found.physical:
+        slopes = jacobian(found.model, found.physical[0].parameters)
+        positive = [name not in found.model.signed for name in found.model.physical_units]
+        signed = ~np.any(slopes[:, positive], axis=1)
+    return change.statement(found.model, signed, distorts=is_beyond_intervals(found, change.outside))
+
+
+def _structure_fault(found: Identification) -> str:
+    """Statement on an axis whose minimal parameters contradict each other, or that lost its mode; else empty."""
+    if not found.physical:
+        return ""
+    if found.physical[0].disagreement_probability < CRITERIA.disagreement:
+        return (
+            "relations between the minimal parameters do not hold (probability "
+            f"{found.physical[0].disagreement_probability:.1g}): the model lacks an effect, or a signal was filtered "
+            "before it was recorded"
+        )
+    minimal = np.asarray(found.model.minimal_parameters(*found.physical[0].parameters))
+    return lost_mode(found.model, minimal, found.observations[0].preparation.cutoff_hz or 1.0)
+
+
+def _mode_beyond_band(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+    """Statement on a mode above the cutoff of a model that does not describe even what lies below; else empty."""
+    cutoff = found.observations[0].preparation.cutoff_hz
+    if found.model.known or cutoff is None:
+        return ""
+    if np.max(unexplained(found.model, parts, fit)) <= CRITERIA.cutoff_fit:
+        return ""
+    return mode_above(found.model, fit.solution, cutoff)

@@ -1,0 +1,262 @@
+"""A signal that was filtered before it was recorded: a lag of first order, or the high-pass of AC coupling.
+
+A signal x behind a lag was x + tau x' before it, one behind a high-pass of corner w was x + w times its integral. Its
+rows are linear in tau or w as they are in x, so that Gauss-Newton steps over that factor and the parameters need no new
+rows. On flexible axes a lag imitates a damped mode, and everywhere a high-pass imitates friction: the residual is
+small, and the parameters are another machine's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.estimation import (
+    LeastSquares,
+    TriangularFactor,
+    corrected_covariance_of_blocks,
+    estimate,
+    triangular_factors,
+)
+from symid.estimation.triangular import triangle
+from symid.identification.criteria import CRITERIA
+from symid.identification.delays.lag_scan import shiftable
+from symid.identification.faults.redundancy import high_pass_of
+from symid.identification.results.identification_result import Identification
+from symid.identification.results.reliability import is_beyond_intervals
+from symid.identification.rows.excerpts import (
+    Excerpt,
+    blocks_of,
+    estimate_of,
+    estimate_of_parts,
+    running_integral,
+)
+from symid.identification.rows.observation import Observation, SignalRows
+
+_Rows = tuple[FloatArray, FloatArray]
+"""Rows of W and y that a signal makes."""
+_MOST_ROUNDS = 6
+_BARE = 1e-10
+"""Noise near the Nyquist frequency, over the rms signal, below that of any sensor: 0.1 nm of a metre."""
+_SETTLED = 0.01
+"""Relative change of the factor that ends the rounds."""
+
+
+def lag_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+    """Statement on a signal that lags; empty without one, or if a delay explains as much.
+
+    A lag that leaves much of the residual, as noise of the derivative of its signal does, must be certain and move
+    parameters out of their intervals.
+    """
+    timing = found.timing
+    by_delay = timing.remaining if timing is not None and timing.is_significant else 1.0
+    every = [
+        (_filtered_before(parts, fit, [part.moved(name).slope for part in parts]), name)
+        for name in shiftable(found.model)
+    ]
+    lags = [(lag.remaining, name, lag) for lag, name in every if lag is not None]
+    if not lags:
+        return ""
+    remaining, name, best = min(lags, key=lambda one: one[:2])
+    lag = best.factor
+    if remaining > CRITERIA.lag_leaves * by_delay or lag < parts[0].log.sampling_period:
+        return ""
+    explains = remaining <= CRITERIA.lagging * by_delay
+    if not explains and not (
+        is_beyond_intervals(found, best.parameters) and lag > CRITERIA.ac_coupling * best.deviation()
+    ):
+        return ""
+    return (
+        f"{name} lags with a time constant of {1e3 * lag:.3g} ms (without it, {100 * remaining:.3g} % of the residual "
+        "remain), which biases all parameters: it was filtered before it was recorded, or the drive is slow; "
+        "record it raw"
+    )
+
+
+def ac_coupling_of(
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
+) -> str:
+    """Statement on one of some signals that has passed a high-pass, which moves parameters out of their intervals."""
+    model, passed = found.model, []
+    for name in names:
+        integrals = [
+            _rows_of(part, name, running_integral(part.log[name], part.log.sampling_period)) for part in parts
+        ]
+        starts = [_rows_of(part, name, np.ones(part.log.n_samples)) for part in parts]
+        one = (
+            _by_other_sensors(model, parts, integrals, name)
+            or _filtered_before(parts, fit, integrals, starts)
+            or _filtered_before(parts, fit, integrals)  # the model has its own constant
+        )
+        passed += [(one, name)] if one else []
+    for one, name in sorted(passed, key=lambda pair: pair[0].remaining):
+        explains = one.remaining < CRITERIA.ac_coupling_leaves
+        if (
+            explains
+            and is_beyond_intervals(found, one.parameters)
+            and one.factor > CRITERIA.ac_coupling * one.deviation()
+        ):
+            return (
+                f"{name} seems to have passed a high-pass with a corner of {one.factor / (2 * np.pi):.3g} Hz, which "
+                "biases all parameters: the sensor is AC coupled, or the model lacks a force; record it DC coupled, "
+                "or leave it out of `measured`"
+            )
+    return ""
+
+
+def smoothing_by_residual(
+    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
+) -> str:
+    """Statement on one of some signals whose fast part was damped without a delay, as a zero-phase filter does.
+
+    Such a filter of squared gain 1 / (1 + (T w)^2) is undone by x - T^2 x''. Where more of x'' is left than taken,
+    the model imitates what a filter did, if next to nothing of the residual remains. A signal without noise beside one
+    with noise was filtered. Then less counts: what this takes from the residual, and half of the change, since of other
+    filters it undoes a part only.
+    """
+    every = []
+    for name in names:
+        bent = [
+            _rows_of(part, name, _second_derivative(part.log[name], part.log.sampling_period))
+            for part in parts
+        ]
+        one = _filtered_before(parts, fit, bent)
+        every += [(one, name)] if one else []
+    if not every:
+        return ""
+    best, name = min(every, key=lambda pair: pair[0].remaining)
+    is_late = found.timing is not None and found.timing.is_significant
+    is_filtered = not is_late and _is_bare(parts)
+    least = 1.0 if is_filtered else CRITERIA.smoothing_leaves if best.factor < 0.0 else CRITERIA.lagging
+    moves = CRITERIA.smoothing_moves if is_filtered else CRITERIA.cutoff_change
+    if best.remaining > least or not is_beyond_intervals(found, best.parameters, moves):
+        return ""
+    if not abs(best.factor) > CRITERIA.ac_coupling * best.deviation():
+        return ""
+    return (
+        f"the fast part of {name} does not agree with the other signals (its second derivative takes away "
+        f"{100 * (1 - best.remaining):.2g} % of the residual), which biases all parameters: a signal was smoothed or "
+        "filtered before it was recorded; record all signals raw, or lower `cutoff_hz`"
+    )
+
+
+def _is_bare(parts: Sequence[Excerpt]) -> bool:
+    """Whether a signal has less noise than any sensor, and another one has not: all of them have none if computed."""
+    bare = [
+        math.sqrt(level * part.log.sampling_frequency / 2)
+        < _BARE * float(np.sqrt(np.mean(part.log[name] ** 2)))
+        for part in parts
+        for name, level in part.levels.items()
+    ]
+    return any(bare) and not all(bare)
+
+
+def _second_derivative(x: FloatArray, period: float) -> FloatArray:
+    """Second derivative of a signal by central differences; 0 at the ends."""
+    return np.pad(np.diff(x, 2), 1) / period**2
+
+
+def _rows_of(part: Excerpt, name: str, x: FloatArray) -> _Rows:
+    """Rows of W and y that a signal makes if it has another course."""
+    log = replace(part.log, signals={**part.log.signals, name: x})
+    return SignalRows.of(part.model, log, part.observation.preparation, name).rows
+
+
+def _by_other_sensors(
+    model: GeneratedModel, parts: Sequence[Excerpt], more: Sequence[_Rows], name: str
+) -> _Filter | None:
+    """High-pass by sensors that repeat a signal, and the parameters without it; None without such sensors."""
+    corner = high_pass_of(model, parts, name)
+    if corner is None:
+        return None
+    factor, deviation = corner
+    seen = zip((part.observation for part in parts), more, strict=True)
+    fit = estimate_of(replace(o, W=o.W + factor * W, y=o.y + factor * y) for o, (W, y) in seen)
+    return _Filter(factor, lambda: deviation, 0.0, fit.solution) if fit.status == "ok" else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Filter:
+    """Filter that a signal has passed: factor of its derivative or integral, and the estimate without the filter."""
+
+    factor: float
+    deviation: Callable[[], float]  # standard deviation of the factor: costs more than the estimate
+    remaining: float  # residual without the filter as part of that with it; 0 if others say what it was
+    parameters: FloatArray  # shape (n_parameters,): without the filter
+
+
+def _filtered_before(
+    parts: Sequence[Excerpt], fit: LeastSquares, more: Sequence[_Rows], constants: Sequence[_Rows] = ()
+) -> _Filter | None:
+    """Factor of rows that a derivative or an integral of a signal makes of each part; None if it is not determined.
+
+    With `constants` each part has its own, from which an integral starts.
+    """
+    before = estimate_of_parts(parts)
+    every = [
+        _StepRows.of(part.observation, [one, *constants[k : k + 1]])
+        for k, (part, one) in enumerate(zip(parts, more, strict=True))
+    ]
+    factor, X, p = 0.0, fit.solution, fit.solution.size
+    for _ in range(_MOST_ROUNDS):
+        steps = [rows.of_step(factor, X, k, len(constants)) for k, rows in enumerate(every)]
+        found = estimate(
+            [
+                TriangularFactor(triangle(whole.R @ step), whole.rows)
+                for rows, step in zip(every, steps, strict=True)
+                for whole in rows.factors
+            ]
+        )
+        if found.status != "ok":
+            return None
+        X, size = found.solution[:p], float(found.solution[p])
+        factor += size
+        if abs(size) < _SETTLED * abs(factor):
+            break
+    left, whole = found.residual_norm**2, np.maximum(before.residual_norm**2, np.finfo(float).tiny)
+
+    def deviation() -> float:
+        last = [rows.combined(step) for rows, step in zip(every, steps, strict=True)]
+        correlated = corrected_covariance_of_blocks(lambda: blocks_of(last), found)
+        return float(correlated.standard_deviations[p])
+
+    return _Filter(factor, deviation, float(np.sqrt(np.mean(left / whole))), X)
+
+
+@dataclass(frozen=True, eq=False)
+class _StepRows:
+    """Rows of a part, whose columns in each Gauss-Newton step are combinations of few that stay the same."""
+
+    observation: Observation
+    W: FloatArray  # shape (n_equations, n_rows, n_columns): of the rows, and of what a signal makes, with its y
+    used: BoolArray  # shape (n_columns,): those that are not 0 throughout
+    factors: tuple[TriangularFactor, ...]  # of the used columns and y, one of each equation
+
+    @classmethod
+    def of(cls, seen: Observation, made: Sequence[_Rows]) -> _StepRows:
+        """Columns of the rows of a part, of those that a signal makes, and of those that a constant makes."""
+        W = np.concatenate([seen.W, *(x for W, y in made for x in (W, y[..., None]))], axis=2)
+        used = np.any(W != 0.0, axis=(0, 1))
+        return cls(seen, W, used, triangular_factors(W[..., used], seen.y, seen.valid))
+
+    def of_step(self, factor: float, X: FloatArray, part: int, n_constants: int) -> FloatArray:
+        """Matrix that makes W and y of a step of the used columns and y."""
+        p, made = X.size, self.W.shape[2] // (X.size + 1)
+        step = np.zeros((self.W.shape[2] + 1, p + n_constants + 2))
+        step[:p, :p], step[-1, -1] = np.eye(p), 1.0
+        step[p : 2 * p, :p], step[2 * p, -1] = factor * np.eye(p), factor
+        places = (p, p + 1 + part)  # of the step, and of the part's constant
+        for k, place in enumerate(places[:made]):
+            begin = p + k * (p + 1)
+            step[begin : begin + p, place], step[begin + p, place] = X, -1.0
+        return np.asarray(step[np.append(self.used, True)])
+
+    def combined(self, step: FloatArray) -> Observation:
+        """The rows of a step."""
+        W = self.W[..., self.used] @ step[:-1]
+        return replace(self.observation, W=W[..., :-1], y=W[..., -1] + self.observation.y)

@@ -1,0 +1,101 @@
+"""Natural frequencies of an identified axis, from the coefficients of its equations.
+
+Without laws the equations are A(s) q = B(s) F, with polynomials in s whose coefficients are those of W X - y. The
+natural frequencies are the zeros of det A. The determinant is sampled on a circle around the band of the estimate, and
+its polynomial follows by a Fourier transform.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.identification.rows.noise import coefficients
+from symid.signal_names import split_derivative
+
+_POINTS = 32
+"""Points on the circle: more than the degree of any determinant."""
+_LEAST = 1e-9
+"""Coefficient, over the largest, that is rounding."""
+_DAMPED = 0.5
+"""Damping ratio above which a root does not count as a mode: structures have 0.002 to 0.1."""
+_RIGID = 2
+"""Highest derivatives of a rigid axis."""
+_STIFFNESSES = ("N/m", "N*m/rad")
+
+
+def lost_mode(model: GeneratedModel, X: FloatArray, around_hz: float) -> str:
+    """Statement on a flexible axis that came out without a mode; empty for others.
+
+    A lag or a smoothed force makes a spring and a damper that hardly swing: such a filter is what they describe.
+    """
+    has_spring = any(unit in _STIFFNESSES for unit in model.physical_units.values())
+    if not has_spring or max(model.highest_derivatives.values()) <= _RIGID or not is_square(model):
+        return ""
+    if natural_frequencies(model, X, around_hz).size:
+        return ""
+    return (
+        "the flexible axis comes out without a mode, its springs are overdamped: a signal was filtered before it was "
+        "recorded, or the mode lies far above what the log shows; record raw signals, and faster motion"
+    )
+
+
+def mode_above(model: GeneratedModel, X: FloatArray, cutoff_hz: float) -> str:
+    """Statement on a mode above the cutoff, which rows below it show only by its stiffness; empty without one.
+
+    What the model does not describe there changes such a stiffness, and the masses that follow from it.
+    """
+    if max(model.highest_derivatives.values()) <= _RIGID:
+        return ""
+    frequencies = natural_frequencies(model, X, cutoff_hz)
+    if not frequencies.size or frequencies[-1] <= cutoff_hz:
+        return ""
+    return (
+        f"the mode of {frequencies[-1]:.3g} Hz lies above the cutoff of {cutoff_hz:.3g} Hz, and the model does not "
+        "describe what lies below: a signal was filtered before it was recorded, or the model lacks an effect; record "
+        "raw signals, and faster motion"
+    )
+
+
+def is_square(model: GeneratedModel) -> bool:
+    """Whether there are as many equations as sensors that do not repeat each other."""
+    return len(model.output_names) == len(_independent_sensors(model))
+
+
+def _independent_sensors(model: GeneratedModel) -> list[str]:
+    repeated = [name for name, terms in model.redundant if len(terms) == 1]
+    return [name for name in model.measured if name not in repeated]
+
+
+def natural_frequencies(model: GeneratedModel, X: FloatArray, around_hz: float) -> FloatArray:
+    """Natural frequencies of weakly damped modes, Hz; empty where equations and independent sensors differ in number.
+
+    >>> from symid.codegen import load_generated
+    >>> model = load_generated("direct_2m1s", ("q2",))
+    >>> X = np.asarray(model.minimal_parameters(30.0, 20.0, 4e5, 10.0, 5.0, 1.0))  # Ms, Fvs, Ks, Mm, Fvm, Fsm
+    >>> natural_frequencies(model, X, 20.0).round(2)
+    array([18.38])
+    """
+    repeated = {name: terms[0] for name, terms in model.redundant if len(terms) == 1}
+    sensors = _independent_sensors(model)
+    rows = np.einsum("jas,a->js", coefficients(model), np.append(X, -1.0))  # of each signal in each equation
+    if not is_square(model):
+        return np.zeros(0)
+    circle = np.exp(2j * np.pi * np.arange(_POINTS) / _POINTS)
+    s = 2 * np.pi * around_hz * circle
+    A: ComplexArray = np.zeros((_POINTS, len(rows), len(sensors)), dtype=complex)
+    for flat, column in zip(model.signals, rows.T, strict=True):
+        name, order = split_derivative(flat)
+        power, factor = order, 1.0
+        if name in repeated:
+            name, more, factor = repeated[name]
+            power += more
+        if name in sensors:
+            A[:, :, sensors.index(name)] += factor * column * s[:, None] ** power
+    polynomial = np.fft.fft(np.linalg.det(A)).real / _POINTS  # coefficient of circle**k at place k
+    size = np.max(np.abs(polynomial))
+    kept = np.flatnonzero(np.abs(polynomial) > _LEAST * size)
+    roots = np.roots(polynomial[: kept[-1] + 1][::-1]) if size > 0.0 else np.zeros(0)
+    weakly = (roots.imag > 0.0) & (-roots.real < _DAMPED * np.abs(roots))
+    return np.sort(around_hz * np.abs(roots[weakly]))

@@ -1,0 +1,122 @@
+"""Consistency of redundant sensors, such as an accelerometer and the second derivative of a position."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import derivatives
+from symid.estimation import ObservationBlock, corrected_covariance_of_blocks
+from symid.identification.criteria import CRITERIA
+from symid.identification.rows.excerpts import Excerpt, estimate_of, running_integral
+from symid.identification.rows.filtered_signals import filtered
+
+_LEAST_LATE = 0.5
+"""Delay between two sensors, in samples, that is reported; a converter takes less."""
+_ROUNDS = 8
+"""Gauss-Newton iterations; a delay of a fifth of a period converges within them."""
+_LEFT = 0.5
+"""Largest share of a difference's power that remains after a delay which is its cause."""
+
+
+def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+    """Statement on redundant sensors whose gain or course differs; empty without such sensors.
+
+    The gain of one signal against another lies between its two regressions, whatever noise each has (R. Frisch,
+    Statistical Confluence Analysis, Oslo 1934): sensors disagree if 1 is not within these bounds. They disagree too if
+    they differ by more than their noise, as they do where one is late.
+    """
+    for name, terms in model.redundant:
+        used = [name, *(signal for signal, _, _ in terms)]
+        if not all(signal in part.log.signals for part in parts for signal in used):
+            continue
+        pairs = [_compared(model, part, name, terms) for part in parts]
+        own, other = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
+        crossed, power = float(own @ other), max(float(own @ own), 1e-300)
+        low, high = sorted((crossed / max(float(other @ other), 1e-300), power / (crossed or 1e-300)))
+        what = " + ".join(f"derivative {order} of {signal}" for signal, order, _ in terms)
+        if low > 1.0 + CRITERIA.gain or high < 1.0 - CRITERIA.gain or crossed <= 0.0:
+            return (
+                f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
+                f"({what}): correct its unit, sign or gain (`units`, `gains`)"
+            )
+        if late := _samples_late(own, other):
+            shift = f"{1e3 * abs(late) * parts[0].log.sampling_period:.3g} ms {'later' if late > 0 else 'earlier'}"
+            return (
+                f"{name} is {shift} than what other sensors say ({what}): correct the time of one of them (`late`), "
+                "or leave one out of `measured`"
+            )
+        differs = float(np.sqrt(np.sum((own - other) ** 2) / power))
+        noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * own.size / power)
+        if differs > max(CRITERIA.worst_fit, CRITERIA.noise_explains * float(noise)):
+            return (
+                f"{name} differs from what other sensors say ({what}) by {100 * differs:.3g} %, more than noise does: "
+                "one of them is late or damaged; correct its time (`late`), or leave it out of `measured`"
+            )
+    return ""
+
+
+def _samples_late(own: FloatArray, other: FloatArray) -> float:
+    """Samples by which a signal is later than what it should be; 0 if that does not explain most of the difference."""
+    late, places = 0.0, np.arange(own.size)
+    for _ in range(_ROUNDS):
+        moved = np.interp(places - late, places, other)
+        slope, differs = np.gradient(moved), own - moved
+        late -= float(slope @ differs) / max(float(slope @ slope), 1e-300)
+    left = float(np.sum((own - np.interp(places - late, places, other)) ** 2))
+    is_late = abs(late) > _LEAST_LATE and left < _LEFT * float(np.sum((own - other) ** 2))
+    return late if is_late else 0.0
+
+
+def high_pass_of(model: GeneratedModel, parts: Sequence[Excerpt], name: str) -> tuple[float, float] | None:
+    """Corner of a high-pass, rad/s, that a sensor has passed by what others say, and its deviation; None without any.
+
+    A signal x behind it was x + corner * (integral of x), up to a constant.
+    """
+    terms = next((terms for own, terms in model.redundant if own == name), None)
+    if terms is None or not all(signal in part.log.signals for part in parts for signal, _, _ in terms):
+        return None
+    blocks = []
+    for k, part in enumerate(parts):
+        own, other = _compared(model, part, name, terms)
+        thin = slice(None, None, part.observation.preparation.decimation or 1)
+        sums = running_integral(own, part.log.sampling_period)
+        W, y = np.column_stack([sums, np.ones_like(own)])[thin], (other - own)[thin]
+        blocks.append(ObservationBlock(W[None], y[None], np.ones((1, y.size), dtype=bool), equation=k))
+    fit = estimate_of(blocks)
+    if fit.status != "ok":
+        return None
+    correlated = corrected_covariance_of_blocks(lambda: blocks, fit)
+    return float(fit.solution[0]), float(correlated.standard_deviations[0])
+
+
+def _compared(
+    model: GeneratedModel, part: Excerpt, name: str, terms: Sequence[tuple[str, int, float]]
+) -> tuple[FloatArray, FloatArray]:
+    """A signal and what it should be, both low-passed as for the estimate, between the trimmed ends."""
+    chosen, log = part.observation.preparation, part.log
+    used = [name, *(signal for signal, _, _ in terms)]
+    moved = {key: x[:] for key, x in filtered(model, log, chosen, 1.0, used).items()}
+    before, after = chosen.trim or (0, 0)
+    inside = slice(before, log.n_samples - after)
+    expected = np.zeros(log.n_samples)
+    for signal, order, factor in terms:
+        x = moved[signal]
+        expected += (
+            factor * ([x, *derivatives(x, log.sampling_period, order, accuracy=chosen.difference_order)])[-1]
+        )
+    return moved[name][inside], expected[inside]
+
+
+def _noise(part: Excerpt, name: str, terms: Sequence[tuple[str, int, float]]) -> float:
+    """Variance of the difference of a signal and what it should be, by white noise up to the cutoff."""
+    cutoff = part.observation.preparation.cutoff_hz
+    assert cutoff is not None
+    return sum(
+        factor**2 * part.levels[signal] * (2 * np.pi * cutoff) ** (2 * order) * cutoff / (2 * order + 1)
+        for signal, order, factor in ((name, 0, 1.0), *terms)
+        if signal in part.levels
+    )

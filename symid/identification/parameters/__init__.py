@@ -1,0 +1,1 @@
+"""Physical from minimal parameters, with what is known of them beforehand."""

@@ -1,0 +1,258 @@
+"""Results of an identification, with the data that they come from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import polars as pl
+
+from symid.arrays import FloatArray
+from symid.axis import Axis
+from symid.codegen import GeneratedModel
+from symid.data import AnyLog, Frame, Log
+from symid.estimation import CorrelatedCovariance, LeastSquares
+from symid.identification.delays.timing import Timing
+from symid.identification.deviations.bias import Bias
+from symid.identification.deviations.discrepancy import Discrepancy
+from symid.identification.parameters.physical import PhysicalEstimate
+from symid.identification.results.predicted_output import OutputPrediction, predict
+from symid.identification.results.residuals import EquationResidual
+from symid.identification.results.verdict import Status
+from symid.identification.rows.observation import Observation
+from symid.shown import Shown
+
+_MOST_WRITTEN = 6
+
+
+class EstimatedParameters:
+    """Minimal and physical parameters by name, of a least squares fit and the branches of the inverse map."""
+
+    model: GeneratedModel
+    fit: LeastSquares
+    physical: tuple[PhysicalEstimate, ...]
+
+    @property
+    def minimal_parameters(self) -> dict[str, float]:
+        """Minimal parameters by name, SI."""
+        return dict(zip(self.model.minimal_units, map(float, self.fit.parameters), strict=True))
+
+    @property
+    def physical_parameters(self) -> dict[str, float]:
+        """Physical parameters of the first branch by name, SI; empty without a branch."""
+        if not self.physical:
+            return {}
+        return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
+
+    def _as_frame(self, deviations: FloatArray, of_physical: FloatArray) -> pl.DataFrame:
+        """Rows of `to_frame`, with the deviations of the minimal and of the physical parameters."""
+        every = (
+            ("minimal", self.minimal_parameters, deviations, self.model.minimal_units),
+            ("physical", self.physical_parameters, of_physical, self.model.physical_units),
+        )
+        return frame_of(every)
+
+
+def frame_of(every: Iterable[tuple[str, Mapping[str, float], FloatArray, Mapping[str, str]]]) -> pl.DataFrame:
+    """Rows of a kind, name, value, deviation and unit, by the values, deviations and units of each kind."""
+    rows = [
+        (kind, name, value, float(std), str(units[name]))
+        for kind, values, deviations, units in every
+        for (name, value), std in zip(values.items(), deviations, strict=True)
+    ]
+    schema = {"kind": pl.String, "name": pl.String, "value": pl.Float64, "std": pl.Float64, "unit": pl.String}
+    return pl.DataFrame(rows, schema=schema, orient="row")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(EstimatedParameters, Shown):
+    """Identified parameters of an axis and what they were identified from.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model identified.
+    logs : tuple of str
+        Sources of the logs.
+    sampling_period : float
+        Sampling period of the first log, s.
+    observations : tuple of Observation
+        One for each log.
+    fit : LeastSquares
+        Minimal parameters and their classical covariance.
+    correlated : CorrelatedCovariance
+        Covariance corrected for the correlation of the residual.
+    physical : tuple of PhysicalEstimate
+        One for each branch of the inverse map, the physically possible ones first; empty without a branch.
+    status : str
+        "ok", or what keeps the result from being complete.
+    message : str
+        Meaning of the status here and the cure; empty if all is well.
+    notes : tuple of str
+        Oddities of the logs.
+    timing : Timing, optional
+        Estimated delay of the force; None if it was not examined or cannot be estimated.
+    bias : Bias, optional
+        Expected error of the minimal parameters; None if that was not examined.
+    scatter : array of shape (n_minimal, n_minimal), optional
+        Covariance of the minimal parameters by their scatter between segments of the logs; None if not examined.
+    discrepancies : tuple of Discrepancy
+        Effects that the model lacks and the residual shows; empty if that was not examined.
+    axis : Axis, optional
+        The declared axis, where `symid.identify` was given it; with it figures and pages show the motion.
+    runs : tuple of Log
+        Then its logs; of one that does not fit into memory, the first block.
+    """
+
+    model: GeneratedModel
+    logs: tuple[str, ...]
+    sampling_period: float
+    observations: tuple[Observation, ...]
+    fit: LeastSquares
+    correlated: CorrelatedCovariance
+    physical: tuple[PhysicalEstimate, ...]
+    status: Status
+    message: str
+    notes: tuple[str, ...]
+    timing: Timing | None = None
+    bias: Bias | None = None
+    scatter: FloatArray | None = None
+    discrepancies: tuple[Discrepancy, ...] = ()
+    axis: Axis | None = None
+    runs: tuple[Log, ...] = ()
+
+    @property
+    def headline(self) -> str:
+        """Status and parameters."""
+        physical = self.physical_parameters
+        values = physical or self.minimal_parameters
+        units = self.model.physical_units if physical else self.model.minimal_units
+        deviations = self.physical_deviations if physical else self.standard_deviations
+        return headline_of(self.model, self.status, values, deviations, units)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Physical parameters by name, SI; minimal ones without an inverse map."""
+        return self.physical_parameters or self.minimal_parameters
+
+    def predict(self, log: AnyLog | str | os.PathLike[str] | Frame) -> OutputPrediction:
+        """The output that the parameters predict on another log, as `symid.identification.predict`."""
+        return predict(self, log)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the minimal parameters, corrected for the residual's correlation where that is known."""
+        return best_covariance(self.fit, self.correlated)
+
+    def to_frame(self) -> pl.DataFrame:
+        """A polars data frame with a row for each minimal and physical parameter: kind, name, value, std, unit (SI).
+
+        Deviations are those that are printed. Its ``to_pandas`` and ``to_arrow`` give frames of other libraries.
+        """
+        return self._as_frame(self.standard_deviations, self.physical_deviations)
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Standard deviations of the minimal parameters, as they are printed: widened by `widened`."""
+        return self.widened(np.eye(self.fit.solution.size))
+
+    @property
+    def physical_deviations(self) -> FloatArray:
+        """Standard deviations of the physical parameters of the first branch, as they are printed."""
+        return self.widened_deviations(self.physical[0]) if self.physical else np.empty(0)
+
+    def widened_deviations(self, estimate: PhysicalEstimate) -> FloatArray:
+        """Standard deviations of physical parameters, widened, with what priors add."""
+        by_log = self.widened(estimate.sensitivity)
+        by_prior = np.diag(estimate.restricted.by_prior) if estimate.restricted else 0.0
+        return np.asarray(np.sqrt(np.square(by_log) + by_prior))
+
+    @property
+    def sampling_deviations(self) -> FloatArray:
+        """Standard deviations of the minimal parameters from the correlation of the residual alone."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def widened(self, sensitivity: FloatArray) -> FloatArray:
+        """Deviations of functions of the minimal parameters that cover noise, scatter, bias and lacking effects.
+
+        Parameters
+        ----------
+        sensitivity : array of shape (n, n_minimal)
+            Derivatives of the functions. The larger of the covariance of a correlated residual and that of the scatter
+            between segments counts; the squares of the expected bias and of what lacking effects may change are added.
+        """
+        variance = np.einsum("ia,ab,ib->i", sensitivity, self.covariance, sensitivity)
+        if self.scatter is not None:
+            by_segments = np.einsum("ia,ab,ib->i", sensitivity, self.scatter, sensitivity)
+            variance = np.maximum(variance, by_segments)
+        bias = self.bias.mapped(sensitivity).total if self.bias is not None else 0.0
+        lacking = sum(one.variance(sensitivity) for one in self.discrepancies)
+        return np.asarray(np.sqrt(variance + np.square(bias) + lacking))
+
+    @property
+    def physical_bias(self) -> Bias | None:
+        """Expected error of the physical parameters of the first branch; None if it is not known."""
+        return self.bias.mapped(self.physical[0].sensitivity) if self.bias and self.physical else None
+
+    @property
+    def dominated_by_bias(self) -> tuple[str, ...]:
+        """Physical parameters, or else minimal ones, whose bias exceeds a tenth of their deviation.
+
+        Their intervals do not hold the true value as often as they say.
+        """
+        if self.bias is None:
+            return ()
+        if self.physical_bias is None:
+            names, places = list(self.model.minimal_units), self.bias.dominates(self.sampling_deviations)
+        else:
+            deviations = self.physical[0].propagated_deviations(self.covariance)
+            names, places = list(self.model.physical_units), self.physical_bias.dominates(deviations)
+        return tuple(names[i] for i in places)
+
+    @property
+    def output_units(self) -> dict[str, str]:
+        """Unit of each output, by its name."""
+        return dict(zip(self.model.output_names, self.model.output_units, strict=True))
+
+    @property
+    def residuals(self) -> tuple[EquationResidual, ...]:
+        """Residual of each equation over all logs."""
+        equations = range(len(self.model.output_names))
+        return tuple(
+            _residual(self, j, [k * len(equations) + j for k in range(len(self.logs))]) for j in equations
+        )
+
+
+def headline_of(
+    model: GeneratedModel,
+    status: str,
+    values: Mapping[str, float],
+    deviations: FloatArray,
+    units: Mapping[str, str],
+) -> str:
+    """An identification in a line: axis, sensors, status, and its first parameters."""
+    written = [
+        f"{name} = {value:.6g} ± {std:.2g} {units[name]}"
+        for (name, value), std in zip(values.items(), deviations, strict=True)
+    ]
+    more = ["..."] * (len(written) > _MOST_WRITTEN)
+    listed = ", ".join([*written[:_MOST_WRITTEN], *more])
+    return f"{model.axis} from {', '.join(model.measured)}, {status}: {listed or 'no parameters'}"
+
+
+def best_covariance(fit: LeastSquares, correlated: CorrelatedCovariance) -> FloatArray:
+    """The corrected covariance, or the classical one where too few samples are left for the correlation."""
+    return correlated.covariance if correlated.status != "too_few_samples" else fit.covariance
+
+
+def _residual(found: Identification, equation: int, places: list[int]) -> EquationResidual:
+    fit = found.fit
+    return EquationResidual.of(
+        found.model.output_names[equation],
+        rows=sum(fit.rows[place] for place in places),
+        norm=float(np.linalg.norm(fit.residual_norm[places])),
+        y_norm=float(np.linalg.norm(fit.y_norm[places])),
+        deviation=float(np.sqrt(np.mean(np.square(fit.sigma_rho_equation[places])))),
+    )

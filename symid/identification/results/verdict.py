@@ -1,0 +1,170 @@
+"""Status of an identification: reasons why it is incomplete, with cures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.estimation import CorrelatedCovariance, LeastSquares
+from symid.identification.parameters.physical import PhysicalEstimate, open_by_structure
+
+Status = Literal[
+    "ok",
+    "rank_deficient",
+    "too_few_rows",
+    "poorly_excited",
+    "no_physical_parameters",
+    "not_physical",
+    "contradicted",
+    "poor_fit",
+    "timing",
+    "biased",
+    "undetermined",
+    "recording",
+    "weak_instruments",
+]
+
+_HIGHEST_CONDITION = 1e5
+"""Condition of the scaled observation matrix; above it, 0.001 % noise in a column changes parameters by 100 %."""
+
+
+_FEW_ROWS = 10
+"""Rows for each parameter below which a residual that is hardly independent gives no deviation."""
+_FEWEST_ROWS = 4
+"""Rows for each parameter for a residual whose correlation does not decay within the lags that so few rows show."""
+_WORST_FIT = 0.5
+"""Residual beyond which, as part of the output, an equation is worthless: a quarter of the power is unexplained."""
+
+
+def verdict(
+    model: GeneratedModel,
+    fit: LeastSquares,
+    physical: tuple[PhysicalEstimate, ...],
+    correlated: CorrelatedCovariance | None = None,
+    *,
+    has_start: bool = False,
+    deviations: FloatArray | None = None,
+) -> tuple[Status, str]:
+    """Status of an identification, and a sentence on its meaning and cure.
+
+    `has_start` is whether nominal values were given as a start, `deviations` those of the physical parameters as they
+    are printed, if not those of the estimate.
+    """
+    names = list(model.minimal_units)
+    if fit.status == "too_few_rows":
+        rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
+        return "too_few_rows", f"{rows}: give a longer log or `standstill=0`"
+    if correlated is not None and sum(fit.rows) < _rows_needed(correlated) * len(names):
+        rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters, and they are not independent"
+        return "too_few_rows", f"{rows}: give a longer log"
+    if fit.status == "rank_deficient":
+        missing = ", ".join(names[i] for i in fit.undetermined)
+        return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
+    helped = bool(physical) and physical[0].restricted is not None
+    vague = [n for n, r in zip(names, fit.relative_standard_deviations, strict=True) if not r < 50]
+    if fit.condition_number_scaled > _HIGHEST_CONDITION and not helped:
+        return "poorly_excited", (
+            f"the columns of W are nearly dependent (condition {fit.condition_number_scaled:.2g} scaled), and noise "
+            f"decides on {', '.join(vague or names)}: move at several speeds, accelerations and frequencies"
+        )
+    if not physical and model.physical_parameters is not None:
+        cause = "the model, the filter, the timing or the log does not fit"
+        if vague:
+            cause = (
+                f"noise decides on {', '.join(vague)}: move at other speeds, accelerations and frequencies"
+            )
+        return "no_physical_parameters", f"the inverse map gives no finite values: {cause}"
+    if not physical and len(model.physical_units) > len(names):
+        few = f"{len(names)} minimal parameters do not determine {len(model.physical_units)} physical ones"
+        return "no_physical_parameters", f"{few}: give what is known with `fixed` or `prior`, or add a sensor"
+    if not physical and (lost := open_by_structure(model)):
+        return "no_physical_parameters", not_by_structure(lost)
+    if not physical and has_start:
+        return "no_physical_parameters", (
+            "no single solution was found from the nominal values: give what is known with `fixed`, add a sensor, or "
+            "correct the nominal values"
+        )
+    if not physical:
+        cure = "give `nominal`, values to start from"
+        return (
+            "no_physical_parameters",
+            f"the inverse map has no closed form, and a search finds no single solution: {cure}",
+        )
+    if negative := certainly_negative(model, physical[0], deviations):
+        return (
+            "not_physical",
+            f"{', '.join(negative)} came out negative{_cause(model, physical[0], deviations)}",
+        )
+    if not model.known and (unexplained := poorly_fitted(model, fit)):
+        cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
+        return "poor_fit", f"the parameters leave {unexplained}: {cause}"
+    return "ok", ""
+
+
+def not_by_structure(names: Sequence[str]) -> str:
+    """Statement on parameters that no motion determines, and what to give."""
+    return (
+        f"these signals do not determine {', '.join(names)}, however the axis moves: give one with `fixed` or `prior`, "
+        "a payload that is `known` in each of several logs, or add a sensor"
+    )
+
+
+def certainly_negative(
+    model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatArray | None
+) -> tuple[str, ...]:
+    """Negative parameters whose deviation is smaller than the value; the others are not determined."""
+    certain = _certain(model, estimate, deviations)
+    return tuple(name for name in estimate.negative(model) if name in certain)
+
+
+def _certain(model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatArray | None) -> set[str]:
+    """Parameters whose value exceeds its deviation."""
+    own = estimate.standard_deviations if deviations is None else deviations
+    return {
+        name
+        for name, value, std in zip(model.physical_units, estimate.parameters, own, strict=True)
+        if abs(value) > std
+    }
+
+
+def _cause(model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatArray | None) -> str:
+    """Cause of negative parameters: a sign if all that the log determines are negative."""
+    certain = _certain(model, estimate, deviations) - set(model.signed)
+    if certain <= set(estimate.negative(model)):
+        forces = " or ".join(dict.fromkeys(model.output_names))
+        return f", as all that the log determines: the sign of {forces} or of a position is wrong"
+    return ": the model, a sign, the filter, the timing or the log does not fit"
+
+
+def _rows_needed(correlated: CorrelatedCovariance) -> int:
+    """Rows for each parameter from which a residual of such a correlation gives deviations."""
+    return {"ok": 1, "correlation_persists": _FEWEST_ROWS, "too_few_samples": _FEW_ROWS}[correlated.status]
+
+
+def poorly_fitted(model: GeneratedModel, fit: LeastSquares) -> str:
+    """Outputs with a large residual, and its share; equations are ordered log by log."""
+    names = model.output_names
+    norms = np.reshape((fit.residual_norm, fit.y_norm), (2, -1, len(names)))
+    residual, y = np.sqrt(np.sum(norms**2, axis=1))
+    shares = np.divide(residual, y, out=np.zeros_like(y), where=y > 0)
+    return ", ".join(
+        f"{100 * share:.3g} % of {name}"
+        for name, share in zip(names, shares, strict=True)
+        if share > _WORST_FIT
+    )
+
+
+def _missing_motion(model: GeneratedModel, fit: LeastSquares) -> str:
+    """Motion that a log needs for the dependent columns to differ, by the signals that they multiply."""
+    units = list(model.minimal_units.values())
+    directions = fit.rank.null_space
+    involved = {units[i] for i in np.flatnonzero(np.abs(directions[:, 0]) > 1e-6)}
+    if involved <= {"N", "N*m", "A", "V"}:
+        return "move in both directions"
+    if {"kg", "kg*m^2"} & involved and {"N*s/m", "N*m*s/rad"} & involved:
+        return "move at several speeds and accelerations"
+    return "excite the axis with more frequencies (a chirp or a multisine around its resonance)"

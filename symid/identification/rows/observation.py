@@ -1,0 +1,238 @@
+"""Observation matrix W and output y of a log, with the rows that may be used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import Log, QuinticSpline, kept_indices
+from symid.errors import SettingError
+from symid.identification.rows.bands import completed
+from symid.identification.rows.coulomb import more_columns, sample_friction, take_off
+from symid.identification.rows.filter_ends import leave_out_spoiled
+from symid.identification.rows.filtered_signals import Signal, filtered, low_pass_of
+from symid.identification.rows.noise import coefficients
+from symid.identification.rows.sampling import Sampling, linear_part, sample_into, sampled_rows, sampling_of
+from symid.identification.rows.scheme import Scheme
+from symid.identification.rows.settings import Preparation
+from symid.identification.rows.usable_rows import usable_rows
+from symid.signal_names import split_derivative
+
+_STEP = 0.25
+"""Half the shift between the signals whose difference is the derivative by their time, in samples."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """A sampled model.
+
+    Parameters
+    ----------
+    W : array of shape (n_equations, n_rows, n_parameters)
+        Observation matrix.
+    y : array of shape (n_equations, n_rows)
+        Output.
+    valid : bool array of shape (n_equations, n_rows)
+        Rows that enter the estimation.
+    time : array of shape (n_rows,)
+        Time of each row, s.
+    preparation : Preparation
+        The settings used, complete.
+    with_friction : array of shape (n_equations, n_rows, n_columns), optional
+        W with columns of the friction beside drives, see `coulomb`.
+    highest : array of shape (n_sliding,), optional
+        Highest speed of each sliding velocity, from which the limit of standstill follows.
+    """
+
+    W: FloatArray
+    y: FloatArray
+    valid: BoolArray
+    time: FloatArray
+    preparation: Preparation
+    with_friction: FloatArray | None = None
+    highest: FloatArray | None = None
+
+    def squares(self, X: FloatArray) -> FloatArray:
+        """Sum of squares of the residual of parameters in the used rows of each equation."""
+        return np.asarray(np.sum(np.where(self.valid, self.y - self.W @ X, 0.0) ** 2, axis=1))
+
+
+def observe(
+    model: GeneratedModel,
+    log: Log,
+    preparation: Preparation,
+    *,
+    highest: FloatArray | None = None,
+    friction: bool = False,
+) -> Observation:
+    """Filter and differentiate a log, evaluate the regressor, decimate, and choose the rows.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Its signals must be in the log.
+    log : Log
+        A run of the axis.
+    preparation : Preparation
+        Settings; those that are None are chosen from the log.
+    highest : array of shape (n_sliding,), optional
+        Highest speed of each sliding velocity, from which the limit of standstill follows; by default that of the log.
+    friction : bool
+        Whether columns of the friction beside drives are wanted.
+
+    Raises
+    ------
+    LogError
+        If a signal is missing.
+    SettingError
+        If a setting is not possible for this log.
+    """
+    chosen = completed(preparation, log, model)
+    before, after = trimmed_ends(chosen, log.n_samples)
+    sampling = _sampling(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
+    needs_velocities = any(model.sliding) and chosen.standstill != 0
+    W, y, velocities = _filled(sampling, log.n_samples, friction, needs_velocities)
+    sliding = velocities[: len(velocities) if needs_velocities else 0]
+    if highest is None:
+        inside = sliding[:, before : before + sampling.n_samples]
+        highest = np.maximum(inside.max(axis=1), -inside.min(axis=1))
+    usable = usable_rows(sampling, sliding, highest)
+    kept = kept_indices(sampling.n_samples, sampling.factor)
+    places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
+    time = log.start + log.sampling_period * places
+    if chosen.filter_force and sampling.row_filter is None:
+        rate, ends = log.sampling_frequency, (places, log.n_samples - 1 - places)
+        leave_out_spoiled(low_pass_of(chosen, 1.0, rate), rate, (W, y, usable), ends)
+    p = len(model.minimal_units)
+    return Observation(W[..., :p], y, usable, time, chosen, W if friction else None, highest)
+
+
+def rows_by(
+    model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme
+) -> tuple[FloatArray, FloatArray]:
+    """W and y of all rows of a log by another scheme than that of its complete preparation."""
+    W, y, _ = _filled(_sampling(model, log, chosen, scheme), log.n_samples)
+    return W[..., : len(model.minimal_units)], y
+
+
+def _sampling(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme) -> Sampling:
+    """`sampling_of`; SettingError if too few samples are left between the trimmed ends."""
+    sampling = sampling_of(model, log, chosen, scheme)
+    if sampling.n_samples <= sampling.padding:
+        raise SettingError(
+            f"{sampling.n_samples} samples are left between the trimmed ends, too few for the filters: more than "
+            f"{sampling.padding} are required, trim less or give a longer log"
+        )
+    return sampling
+
+
+def _filled(
+    sampling: Sampling, n_samples: int, friction: bool = False, needs_velocities: bool = False
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """W, with friction beside drives if that is wanted or taken off, y, and sliding velocities if needed."""
+    model, levels = sampling.model, sampling.chosen.coulomb
+    beside_drives = friction or bool(levels)
+    p, more = len(model.minimal_units), more_columns(model) if beside_drives else 0
+    # Columns are contiguous while they are filled; at the end W is transposed to rows.
+    W = np.empty((len(model.output_names), p + more, sampling.n_rows))
+    y = np.empty((W.shape[0], W.shape[2]))
+    n_sliding = len(model.sliding_velocities(*np.zeros((len(model.signals), 1))))
+    velocities = np.empty((n_sliding, n_samples))
+    sample_into(sampling, W[:, :p], y, velocities if needs_velocities or beside_drives else None)
+    if beside_drives:
+        sample_friction(sampling, W, velocities)
+    if levels:
+        take_off(model, W, y, levels)
+    return W.transpose(0, 2, 1), y, velocities
+
+
+def without_levels(model: GeneratedModel, seen: Observation, levels: tuple[float, ...]) -> Observation:
+    """The rows without friction of given levels beside the drives, in place of those with columns of it."""
+    assert seen.with_friction is not None
+    take_off(model, seen.with_friction.transpose(0, 2, 1), seen.y, levels)
+    return replace(seen, preparation=replace(seen.preparation, coulomb=levels), with_friction=None)
+
+
+def trimmed_ends(chosen: Preparation, n_samples: int) -> tuple[int, int]:
+    """Samples trimmed at the beginning and at the end; SettingError if that leaves none."""
+    before, after = chosen.trim or (0, 0)
+    if before + after >= n_samples:
+        raise SettingError(f"trimming {before} and {after} of {n_samples} samples leaves nothing: trim less")
+    return before, after
+
+
+def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> FloatArray:
+    """Highest speed of each sliding velocity between the trimmed ends of a log, shape (n_sliding,)."""
+    return np.asarray(np.max(np.abs(sliding_velocities(model, log, chosen)), axis=1))
+
+
+def sliding_velocities(model: GeneratedModel, log: Log, chosen: Preparation) -> FloatArray:
+    """Each sliding velocity at the samples between the trimmed ends of a log, shape (n_sliding, n_samples)."""
+    sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
+    signals = sampling.motion(0, sampling.n_samples)
+    return np.asarray(model.sliding_velocities(*(signals[name] for name in model.signals)))
+
+
+@dataclass(frozen=True, eq=False)
+class SignalRows:
+    """Contribution of some signals to the rows of a log, to which rows are linear, and its change under a delay."""
+
+    # of the part of the model that is linear in the signals; all other signals are 0
+    sampling: Sampling
+    columns: tuple[int, ...]  # columns of W that they are in, those of the part of the model
+    n_columns: int  # columns of W
+
+    @classmethod
+    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, *names: str) -> SignalRows:
+        """Rows from the filtered signals of a log; the preparation is the complete one of its observation."""
+        before, after = chosen.trim or (0, 0)
+        scheme = Scheme(chosen.difference_order)
+        own = filtered(model, log, chosen, 1.0, names)
+        rest = log.n_samples - before - after
+        period = log.sampling_period
+        mine = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] in names]
+        factors = coefficients(model)[:, :-1, mine]
+        columns = tuple(np.flatnonzero(np.any(factors, axis=(0, 2))).tolist())
+        part = linear_part(model, columns)
+        sampling = Sampling(part, chosen, scheme, period, own, {}, before, rest)
+        return cls(sampling, columns, factors.shape[1])
+
+    @cached_property
+    def rows(self) -> tuple[FloatArray, FloatArray]:
+        """Rows of W and y of the window."""
+        return self._rows(self.sampling.signals)
+
+    def change(self, late: float) -> tuple[FloatArray, FloatArray]:
+        """Change of W and y if the signals are moved `late` seconds to an earlier time."""
+        return self._rows(
+            {name: self._earlier(name, late) - x[:] for name, x in self.sampling.signals.items()}
+        )
+
+    @cached_property
+    def slope(self) -> tuple[FloatArray, FloatArray]:
+        """Derivative of W and y by `late`, per second, by central differences over a part of a sample."""
+        step = _STEP * self.sampling.period
+        return self._rows(
+            {
+                name: (self._earlier(name, step) - self._earlier(name, -step)) / (2 * step)
+                for name in self.sampling.signals
+            }
+        )
+
+    @cached_property
+    def _splines(self) -> dict[str, QuinticSpline]:
+        return {name: QuinticSpline(x[:]) for name, x in self.sampling.signals.items()}
+
+    def _earlier(self, name: str, late: float) -> FloatArray:
+        return self._splines[name].earlier(late / self.sampling.period)
+
+    def _rows(self, signals: Mapping[str, Signal]) -> tuple[FloatArray, FloatArray]:
+        moved, y = sampled_rows(replace(self.sampling, signals=signals))
+        W = np.zeros((*y.shape, self.n_columns))
+        W[..., self.columns] = moved.transpose(0, 2, 1)
+        return W, y

@@ -1,0 +1,141 @@
+"""Rows that enter an estimate: those not near a standstill, and the samples on which rows depend."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import LowPass, Piece, QuinticSpline, in_pieces, kept_indices, kept_of
+from symid.identification.rows.sampling import STANDSTILL_SHARE, WORKERS, Sampling
+from symid.identification.rows.scheme import Scheme
+from symid.identification.rows.settings import Preparation
+
+_RESTS, _RESTS_OF_DERIVATIVES = 2, 4
+"""Margins beside a rest: filters of order 4 leave 2 % of a step of friction there, 0.6 % at three margins.
+
+Derivatives of a force show more of it: on a log of direct_2m1s two margins made Ms 5.2 % wrong at twelve
+deviations, three 0.9 %, four 0.3 %. Without derivatives more only cost rows: three raise Table 11 from 1.5 to 2.3 %.
+"""
+_LONGEST_STOP = 12
+"""Longest stop between two motions in one direction that is looked for, over half the shortest rest: a period."""
+
+
+def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[int, int]:
+    """Samples on either side that filtered signals with their derivatives need, and those that rows need of them."""
+    assert chosen.cutoff_hz is not None
+    signals = LowPass(chosen.cutoff_hz, chosen.order).zero_phase(1 / period).reach
+    scheme = Scheme(chosen.difference_order)
+    signals += max(model.highest_derivatives.values()) * scheme.reach
+    if chosen.late:
+        signals += QuinticSpline.reach((max(map(abs, chosen.late.values())) + chosen.hold) / period)
+    rows = Sampling(model, chosen, scheme, period, {}, {}, 0, 0).reach
+    rests = _RESTS_OF_DERIVATIVES if model.coulomb_at_drive else _RESTS
+    return signals, rows + ((rests + 2) * _standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)
+
+
+def _standstill_margin(chosen: Preparation, period: float) -> int:
+    """Samples on either side of a slow one that are left out: half a period of the cutoff, or one decimated sample."""
+    assert chosen.cutoff_hz is not None
+    factor = chosen.decimation or 1
+    return max(math.ceil(0.5 / (period * chosen.cutoff_hz)), factor if factor > 1 else 0)
+
+
+def usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray) -> BoolArray:
+    """Rows of each equation that are not near the standstill of a law that jumps there.
+
+    Besides the slow samples, those within half a period of the cutoff frequency and within one decimated sample of
+    them are left out: there filtered velocity and filtered friction have different signs. Of rests and stops, in which
+    friction is any part of its level, filters carry that further, from trimmed ends too: velocities are those of the
+    whole log.
+    """
+    chosen, factor = sampling.chosen, sampling.factor
+    usable = np.ones((len(sampling.model.sliding), sampling.n_rows), dtype=bool)
+    margin = _standstill_margin(chosen, sampling.period)
+    offset = kept_indices(sampling.n_samples, factor).start
+    for row, velocity in enumerate(velocities):
+        threshold = chosen.standstill
+        if threshold is None:
+            threshold = STANDSTILL_SHARE * float(highest[row])
+        concerned = [equation for equation, rows in enumerate(sampling.model.sliding) if row in rows]
+        # Friction that is taken off the force leaves reversals clean: of equations that hold none of it, rests go.
+        jumping = {equation for equation, _ in sampling.model.law_columns}
+        taken_off = bool(sampling.model.coulomb_at_drive) and chosen.coulomb != ()
+        held = [usable[j] for j in concerned if not taken_off or j in jumping]
+        free = [usable[j] for j in concerned if taken_off and j not in jumping]
+        core = margin // 6
+        rests = _RESTS_OF_DERIVATIVES if taken_off else _RESTS
+        for rows, reach, rest in ((held, margin, 0), (held + free, rests * margin, core)):
+            whole = velocity, sampling.before, reach + _LONGEST_STOP * rest + 1
+            mark = partial(_leave_out, whole, threshold, reach, (offset, factor), rows, rest)
+            if rows:
+                in_pieces(mark, sampling.n_samples, 0, WORKERS)
+    return usable
+
+
+def _leave_out(
+    whole: tuple[FloatArray, int, int],
+    threshold: float,
+    margin: int,
+    kept: tuple[int, int],
+    usable: list[BoolArray],
+    rest: int,
+    piece: Piece,
+) -> None:
+    """Mark the rows of a piece near standstill as not usable; with `rest`, near rests of more than twice that.
+
+    `whole` is the velocity of the log, the samples trimmed at its beginning, and those that a row sees on either side.
+    """
+    velocity, before, reach = whole
+    first = max(piece.start - reach, -before)
+    piece = replace(piece, first=first, last=min(piece.stop + reach, velocity.size - before))
+    v = velocity[piece.first + before : piece.last + before]
+    slow = np.abs(v) < threshold
+    if rest:
+        slow = _near(~_near(~slow, rest), rest) | (slow & _stops(v, threshold, _LONGEST_STOP * rest))
+    else:
+        backward = np.signbit(v)
+        slow[1:] |= backward[1:] != backward[:-1]
+    places, chosen = kept_of(piece, *kept)
+    far = ~_near(slow, margin)[chosen]
+    for rows in usable:
+        rows[places] &= far
+
+
+def _stops(velocity: FloatArray, threshold: float, longest: int) -> BoolArray:
+    """Spans in which a velocity falls below a threshold and goes on with its sign, up to `longest` samples.
+
+    A span ends at twice the threshold, which noise does not pass to and fro.
+
+    >>> _stops(np.array([3.0, 1.5, 0.5, -0.5, 2.5, 1.5, 2.5, 0.5, -2.5]), 1.0, 3).astype(int).tolist()
+    [0, 1, 1, 1, 0, 0, 0, 0, 0]
+    """
+    speed = np.abs(velocity)
+    edges = np.flatnonzero(np.diff(speed < 2 * threshold, prepend=False, append=False))
+    begins, ends = edges[::2], edges[1::2]
+    inside = (begins > 0) & (ends < speed.size) & (ends - begins <= longest)
+    begins, ends = begins[inside], ends[inside]
+    goes_on = np.sign(velocity[begins - 1]) == np.sign(velocity[ends])
+    if not goes_on.any():
+        return np.zeros(speed.size, dtype=bool)
+    goes_on &= np.minimum.reduceat(speed, begins) < threshold
+    steps = np.zeros(speed.size + 1, dtype=np.int32)
+    steps[begins[goes_on]] += 1
+    steps[ends[goes_on]] -= 1
+    return np.asarray(np.cumsum(steps[:-1]) > 0)
+
+
+def _near(flags: BoolArray, margin: int) -> BoolArray:
+    """Samples with a flag among those up to `margin` before and after them.
+
+    >>> _near(np.array([False, True, False, False]), 1).tolist()
+    [True, True, True, False]
+    """
+    counts = np.zeros(flags.size + 2 * margin + 1, dtype=np.int32)
+    np.cumsum(flags, out=counts[margin + 1 : margin + 1 + flags.size])
+    counts[margin + 1 + flags.size :] = counts[margin + flags.size]
+    return np.asarray(counts[2 * margin + 1 :] > counts[: flags.size])

@@ -1,0 +1,1 @@
+"""Signals of an axis among the columns of a log."""

@@ -1,0 +1,284 @@
+"""Guess of the signals of an axis among the columns of a foreign file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+
+from symid.axis import Axis, Drive, Sensor
+from symid.data import REFERENCE, ForeignColumn, Layout
+from symid.data.foreign import quantity_named, split_header, with_unit
+from symid.data.layout import first_lines
+from symid.errors import LogError, SettingError
+from symid.identification.signals.mapping import LogMapping, require_known
+from symid.units import Unit, to_si
+
+_PERIOD = re.compile(
+    r"(?:cycle|sampl|period|interval|abtast|takt)[^\d]*(?P<value>\d+(?:[.,]\d+)?)\s*(?P<unit>s|ms|us|µs|Hz|kHz)\b",
+    re.IGNORECASE,
+)
+_MOTION = "position", "velocity", "acceleration"
+"""Quantities that a name without a unit suggests, and an answer refutes."""
+
+
+def guessed_mapping(
+    axis: Axis,
+    columns: Iterable[ForeignColumn],
+    *,
+    left_out: Mapping[str, str] = MappingProxyType({}),
+    named: Mapping[str, str] = MappingProxyType({}),
+    units: Mapping[str, str] = MappingProxyType({}),
+    layout: Layout | None = None,
+    sampling_period: float | None = None,
+    gain: float | None = None,
+    rated: float | None = None,
+) -> LogMapping:
+    """Guess which column is which signal of an axis.
+
+    Sensors get the measured columns of their quantity in the order of the declaration; the drive gets a column of its
+    own quantity, or of a current, or in percent of a rated value. A factor is never guessed: it is given, or missing.
+
+    Parameters
+    ----------
+    axis : Axis
+        Its signals.
+    columns : iterable of ForeignColumn
+        From `foreign_columns`.
+    left_out : mapping of str to str
+        Columns that hold no numbers, with the reasons.
+    named, units : mapping of str to str
+        Columns and units that are known by signal; these are not guesses.
+    layout, sampling_period
+        Of the file.
+    gain : float, optional
+        Force per unit of the drive's column.
+    rated : float, optional
+        Force at 100 %.
+
+    Raises
+    ------
+    SettingError
+        If a signal or column that is named does not exist.
+    LogError
+        If a unit cannot be read.
+    """
+    require_known(LogMapping(columns={**named, **units}), axis)
+    guess = _Guess(list(columns), left_out, named, units)
+    guess.clock(sampling_period)
+    for place, sensor in enumerate(axis.sensors):
+        alike = sum(other.quantity == sensor.quantity for other in axis.sensors[place:])
+        guess.sensor(sensor, axis.signal_units[sensor.signal], alike, needed=not place)
+    for drive in axis.drives:
+        guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
+    setpoint = [c for c in guess.free if c.setpoint and c.quantity == "position"]
+    if (reference := guess.chosen(REFERENCE, setpoint)) is not None:
+        guess.take(REFERENCE, reference)
+    return LogMapping(
+        columns=guess.names,
+        units=guess.units,
+        gains=guess.gains,
+        layout=layout,
+        sampling_period=guess.period,
+        guesses=tuple(guess.guesses),
+        missing=tuple(guess.missing),
+    )
+
+
+def stated_period(path: Path, layout: Layout) -> float | None:
+    """Sampling period that a line above the header states, s; None without such a line.
+
+    Parameters
+    ----------
+    path : Path
+        A text file.
+    layout : Layout
+        Its layout: its lines above the header are searched.
+
+    Examples
+    --------
+    >>> _period_in("Sampling interval: 2 ms"), _period_in("SampleRate;4 kHz"), _period_in("Axis X")
+    (0.002, 0.00025, None)
+    """
+    found = (_period_in(line) for line in first_lines(path, layout.encoding)[: layout.above])
+    return next((period for period in found if period), None)
+
+
+def _period_in(line: str) -> float | None:
+    match = _PERIOD.search(line)
+    if match is None:
+        return None
+    value = float(match["value"].replace(",", ".")) * to_si(match["unit"].replace("µ", "u"))
+    if not value:
+        return None
+    return 1.0 / value if "Hz" in match["unit"] else value
+
+
+class _Guess:
+    """Decisions so far, and the columns that are still free."""
+
+    def __init__(
+        self,
+        columns: list[ForeignColumn],
+        left_out: Mapping[str, str],
+        named: Mapping[str, str],
+        given: Mapping[str, str],
+    ) -> None:
+        self.named = {
+            signal: _column_called(name, signal, columns, left_out) for signal, name in named.items()
+        }
+        self.left_out = left_out
+        self.given = given
+        self.free = [column for column in columns if column not in self.named.values()]
+        self.names: dict[str, str] = {}
+        self.units: dict[str, str] = {}
+        self.gains: dict[str, float] = {}
+        self.period: float | None = None
+        self.guesses: list[str] = []
+        self.missing: list[str] = []
+
+    def chosen(self, signal: str, candidates: Sequence[ForeignColumn]) -> ForeignColumn | None:
+        """The column that is named for a signal, else the first candidate; in its given unit, if there is one."""
+        column = self.named.get(signal, next(iter(candidates), None))
+        return with_unit(column, self.given[signal]) if column and signal in self.given else column
+
+    def take(self, signal: str, column: ForeignColumn, unit: str | None = None) -> None:
+        """Decide that a column is a signal."""
+        self.free = [other for other in self.free if other.header != column.header]
+        self.names[signal] = column.header
+        written = unit or column.unit
+        if written:
+            self.units[signal] = written
+        elif column.scaled and signal not in self.given:
+            self.missing.append(
+                f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as '5000 counts/mm'"
+            )
+        if column.doubt:
+            self.guesses.append(f"{signal} is column {column.header!r}, whose values {column.doubt}")
+        if signal not in self.named or not column.stated:
+            what = f"{signal} is column {column.header!r}{f' in {column.unit}' if column.unit else ''}"
+            lacking = column.quantity is None and signal in self.named
+            self.guesses.append(f"{what}: {'no unit, so SI is assumed' if lacking else column.reason}")
+
+    def clock(self, sampling_period: float | None) -> None:
+        """The column of the time, or the period of a file that has none."""
+        times = [c for c in self.free if c.quantity == "time"]
+        time = self.chosen("t", sorted(times, key=lambda c: c.unit is None))
+        if time and time.unit:
+            self.take("t", time)
+        elif sampling_period is not None:
+            self.period = sampling_period
+            self.guesses.append(f"a sample every {sampling_period:g} s: given, or stated above the header")
+        else:
+            self.missing.append(
+                "no column of the time has a known unit: give `sampling_period`, or the column of t"
+                + (f" and its unit: {time.header!r} may be it, {time.reason}" if time else "")
+                + self.but_for("time")
+            )
+
+    def but_for(self, quantity: str) -> str:
+        """Remark on columns of a quantity by their names, which hold something else than numbers."""
+        alike = (header for header in self.left_out if quantity_named(header) == quantity)
+        return "".join(f"; column {header!r} {self.left_out[header]}" for header in alike)
+
+    def called(self, signal: str) -> list[ForeignColumn]:
+        """The column that has the name of a signal, if neither its name nor a unit says what it measures."""
+        why = "its name is that of the signal; no unit, so SI is assumed"
+        same = [c for c in self.free if c.header == signal and c.quantity is None]
+        return [replace(c, reason=why) for c in same]
+
+    def sensor(self, sensor: Sensor, unit: Unit, alike: int, *, needed: bool) -> None:
+        """A column for a sensor: one of its name, else the first measured one of its quantity.
+
+        If the axis has fewer such sensors left (`alike`) than the file such columns, the guess names the others.
+        """
+        signal, quantity = sensor.signal, sensor.quantity
+        found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
+        found.sort(key=lambda c: (c.constant, not c.header.startswith(signal)))
+        column = self.chosen(signal, _in_degrees(found, unit) or self.called(signal))
+        if column is not None:
+            self.take(signal, column, None if column.unit or column.scaled else str(unit))
+            others = [repr(c.header) for c in found if c.header != column.header]
+            if signal not in self.named and not column.header.startswith(signal) and len(others) >= alike:
+                self.guesses.append(f"{signal} may as well be column {' or '.join(others)}")
+        elif needed:
+            self.missing.append(
+                f"no column seems to be the {quantity} {signal}: name it with `columns` {signal}=NAME"
+                + self.but_for(quantity)
+            )
+
+    def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
+        """A column for a drive's force, measured or else commanded, with its factor where it needs one."""
+        signal, command = drive.signal, drive.command
+        own = {Unit.of("A"): "current", Unit.of("V"): "voltage"}.get(unit, "force")
+        found = sorted(self.free, key=lambda c: (c.constant, not c.header.startswith(signal)))
+        measured = {c.quantity: c for c in reversed(found) if not c.setpoint}
+        if command and "voltage" in measured and own not in measured:
+            self.take(command, measured["voltage"])
+            return
+        commanded = {c.quantity: c for c in reversed(found) if c.setpoint}
+        kinds = (own, "percent", "current")
+        alike = [of[q] for of in (measured, commanded) for q in kinds if q in of]
+        column = self.chosen(signal, alike or self.called(signal))
+        if column is None:
+            self.missing.append(
+                f"no column seems to be the force {signal}: name it with `columns` {signal}=NAME"
+                + self.but_for("force")
+            )
+            return
+        if column.setpoint and signal not in self.named:
+            self.guesses.append(f"{signal} is a command: no column seems to be a measured force")
+        if rated is not None and column.quantity != "percent":
+            self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
+        # v may be volts
+        misnamed = signal in self.named and column.quantity in _MOTION and column.unit is None
+        if (misnamed or column.quantity in (own, None)) and _is_unit_of_drive(column.unit, unit):
+            self.take(signal, column, column.unit or str(unit))
+            if gain is not None:
+                self.gains[signal] = gain
+            return
+        self.take(signal, column, str(unit))
+        in_percent = column.quantity == "percent"
+        factor = rated / 100 if rated is not None and in_percent else gain
+        per = "% (rated value / 100)" if in_percent else column.unit or "A"
+        if factor is not None:
+            self.gains[signal] = factor
+            return
+        self.missing.append(f"{signal} has no factor: give `gains` {signal} in {unit} per {per}")
+
+
+def _in_degrees(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColumn]:
+    """Columns of a sensor in `unit`: where a length was guessed and it is an angle, in degrees."""
+    why = "no unit, degrees are assumed: in rad it would be many turns"
+    return [
+        replace(c, unit="deg", reason=why)
+        if unit == Unit.of("rad") and c.unit == "mm" and not c.stated
+        else c
+        for c in columns
+    ]
+
+
+def _column_called(
+    name: str, signal: str, columns: Sequence[ForeignColumn], left_out: Mapping[str, str]
+) -> ForeignColumn:
+    """The column with a header, or with a name before its unit."""
+    wanted = name.strip()
+    for column in (
+        c for part in (0, 1) for c in columns if wanted == (c.header, split_header(c.header)[0])[part]
+    ):
+        return column
+    if wanted in left_out:
+        raise SettingError(f"column {name!r} for {signal} {left_out[wanted]}")
+    raise SettingError(
+        f"there is no column of numbers {name!r} for {signal}: choose from {', '.join(c.header for c in columns)}"
+    )
+
+
+def _is_unit_of_drive(written: str | None, unit: Unit) -> bool:
+    """Whether a written unit is one of the drive's force; without one, it is taken to be."""
+    try:
+        return written is None or to_si(written, unit) > 0
+    except LogError:
+        return False
