@@ -18,6 +18,10 @@ from symid.signal_names import split_derivative
 ArrayFunction = Callable[..., FloatArray]
 
 
+_RIGID = 2
+"""Order of the derivatives of a rigid axis."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class GeneratedModel(Shown):
     """A generated module, ready to be evaluated.
@@ -151,6 +155,11 @@ class GeneratedModel(Shown):
         """The measured signal with the highest required derivative."""
         highest = self.highest_derivatives
         return max((name for name in self.measured if name in highest), key=highest.__getitem__)
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether it holds a mode: in derivatives beyond the second, or in more outputs than drives."""
+        return len(self.output_names) > len(self.forces) or max(self.highest_derivatives.values()) > _RIGID
 
     @cached_property
     def laws_of_velocity(self) -> bool:

@@ -33,8 +33,6 @@ _STEP, _LOWER_CUTOFFS = 1.6, 5
 """Ratio and number of the lower cutoffs that are tried: to a tenth, in steps that change columns by half at most."""
 _ROWS_LEFT = 50
 """Fewest rows per parameter at a lower cutoff: fewer do not show the cause of a fault."""
-_RIGID = 2
-"""Order of the derivatives of a rigid axis; unmodelled modes hardly pass a cutoff that follows the motion."""
 _LITTLE_MORE = 1.5
 """Ratio of two residuals that count as alike: noise of the output alone makes 1.26 per step."""
 _WORTH = 0.9
@@ -79,12 +77,9 @@ class Estimation:
     def trial(self) -> CutoffTrial:
         """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
         first = self._at([self.preparation] * len(self.logs))
-        # of several sensors, also second derivatives hold a mode, such as those of a cell in a spring
-        several = len(self.model.output_names) > len(self.model.forces)
-        is_flexible = several or max(self.model.highest_derivatives.values()) > _RIGID
         is_open = self.preparation.cutoff_hz is None
         is_described = self.left(first) < CRITERIA.cutoff_fit and not self._is_drowned(first)
-        if not is_flexible or not is_open or is_described:
+        if not self.model.is_flexible or not is_open or is_described:
             return first
         tried, lefts = [first], [math.inf if self._is_drowned(first) else self.left(first)]
         for k in range(1, _LOWER_CUTOFFS + 1):
