@@ -26,11 +26,9 @@ from symid import (
     PayloadChange,
     PeriodicForce,
     PreslidingFriction,
-    drive_imperfections,
-    imperfections,
     load_axis,
 )
-from symid.axis import Imperfection
+from symid.axis import Imperfection, drive_imperfections, imperfections
 from symid.export import c_source, mjcf, write_fmu
 from symid.export.dynamics import symbolic_dynamics
 from symid.simulation import OpenLoop, Trajectory, simulate
