@@ -1,7 +1,7 @@
 """Logs of machines: reading, checking, filtering and differentiating them."""
 
 from symid.data.columns import REFERENCE, references_of
-from symid.data.differences import (
+from symid.data.filters.differences import (
     central_difference,
     central_difference_gain,
     derivatives,
@@ -9,19 +9,19 @@ from symid.data.differences import (
     differencing_bandwidth,
     sparse_derivatives,
 )
-from symid.data.filtering import LowPass, decimation_filter, kept_indices
-from symid.data.foreign import ForeignColumn, foreign_columns
+from symid.data.filters.filtering import LowPass, decimation_filter, kept_indices
+from symid.data.filters.resampling import QuinticSpline
+from symid.data.filters.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 from symid.data.formats import open_table
 from symid.data.frames import Frame
-from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log, require_times_within
 from symid.data.long_log import AnyLog, LongLog, first_block, in_memory, spans
 from symid.data.opening import MEMORY, ForeignColumns, columns_in, open_log, read_log
-from symid.data.resampling import QuinticSpline
-from symid.data.stuck import cut_in_motion
+from symid.data.quality.stuck import cut_in_motion
 from symid.data.table import Table
+from symid.data.text_files.foreign import ForeignColumn, foreign_columns
+from symid.data.text_files.layout import Layout, guessed_layout
 from symid.data.writing import write_frame, write_log
-from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
     "MEMORY",

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray
-from symid.data.clock import Clock, inspect_clock, require_seconds
 from symid.data.columns import REFERENCE, TIME, split_unit
+from symid.data.quality.clock import Clock, inspect_clock, require_seconds
 from symid.data.table import Table, naming_file
 from symid.errors import LogError
 from symid.units import Unit, to_si

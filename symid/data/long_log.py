@@ -15,8 +15,10 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.checks import constant_fault, inspect_finite, inspect_steps
-from symid.data.clock import (
+from symid.data.columns import TIME, Source
+from symid.data.log import Log, check_window
+from symid.data.quality.checks import constant_fault, inspect_finite, inspect_steps
+from symid.data.quality.clock import (
     CLOCK_DIFFERENCE,
     MINIMUM_SAMPLES,
     Clock,
@@ -24,10 +26,8 @@ from symid.data.clock import (
     require_seconds,
     rounded_period,
 )
-from symid.data.columns import TIME, Source
-from symid.data.log import Log, check_window
+from symid.data.quality.stuck import inspect_spans
 from symid.data.reading import in_si, positions_of
-from symid.data.stuck import inspect_spans
 from symid.data.table import Slices, naming_file
 from symid.errors import LogError, SettingError
 from symid.units import Unit

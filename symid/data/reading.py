@@ -9,13 +9,13 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.checks import inspect_steps, inspect_values
-from symid.data.clock import inspect_clock, require_seconds
 from symid.data.columns import TIME, Source, references_of
+from symid.data.filters.resampling import Rate, known_samples, resampled
 from symid.data.log import Log
-from symid.data.lost_samples import restored
-from symid.data.resampling import Rate, known_samples, resampled
-from symid.data.stuck import inspect_spans
+from symid.data.quality.checks import inspect_steps, inspect_values
+from symid.data.quality.clock import inspect_clock, require_seconds
+from symid.data.quality.lost_samples import restored
+from symid.data.quality.stuck import inspect_spans
 from symid.data.table import Table, require_memory
 from symid.errors import LogError
 from symid.units import Unit

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from symid.data import read_log
-from symid.data.checks import inspect_values
-from symid.data.lost_samples import step_of
-from symid.data.stuck import inspect_spans
+from symid.data.quality.checks import inspect_values
+from symid.data.quality.lost_samples import step_of
+from symid.data.quality.stuck import inspect_spans
 from symid.units import Unit
 
 DATA = Path(__file__).parents[2] / "data"

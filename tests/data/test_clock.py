@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from symid.data.clock import inspect_clock
+from symid.data.quality.clock import inspect_clock
 
 
 def faults_of(time):

@@ -11,7 +11,7 @@ import pytest
 
 from symid.data import foreign_columns, open_table
 from symid.data.formats import layout_found
-from symid.data.time_stamps import seconds_of_stamps
+from symid.data.text_files.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
 T = 5e-4 * np.arange(40)

@@ -11,7 +11,7 @@ import pytest
 from command_line import run
 
 from symid.data import open_table, read_log
-from symid.data.layout import guessed_layout
+from symid.data.text_files.layout import guessed_layout
 from symid.units import Unit
 
 TIME = np.arange(400) / 1000

@@ -37,7 +37,7 @@ def opened(file: Path) -> AnyLog:
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symid.data.csv_table._CHUNK", 5000)
+    monkeypatch.setattr("symid.data.text_files.csv_table._CHUNK", 5000)
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import scipy
 
-from symid.data.filtering import decimation_filter, kept_indices
-from symid.data.sections import _loop, butterworth, chebyshev, run, settled_states
+from symid.data.filters.filtering import decimation_filter, kept_indices
+from symid.data.filters.sections import _loop, butterworth, chebyshev, run, settled_states
 from symid.errors import SettingError
 
 

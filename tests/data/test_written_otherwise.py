@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from symid.data import Log, foreign_columns, open_table, read_log
-from symid.data.foreign import described_column
 from symid.data.formats import layout_found
+from symid.data.text_files.foreign import described_column
 from symid.errors import LogError
 from symid.units import Unit
 

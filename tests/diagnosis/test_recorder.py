@@ -14,7 +14,7 @@ from hand_made import RIGID, rigid_log
 
 from symid import Log, load_axis
 from symid.arrays import FloatArray
-from symid.data.lost_samples import restored
+from symid.data.quality.lost_samples import restored
 from symid.diagnosis import diagnose
 from symid.diagnosis.prediction.quantisation import rounding_error
 from symid.diagnosis.prediction.recorder import recovered

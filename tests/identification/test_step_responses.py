@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symid import Axis, Body, CoulombFriction, Drive, Log, Velocity, ViscousFriction, identify
-from symid.data.stuck import cut_in_motion, inspect_spans
+from symid.data.quality.stuck import cut_in_motion, inspect_spans
 
 PERIOD, INERTIA, VISCOUS, STEP = 1e-3, 0.4, 20.0, 4.0
 TIME = np.arange(0, 0.6, PERIOD)

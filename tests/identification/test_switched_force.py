@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symid import identify
-from symid.data.stuck import inspect_spans, is_switched
+from symid.data.quality.stuck import inspect_spans, is_switched
 from symid.identification import Preparation
 from symid.identification.faults.recording import channel_fault
 from symid.identification.faults.smoothing import interpolated_from

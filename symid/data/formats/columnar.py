@@ -15,8 +15,8 @@ from pathlib import Path
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.csv_table import values_of_texts
 from symid.data.table import POLARS_FAILURES, Slices, Table, parsing, source_of, values_of
+from symid.data.text_files.csv_table import values_of_texts
 
 _SMALL = 2**21
 """Bytes of a file up to which it is read at once: polars takes half as long again to read it by its path, and so it

@@ -12,10 +12,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import IO, Any, Final, TypeAlias
 
-from symid.data.csv_table import laid_out
 from symid.data.formats.own_clocks import with_own_clocks
-from symid.data.layout import Layout, layout_of_text, lines_of
 from symid.data.table import Table, free_memory, parsing
+from symid.data.text_files.csv_table import laid_out
+from symid.data.text_files.layout import Layout, layout_of_text, lines_of
 from symid.errors import LogError
 
 _TIMES_TEXT: Final = 4

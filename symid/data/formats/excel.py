@@ -8,8 +8,8 @@ import polars as pl
 
 from symid.data.formats.columnar import numbers_of
 from symid.data.formats.extra import required
-from symid.data.layout import layout_of_text, lines_of
 from symid.data.table import Table, parsing
+from symid.data.text_files.layout import layout_of_text, lines_of
 from symid.errors import LogError
 
 _MOST_ROWS = 300

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from symid.data.formats.channels import described, short_names, table_of_arrays
 from symid.data.table import Table, parsing, require_memory
-from symid.data.time_stamps import seconds_of_stamps
+from symid.data.text_files.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
 _BYTES_OF_A_VALUE, _DEEPEST = 2, 12  # least text of a value; levels of nested objects

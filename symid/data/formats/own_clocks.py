@@ -8,9 +8,9 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.columns import split_unit
-from symid.data.foreign import described_column, quantity_named
 from symid.data.formats.channels import Channel, table_of_channels
 from symid.data.table import Table
+from symid.data.text_files.foreign import described_column, quantity_named
 from symid.units import to_si
 
 

@@ -14,8 +14,6 @@ from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from symid.data.columns import TIME, split_unit
-from symid.data.csv_table import open_csv, open_laid_out
-from symid.data.foreign import foreign_columns
 from symid.data.formats.array_files import open_matlab, open_numpy
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.columnar import open_feather, open_parquet
@@ -29,8 +27,10 @@ from symid.data.formats.own_clocks import with_own_clocks
 from symid.data.formats.scope_text import open_scope_text, writer_of
 from symid.data.formats.split_times import with_joined_times
 from symid.data.formats.tdms import open_tdms
-from symid.data.layout import Layout, guessed_layout
 from symid.data.table import Table, first_line, naming_file
+from symid.data.text_files.csv_table import open_csv, open_laid_out
+from symid.data.text_files.foreign import foreign_columns
+from symid.data.text_files.layout import Layout, guessed_layout
 from symid.errors import LogError
 from symid.files import require_regular
 from symid.units import to_si

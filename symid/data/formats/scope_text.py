@@ -14,11 +14,11 @@ from typing import Final, Literal
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.csv_table import open_laid_out
 from symid.data.formats.channels import Channel, table_of_channels
-from symid.data.layout import Layout, encoding_of, has_decimal_comma, lines_of
 from symid.data.table import Table
-from symid.data.text_table import fields, is_number_text
+from symid.data.text_files.csv_table import open_laid_out
+from symid.data.text_files.layout import Layout, encoding_of, has_decimal_comma, lines_of
+from symid.data.text_files.text_table import fields, is_number_text
 from symid.errors import LogError
 
 Writer = Literal["twincat", "dspace"]

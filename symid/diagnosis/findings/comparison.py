@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.data.density import power_density
+from symid.data.filters.density import power_density
 from symid.diagnosis.findings.gap import Level, Removed
 from symid.diagnosis.findings.shares import removed_share, surely_decreases
 from symid.diagnosis.findings.strength import FixedBand

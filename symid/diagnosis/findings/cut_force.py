@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symid.data.stuck import is_switched
+from symid.data.quality.stuck import is_switched
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state

@@ -9,8 +9,8 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data import Log
-from symid.data.lost_samples import dropped
-from symid.data.stuck import inspect_spans, is_switched
+from symid.data.quality.lost_samples import dropped
+from symid.data.quality.stuck import inspect_spans, is_switched
 from symid.diagnosis.effects import Placed, force_at
 from symid.diagnosis.findings.cut_force import cut_force
 from symid.diagnosis.findings.force_sign import wrong_sign

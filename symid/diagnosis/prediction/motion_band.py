@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
-from symid.data.density import NOISE_FROM, incoherent_density, power_density
+from symid.data.filters.density import NOISE_FROM, incoherent_density, power_density
 from symid.diagnosis.prediction.quantisation import rounding_error
 
 WIDEST = 0.3

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.density import power_density
-from symid.data.lost_samples import step_of
+from symid.data.filters.density import power_density
+from symid.data.quality.lost_samples import step_of
 
 _PLACES = (0.125, 0.375, 0.625, 0.875)
 """Assumed positions of zero between two steps, in steps; the densities are averaged over them."""

@@ -15,7 +15,7 @@ import scipy
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
-from symid.data.lost_samples import restored, without_repeated_rows
+from symid.data.quality.lost_samples import restored, without_repeated_rows
 from symid.identification.faults.smoothing import interpolated_from, updated_every
 
 _SHORTEST = 200

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from symid.codegen import GeneratedModel
-from symid.data.density import NOISE_FROM, explained_power, mean_power, segment_spectra
+from symid.data.filters.density import NOISE_FROM, explained_power, mean_power, segment_spectra
 from symid.identification.rows.excerpts import Excerpt
 
 _SHARE = 0.1

@@ -16,7 +16,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data.stuck import is_switched
+from symid.data.quality.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import shiftable

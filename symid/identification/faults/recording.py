@@ -15,9 +15,9 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
-from symid.data.checks import jumps_of
-from symid.data.lost_samples import FEWEST, dropped, repeated, step_of
-from symid.data.stuck import is_switched
+from symid.data.quality.checks import jumps_of
+from symid.data.quality.lost_samples import FEWEST, dropped, repeated, step_of
+from symid.data.quality.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.faults.smoothing import slow_update

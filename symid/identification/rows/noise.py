@@ -18,7 +18,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, LowPass, central_difference_gain, decimation_filter, in_memory
-from symid.data.density import NOISE_FROM, density_of, incoherent_density_of, segment_spectra
+from symid.data.filters.density import NOISE_FROM, density_of, incoherent_density_of, segment_spectra
 from symid.identification.rows.settings import Preparation
 from symid.signal_names import split_derivative
 

@@ -8,7 +8,7 @@ from typing import Unpack
 
 from symid.axis import Axis, of_any_axis
 from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, open_log, read_log
-from symid.data.checks import constant_fault
+from symid.data.quality.checks import constant_fault
 from symid.errors import LogError
 from symid.units import Unit
 

@@ -10,8 +10,8 @@ from types import MappingProxyType
 
 from symid.axis import Axis, Drive, Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
-from symid.data.foreign import quantity_named, split_header, with_unit
-from symid.data.layout import first_lines
+from symid.data.text_files.foreign import quantity_named, split_header, with_unit
+from symid.data.text_files.layout import first_lines
 from symid.errors import LogError, SettingError
 from symid.identification.signals.mapping import LogMapping, require_known
 from symid.units import Unit, to_si

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray
 from symid.data.columns import REFERENCE
-from symid.data.lost_samples import step_of
+from symid.data.quality.lost_samples import step_of
 from symid.text import counted
 
 _STUCK_SAMPLES: Final = 20  # shortest run of equal values that can be called stuck

@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray, fast_length
-from symid.data.sections import butterworth, chebyshev
-from symid.data.zero_phase import ZeroPhaseFilter, odd_extension
+from symid.data.filters.sections import butterworth, chebyshev
+from symid.data.filters.zero_phase import ZeroPhaseFilter, odd_extension
 from symid.errors import SettingError
 
 _PERIODS: Final = 5.0  # of the cutoff, by which a signal is continued where its spectrum is filtered

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.clock import time_and_row
+from symid.data.quality.clock import time_and_row
 from symid.text import counted
 
 _LARGEST: Final = 1e15  # in SI: beyond it a number is damaged

@@ -10,9 +10,18 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.clock import PLAUSIBLE_PERIODS
-from symid.data.column_words import COUNTS, DIFFERENCE, NUMBERS, SETPOINT, SPELLED, UNITS, WORDS, Quantity
+from symid.data.quality.clock import PLAUSIBLE_PERIODS
 from symid.data.table import Table
+from symid.data.text_files.column_words import (
+    COUNTS,
+    DIFFERENCE,
+    NUMBERS,
+    SETPOINT,
+    SPELLED,
+    UNITS,
+    WORDS,
+    Quantity,
+)
 from symid.errors import LogError
 from symid.units import Unit, to_si
 

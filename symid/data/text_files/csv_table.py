@@ -14,11 +14,18 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.grouped_numbers import without_groups
-from symid.data.layout import Layout, first_lines, without_footer
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, parsing, source_of, values_of
-from symid.data.text_table import FORTRAN, fields, is_number_text, split_cell, uncommented, with_units
-from symid.data.time_stamps import has_time_of_day, seconds_of_stamps
+from symid.data.text_files.grouped_numbers import without_groups
+from symid.data.text_files.layout import Layout, first_lines, without_footer
+from symid.data.text_files.text_table import (
+    FORTRAN,
+    fields,
+    is_number_text,
+    split_cell,
+    uncommented,
+    with_units,
+)
+from symid.data.text_files.time_stamps import has_time_of_day, seconds_of_stamps
 from symid.errors import LogError
 
 _CHUNK: Final = 4_194_304

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from itertools import zip_longest
 from typing import Final
 
-from symid.data.grouped_numbers import is_grouped
-from symid.data.time_stamps import is_stamp
+from symid.data.text_files.grouped_numbers import is_grouped
+from symid.data.text_files.time_stamps import is_stamp
 from symid.errors import LogError
 from symid.units import to_si
 from symid.units.names import COUNTS

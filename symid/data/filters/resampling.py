@@ -11,9 +11,9 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
-from symid.data.clock import MINIMUM_SAMPLES
 from symid.data.columns import TIME
-from symid.data.zero_phase import ZeroPhaseFilter
+from symid.data.filters.zero_phase import ZeroPhaseFilter
+from symid.data.quality.clock import MINIMUM_SAMPLES
 from symid.errors import LogError
 
 _BEYOND = 32

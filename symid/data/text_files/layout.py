@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from symid.data.foreign import quantity_named, split_header
-from symid.data.text_table import (
+from symid.data.text_files.foreign import quantity_named, split_header
+from symid.data.text_files.text_table import (
     LEAST_ROWS,
     are_units,
     fields,

@@ -1,0 +1,1 @@
+"""Filters, differences, resampling and power densities of sampled signals."""
