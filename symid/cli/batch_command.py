@@ -38,7 +38,6 @@ from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet
 from symid.fleet.batch_settings import METHODS
 from symid.fleet.worker_limits import LONGEST
 from symid.report.tables.fleet import print_batch
-from symid.units import Unit
 
 batch_options = shared(
     option(
@@ -113,13 +112,14 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
     notes_on_guesses(options)
     page = page_of(options["report"])
     axes = _axes((axis, *options["also"]), options["fixed"])
+    units = {name: unit for one in axes for name, unit in axis_of(one).parameter_units.items()}
     try:
         batch = identify_batch(
             axes,
             logs,
             output=options["output"],
             settings=_settings(axes, options),
-            known=known_of_tables(options["known"], _units(axes)),
+            known=known_of_tables(options["known"], units),
             jobs=options["jobs"],
             scheduler=options["scheduler"],
             track=lambda rows, total: tracked(rows, "logs", total),
@@ -143,11 +143,6 @@ def _axes(names: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[str | Axis, .
         place = next((i for i, axis in enumerate(declared) if name in axis.parameter_units), 0)
         declared[place] = declared[place].with_known(fixed_values((value,), declared[place]))
     return tuple(declared)
-
-
-def _units(axes: tuple[str | Axis, ...]) -> dict[str, Unit]:
-    """Units of the parameters of all axes."""
-    return {name: unit for axis in axes for name, unit in axis_of(axis).parameter_units.items()}
 
 
 def _settings(axes: tuple[str | Axis, ...], options: dict[str, Any]) -> BatchSettings:

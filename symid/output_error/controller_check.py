@@ -141,10 +141,13 @@ def controller_mismatch(fit: LikelihoodFit) -> ControllerMismatch | None:
         return None
     first = runs[0]
     loop = first.loop if first.loop.controller is not None else first.loop.tuned(fit.search.parameters)
-    terms, force = _terms(loop, first.log), _force(loop, first.log)
+    terms = _terms(loop, first.log)
+    force = float(np.sqrt(np.mean(np.stack([first.log[drive.signal] for drive in loop.axis.drives]) ** 2)))
     sizes = np.sqrt(np.mean(terms**2, axis=1))
     units = np.divide(force, sizes, out=np.zeros_like(sizes), where=sizes > 0)
-    search = _unwhitened(fit.search)
+    search = replace(
+        fit.search, errors=tuple(replace(run, whitening=None) for run in runs)
+    )  # scaled by noise
     W, _ = search.linearised()
     lengths = np.maximum(np.linalg.norm(W, axis=0), np.finfo(float).tiny)
     V = _slopes(search, loop, units)
@@ -203,11 +206,6 @@ def _runs(search: Search) -> list[ClosedLoopError]:
     return [error for error in search.errors if isinstance(error, ClosedLoopError)]
 
 
-def _unwhitened(search: Search) -> Search:
-    """The search with errors that are scaled by noise only."""
-    return replace(search, errors=tuple(replace(run, whitening=None) for run in _runs(search)))
-
-
 def _whitened(
     search: Search, W: FloatArray, V: FloatArray, y: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -236,10 +234,6 @@ def _whitened(
 def _controllers(loop: ClosedLoop) -> tuple[Controller, ...]:
     assert loop.controller is not None
     return (loop.controller,) if isinstance(loop.controller, Controller) else tuple(loop.controller)
-
-
-def _force(loop: ClosedLoop, log: Log) -> float:
-    return float(np.sqrt(np.mean(np.stack([log[drive.signal] for drive in loop.axis.drives]) ** 2)))
 
 
 def _terms(loop: ClosedLoop, log: Log) -> FloatArray:

@@ -56,7 +56,8 @@ def _pair(headers: Sequence[str]) -> tuple[int, int, float] | None:
         return None
     for rest, name in enumerate(lower):
         if found := _REST.fullmatch(name):
-            whole = [place for place, other in enumerate(lower) if other in _names(found["stem"])]
+            names = [found["stem"] + ending for ending in _WHOLE]
+            whole = [place for place, other in enumerate(lower) if other in names]
             if len(whole) == 1:
                 return whole[0], rest, _PARTS[found["prefix"]]
     return None
@@ -75,7 +76,3 @@ def _are_parts(seconds: FloatArray, rest: FloatArray) -> bool:
     known = np.isfinite(seconds) & np.isfinite(rest)
     off = np.abs(seconds - np.rint(seconds))[known]
     return bool(np.all(off < _WHOLE_WITHIN) and np.all((rest[known] >= 0.0) & (rest[known] < 1.0)))
-
-
-def _names(stem: str) -> list[str]:
-    return [stem + ending for ending in _WHOLE]

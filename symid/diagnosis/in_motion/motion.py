@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -138,7 +139,10 @@ def motions_of(
         )
         for d in range(record.n_drives)
     ]
-    found = [None if state is None else _errors(state, logs, drivers) for state in states]
+    found = [
+        None if state is None else errors_of_axis(partial(axis_with_effects, state), logs, drivers)
+        for state in states
+    ]
     if simulated is not None and len(logs) == 1 and runs[1] is None and _is_like(simulated, logs[0]):
         times = since_begin(simulated)
         found[0] = [
@@ -187,11 +191,6 @@ def motion_next_to(
         explained=effects[-1] if effects else reidentified,
         steps=effects,
     )
-
-
-def _errors(state: State, logs: Sequence[Sequence[Part]], drivers: Sequence[Driver]) -> list[MotionError]:
-    """Motion errors of a model next to each drive."""
-    return errors_of_axis(lambda: axis_with_effects(state), logs, drivers)
 
 
 def errors_of_axis(

@@ -94,7 +94,8 @@ class Weighting:
         `beginning`, of shape (n_starts, n_outputs, n_rows), holds the contributions of a state at the start of the log.
         """
         if self._begun.get("rows") is not beginning:  # one step of a fit asks several times
-            basis = _orthonormal(_without(self.flat(beginning), self._basis))
+            rest = self.flat(beginning)
+            basis = _orthonormal(rest - (rest @ self._basis) @ self._basis.T)
             self._begun.update(rows=beginning, basis=basis)
         found = self.flat(rows)
         several = np.atleast_2d(found)
@@ -185,10 +186,6 @@ def pulse_spectra(record: Record, times: FloatArray | tuple[float, ...] = (0.0,)
         return np.stack([forces, s * forces], axis=1).reshape(-1, s.size)
 
     return record.memory.of(("pulses", moments.size), moments.tobytes(), pulses)
-
-
-def _without(rows: FloatArray, basis: FloatArray) -> FloatArray:
-    return np.asarray(rows - (rows @ basis) @ basis.T)
 
 
 def _orthonormal(columns: FloatArray) -> FloatArray:

@@ -124,7 +124,8 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
     if record["errors"]:
         errors = TextTable("", "", "A", "B", "unit", right=("A", "B"))
         for name, one in record["errors"].items():
-            errors.add(name, *(_written(one[side]) for side in ("a", "b")), one["unit"])
+            sizes = (MISSING if size is None else significant(size) for size in (one["a"], one["b"]))
+            errors.add(name, *sizes, one["unit"])
         console.print(errors)
     together = record["together"]
     if together is not None:
@@ -165,10 +166,6 @@ def comparison_sentence(record: Mapping[str, Any]) -> str:
 def _side_by_side(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, list[Any]]:
     """Entries of both by name, None where one has none."""
     return {name: [first.get(name), second.get(name)] for name in dict.fromkeys([*first, *second])}
-
-
-def _written(value: float | None) -> str:
-    return MISSING if value is None else significant(value)
 
 
 def _facts(record: Mapping[str, Any]) -> dict[str, str]:
