@@ -100,19 +100,9 @@ def discrepancies_of(
 ) -> tuple[Discrepancy, ...]:
     """Effects that the residual shows, in the order in which they explain it.
 
-    Parameters
-    ----------
-    model : GeneratedModel
-        The model identified.
-    parts : sequence of Excerpt
-        Logs, or parts of them.
-    fit : LeastSquares
-        The parameters by least squares, all determined.
-    corrected : LeastSquares
-        The parameters without their bias by noise in W, which is less in the slow part of the band.
-    noise_alone : bool
-        Whether the residual is no larger than the noise of the signals makes it. A delay of the force then says
-        nothing, as the force that a controller makes of the encoder's noise looks late.
+    `corrected` are the parameters without their bias by noise in W, which is less in the slow part of the band. With
+    `noise_alone` the residual is no larger than the noise of the signals makes it: a delay of the force then says
+    nothing, as the force that a controller makes of the encoder's noise looks late.
     """
     found = _between_bands(parts, corrected)
     bias = np.abs(corrected.solution - fit.solution)
@@ -296,10 +286,7 @@ def _slower(part: Excerpt, passes: int) -> Excerpt:
     seen = part.observation
     W, y, valid = seen.W, seen.y[..., None], seen.valid
     for _ in range(passes):
-        W, y = (np.pad(_smoothed(x), ((0, 0), (1, 1), (0, 0))) for x in (W, y))
+        smoothed = (0.25 * x[:, :-2] + 0.5 * x[:, 1:-1] + 0.25 * x[:, 2:] for x in (W, y))
+        W, y = (np.pad(x, ((0, 0), (1, 1), (0, 0))) for x in smoothed)
         valid = np.pad(valid[:, :-2] & valid[:, 1:-1] & valid[:, 2:], ((0, 0), (1, 1)))
     return replace(part, observation=replace(seen, W=W, y=y[..., 0], valid=valid))
-
-
-def _smoothed(x: FloatArray) -> FloatArray:
-    return 0.25 * x[:, :-2] + 0.5 * x[:, 1:-1] + 0.25 * x[:, 2:]
