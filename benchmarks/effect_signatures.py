@@ -23,8 +23,7 @@ from matplotlib.figure import Figure
 from benchmarks.effect_residuals import Residual, residual_of, signature_of
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.findings.curves import spectrum_of
-from symid.report.figures.colours import MEASURED, MODEL, NOISE
-from symid.report.figures.identification_figure import PLOT_STYLE
+from symid.report.figures.colours import LIGHT, MEASURED, MODEL, NOISE
 
 FOLDER = Path(__file__).parents[1] / "docs" / "effects"
 _SHOWN = 5000
@@ -127,7 +126,7 @@ def picture(effect: str, file: Path) -> None:
     """Draw the signature of an effect."""
     found = residual_of(effect)
     panels = signature_of(effect).panels
-    with mpl.rc_context({**PLOT_STYLE, "svg.hashsalt": "symid"}):
+    with mpl.rc_context({**LIGHT.style, "svg.hashsalt": "symid"}):
         figure = Figure(figsize=(8.0, 2.6), layout="constrained")
         for axes, panel in zip(figure.subplots(1, len(panels)), panels, strict=True):
             draw_panel(axes, found, panel)

@@ -24,7 +24,6 @@ from symid.report.figures.panels import Panel, draw_bode, draw_panel
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
 
-PLOT_STYLE: Any = LIGHT.style
 _MOST_ELLIPSES = 4
 _PANEL, _BODE, _ELLIPSES, _WIDTH = 6.0, 5.2, 3.2, 12.0
 """Heights of a panel, of the Bode diagrams and of the ellipses, and width, in inches."""

@@ -1,7 +1,8 @@
-"""Figures of a log, of a batch and of a diagnosis."""
+"""Figures of a log, of a batch, of a diagnosis and of the correlations of a residual."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -14,8 +15,9 @@ from symid.diagnosis.findings.waterfall import waterfall
 from symid.errors import SettingError
 from symid.fleet import Batch
 from symid.fleet.results import parameter_names, without_repeats
+from symid.identification.results.residual_correlation import OutputCorrelations
 from symid.report.figures.colours import LIGHT, Palette
-from symid.report.figures.drawn import Drawn, label_log_scales
+from symid.report.figures.drawn import Drawn, label_log_scales, title_lines
 from symid.report.figures.panels import draw_over_time
 from symid.text import visible
 
@@ -126,3 +128,28 @@ def _stages(axes: Axes, found: Diagnosis, palette: Palette) -> None:
     axes.barh(list(sizes), list(sizes.values()), color=palette.measured)
     axes.invert_yaxis()
     axes.set_xlabel(f"rms of the error [{found.gap.unit}]")
+
+
+def correlation_figure(parts: Sequence[OutputCorrelations], *, narrow: bool) -> Drawn | None:
+    """Auto- and cross-correlation of each part, by its title, with their bands; None where there are no parts.
+
+    Both stand side by side, or below each other if `narrow`.
+    """
+    if not parts:
+        return None
+    with mpl.rc_context(LIGHT.style):
+        width, across = (4.2, 1) if narrow else (11.0, 2)
+        figure = Drawn(figsize=(width, 2.6 * len(parts) * 2 / across), layout="constrained")
+        rows = figure.subplots(len(parts) * 2 // across, across, squeeze=False).reshape(len(parts), 2)
+        for (title, *both), row in zip(parts, rows, strict=True):
+            for axes, one, what in zip(row, both, ("with itself", "with the prediction"), strict=True):
+                low, high = one.of_noise - one.band, one.of_noise + one.band
+                axes.fill_between(one.lag, low, high, color=LIGHT.fill, label="99 % of noise alone")
+                axes.vlines(one.lag, 0, one.value, color=LIGHT.model, linewidth=1.2)
+                axes.axhline(0.0, color=LIGHT.ink, linewidth=0.6)
+                axes.set_ylim(-1.05, 1.05)
+                axes.set_xlabel("lag [rows]")
+                axes.set_ylabel(f"residual {what}")
+            row[0].set_title(title_lines(title, narrow=narrow), loc="left")
+            row[0].legend(loc="upper right", frameon=False)
+    return figure

@@ -1,4 +1,4 @@
-"""Numbers behind the figures of a page as files that a link saves without a script, and the figure of correlations."""
+"""Numbers behind the figures of a page as files that a link saves without a script."""
 
 from __future__ import annotations
 
@@ -10,43 +10,16 @@ from itertools import zip_longest
 from typing import Any
 from urllib.parse import quote
 
-import matplotlib as mpl
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.identification.results.residual_correlation import Correlation, OutputCorrelations
-from symid.report.figures.colours import LIGHT
-from symid.report.figures.drawn import Drawn, title_lines, wide_and_narrow
+from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.envelope import envelope, envelope_places
 from symid.report.figures.identification_curves import IdentificationCurves
+from symid.report.figures.overviews import correlation_figure
 from symid.report.figures.panels import Panel
 from symid.simulation.frequency_response import FrequencyResponse, ResponseBand
-
-
-def correlation_figure(parts: Sequence[OutputCorrelations], *, narrow: bool) -> Drawn | None:
-    """Auto- and cross-correlation of each part, by its title, with their bands; None where there are no parts.
-
-    Both stand side by side, or below each other if `narrow`.
-    """
-    if not parts:
-        return None
-    with mpl.rc_context(LIGHT.style):
-        width, across = (4.2, 1) if narrow else (11.0, 2)
-        figure = Drawn(figsize=(width, 2.6 * len(parts) * 2 / across), layout="constrained")
-        rows = figure.subplots(len(parts) * 2 // across, across, squeeze=False).reshape(len(parts), 2)
-        for (title, *both), row in zip(parts, rows, strict=True):
-            for axes, one, what in zip(row, both, ("with itself", "with the prediction"), strict=True):
-                low, high = one.of_noise - one.band, one.of_noise + one.band
-                axes.fill_between(one.lag, low, high, color=LIGHT.fill, label="99 % of noise alone")
-                axes.vlines(one.lag, 0, one.value, color=LIGHT.model, linewidth=1.2)
-                axes.axhline(0.0, color=LIGHT.ink, linewidth=0.6)
-                axes.set_ylim(-1.05, 1.05)
-                axes.set_xlabel("lag [rows]")
-                axes.set_ylabel(f"residual {what}")
-            row[0].set_title(title_lines(title, narrow=narrow), loc="left")
-            row[0].legend(loc="upper right", frameon=False)
-    return figure
-
 
 _PLAIN, _MOST_SAVED = 3_000, 30_000
 """Rows up to which a table is saved as text, and those up to which it is saved whole, compressed; of a longer one the
