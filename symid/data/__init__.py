@@ -1,4 +1,8 @@
-"""Logs of machines: reading, checking, filtering and differentiating them."""
+"""Logs of machines: reading, checking, filtering and differentiating them.
+
+`text_files` and `formats` make tables of files, `quality` checks clock and channels, `reading` makes a `Log` of a
+table, `filters` holds what is done to signals.
+"""
 
 from symid.data.columns import REFERENCE, references_of
 from symid.data.filters.differences import (

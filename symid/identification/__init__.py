@@ -1,4 +1,9 @@
-"""Identification: observation of logs, estimation, physical parameters."""
+"""Identification: observation of logs, estimation, physical parameters.
+
+`identify` is the table of contents. `signals` finds the signals of an axis in a log, `rows` makes the observation of
+them, `parameters` maps minimal to physical parameters; `delays` and `deviations` examine the estimate, `results` holds
+it with its status, and `faults` finds what contradicts it.
+"""
 
 from symid.identification.delays.timing import Timing, delays_of
 from symid.identification.deviations.bias import Bias
