@@ -178,11 +178,10 @@ def corrected_covariance_of_blocks(
     kernel, length = tapered(np.stack(list(by_log.values())), samples)
     bandwidth = kernel.shape[-1] // 2 + 1
     # The taper has negative side lobes and can make Gamma indefinite; its spectrum is clipped to be positive.
-    weighted = {
-        first: with_nonnegative_spectrum(own * np.multiply.outer(weights, weights)[:, :, None])
-        for first, own in zip(by_log, kernel, strict=True)
-        for weights in (fit.weights[first : first + len(own)],)
-    }
+    weighted = {}
+    for first, own in zip(by_log, kernel, strict=True):
+        weights = fit.weights[first : first + len(own)]
+        weighted[first] = with_nonnegative_spectrum(own * np.multiply.outer(weights, weights)[:, :, None])
     scores = _score_covariance(read, fit, weighted)
     independent = effective_samples(kernel, fit.rows)
     noise = float(np.sum((fit.weights * fit.residual_norm) ** 2))

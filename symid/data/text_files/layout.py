@@ -111,11 +111,13 @@ class Layout:
         written = next((line for line in others if are_units(line)), others[0] if len(below) == 1 else [])
         units = [*(text.strip().strip("[]()") for text in written), *[""] * len(names)][: len(names)]
         pairs = list(zip(names, units, strict=True))
+        repeated = [pair[0] and pairs.count(pair) > 1 for pair in pairs]
+        numbers = [
+            f" ({pairs[: i + 1].count(pairs[i])})" if again else "" for i, again in enumerate(repeated)
+        ]
+        columns = zip(pairs, numbers, strict=True)
         return tuple(
-            (f"{name} ({pairs[: i + 1].count(pair)})" if name and pairs.count(pair) > 1 else name)
-            + (f" [{unit}]" if unit else "")
-            for i, pair in enumerate(pairs)
-            for name, unit in [pair]
+            f"{name}{number} [{unit}]" if unit else f"{name}{number}" for (name, unit), number in columns
         )
 
 

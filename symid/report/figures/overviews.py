@@ -43,14 +43,12 @@ def log_figure(log: Log, palette: Palette = LIGHT, *, narrow: bool = False) -> D
 def batch_figure(batch: Batch, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
     """Each parameter over the logs that are ok, with 95 % intervals; minimal ones where they repeat nothing."""
     table = batch.table.filter(status="ok")
-    drawn = [
-        (axis, name, units[name])
-        for axis, sets in batch.units.items()
-        for units in [{name: unit for each in sets.values() for name, unit in each.items()}]
-        for rows in [table.filter(axis=axis)]
-        for known in [[n for n in parameter_names(rows) if n in units and rows[n].is_not_null().any()]]
-        for name in without_repeats(known, units)
-    ]
+    drawn = []
+    for axis, sets in batch.units.items():
+        of_axis = table.filter(axis=axis)
+        units = {name: unit for each in sets.values() for name, unit in each.items()}
+        known = [n for n in parameter_names(of_axis) if n in units and of_axis[n].is_not_null().any()]
+        drawn += [(axis, name, units[name]) for name in without_repeats(known, units)]
     if not drawn:
         raise SettingError("there is nothing to draw: no log of this batch is ok")
     figure, rows = _rows(len(drawn), palette, narrow)
