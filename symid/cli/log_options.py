@@ -27,7 +27,7 @@ from symid.cli.terminal import say
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import LogMapping, Preparation, read_axis_log, read_mapping
-from symid.identification.rows.scheme import DIFFERENCE_ORDER
+from symid.identification.rows.settings import DIFFERENCE_ORDER
 from symid.identification.signals.mapping import require_known
 
 log_options = shared(

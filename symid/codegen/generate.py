@@ -8,10 +8,11 @@ from pathlib import Path
 
 from symid.axis import AnyAxis, axis_file, axis_names, axis_of, load_axis
 from symid.codegen.dynamics_record import dynamics_record
-from symid.codegen.dynamics_store import dynamics_file, dynamics_text
 from symid.codegen.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
+    dynamics_file,
+    dynamics_text,
     generated_folder,
     module_name,
     orphans,

@@ -36,8 +36,7 @@ from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, shows_hold
 from symid.diagnosis.selection.step import SelectionStep, accepted_of, fits_of
 from symid.diagnosis.thresholds import THRESHOLDS
-from symid.identification.signals.axis_logs import require_changing
-from symid.identification.signals.log_like import LogLike, logs_of
+from symid.identification.signals.axis_logs import LogLike, logs_of, require_changing
 from symid.simulation import Cascade
 
 _ELSEWHERE = 5.0

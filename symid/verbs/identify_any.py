@@ -22,8 +22,7 @@ from symid.identification import (
     measured_signals,
     with_fixed,
 )
-from symid.identification.signals.axis_logs import require_changing
-from symid.identification.signals.log_like import LogLike, each_of, log_of
+from symid.identification.signals.axis_logs import LogLike, each_of, log_of, require_changing
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification

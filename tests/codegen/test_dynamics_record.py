@@ -8,8 +8,8 @@ import pytest
 
 from symid import load_axis
 from symid.codegen.dynamics_record import dynamics_record
-from symid.codegen.dynamics_store import dynamics_text, stored_dynamics
 from symid.codegen.generate import generate
+from symid.codegen.store import dynamics_text, stored_dynamics
 from symid.errors import SymidError
 from symid.simulation import plant_of
 from symid.simulation.dynamics_terms import LawTerm, Polynomial

@@ -10,7 +10,7 @@ from symid.identification import observe
 from symid.identification.deviations.bias import _rest_of_sharper_rows
 from symid.identification.rows.noise import noise_levels, noise_limited_widening, noise_of_rows
 from symid.identification.rows.observation import rows_by
-from symid.identification.rows.scheme import DIFFERENCE_ORDER, sharper
+from symid.identification.rows.settings import DIFFERENCE_ORDER, sharper
 
 SHARP = sharper(DIFFERENCE_ORDER)
 

@@ -9,7 +9,7 @@ from symid import Log, Preparation, compiled, derive, identify, load_axis, load_
 from symid.data import LowPass
 from symid.errors import SettingError
 from symid.identification import observe
-from symid.identification.rows.filter_ends import leave_out_spoiled
+from symid.identification.rows.usable_rows import leave_out_spoiled
 
 MASS, VISCOUS, COULOMB = 5.0, 3.0, 2.0
 RATE = 4000.0

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import struct
 import warnings
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +26,6 @@ from symid.data.formats.channels import (
 )
 from symid.data.formats.hdf5 import MAGIC, open_hdf5, values_behind_references
 from symid.data.formats.matlab_objects import may_hold_objects, with_objects
-from symid.data.formats.matlab_sizes import COMPRESSED, DEFLATED, unpacked_sizes
 from symid.data.formats.separate import answer, channels_apart
 from symid.data.table import Table, first_line, fits_memory, parsing, require_memory
 from symid.errors import LogError
@@ -36,6 +36,14 @@ _DEEPEST = 12
 _ADVICE = "save the Time and Data of a timeseries as vectors"
 _NOTHING = f"holds no vectors of numbers: {_ADVICE}"
 _Leaf: TypeAlias = "npt.NDArray[Any] | Channel"
+_HEADER: Final = 128
+_ORDERS: Final = {b"IM": "<", b"MI": ">"}
+"""Mark of the byte order at the end of the header, as written by a machine of the other order."""
+_COMPRESSED: Final = 15
+"""Type of an element that is compressed."""
+_PIECE: Final = 1 << 20
+_DEFLATED: Final = 1032
+"""Largest ratio of zlib's compression (https://zlib.net/zlib_tech.html)."""
 
 
 def open_matlab(path: Path, memory: int | None = None) -> Table:
@@ -56,7 +64,7 @@ def open_matlab(path: Path, memory: int | None = None) -> Table:
         except LogError as error:
             return _otherwise(open_hdf5(path, memory), path, error)
     # only compressed elements have a checksum, and a wrong element can end the process of its parser
-    if may_hold_objects(begin) or COMPRESSED not in begin[128:132]:
+    if may_hold_objects(begin) or _COMPRESSED not in begin[128:132]:
         return table_of_channels(_channels_apart(path, memory))
     return table_of_channels(_channels(path, memory))
 
@@ -189,7 +197,7 @@ def _require_memory_for(path: Path, memory: int | None) -> None:
     except Exception:  # noqa: BLE001  what cannot be listed, such as a tf model, may still be loaded
         listed = []
     require_memory(sum(math.prod(map(int, shape)) for _, shape, _ in listed), memory)
-    if not fits_memory(DEFLATED * path.stat().st_size // 8, memory):
+    if not fits_memory(_DEFLATED * path.stat().st_size // 8, memory):
         for n_bytes in unpacked_sizes(path):  # fields of structs and cells are not listed
             require_memory(n_bytes // 8, memory)
 
@@ -227,3 +235,29 @@ def _without_objects(arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, npt.ND
 
 if __name__ == "__main__":
     answer(_parsed)
+
+
+def unpacked_sizes(path: Path) -> Iterator[int]:
+    """Bytes that the compressed variables of a MATLAB file take: a growing sum, first as stated, then as counted.
+
+    A file of version 5 to 7 is a header of 128 bytes and elements: type and size in 4 bytes each, then the data. A
+    compressed element holds one other element (MathWorks, MAT-File Format, "Level 5 MAT-File Format"). Little of a file
+    can become much memory, and the size that the inner element states need not be true.
+    """
+    with path.open("rb") as file:
+        order = _ORDERS.get(file.read(_HEADER)[-2:])
+        if order is None:
+            return  # version 4, which has no compression, or 7.3, which is HDF5
+        whole = 0
+        while len(tag := file.read(8)) == 8:
+            kind, size = struct.unpack(f"{order}II", tag)
+            if kind != _COMPRESSED:
+                file.seek(size, 1)
+                continue
+            packed, counted, stream = file.read(size), 0, zlib.decompressobj()
+            while packed and not stream.eof:
+                piece = stream.decompress(packed, _PIECE if counted else 8)
+                stated = struct.unpack(f"{order}II", piece)[1] if not counted and len(piece) == 8 else 0
+                counted, packed = counted + len(piece), stream.unconsumed_tail
+                yield whole + max(counted, stated)
+            whole += counted

@@ -27,7 +27,7 @@ from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.rows.excerpts import Excerpt, share_of_rows
 from symid.identification.rows.noise import noise_levels, noise_limited_widening, noise_of_rows
 from symid.identification.rows.observation import Observation, rows_by
-from symid.identification.rows.scheme import sharper
+from symid.identification.rows.settings import sharper
 
 _COUNTS = 0.1
 """Share of the standard deviation beyond which a bias changes the coverage of an interval."""

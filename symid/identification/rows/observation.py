@@ -14,13 +14,11 @@ from symid.data import Log, QuinticSpline, kept_indices
 from symid.errors import SettingError
 from symid.identification.rows.bands import completed
 from symid.identification.rows.coulomb import more_columns, sample_friction, take_off
-from symid.identification.rows.filter_ends import leave_out_spoiled
 from symid.identification.rows.filtered_signals import Signal, filtered, low_pass_of
 from symid.identification.rows.noise import coefficients
 from symid.identification.rows.sampling import Sampling, linear_part, sample_into, sampled_rows, sampling_of
-from symid.identification.rows.scheme import Scheme
-from symid.identification.rows.settings import Preparation
-from symid.identification.rows.usable_rows import usable_rows
+from symid.identification.rows.settings import Preparation, Scheme
+from symid.identification.rows.usable_rows import leave_out_spoiled, usable_rows
 from symid.signal_names import split_derivative
 
 _STEP = 0.25

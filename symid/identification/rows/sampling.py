@@ -22,8 +22,7 @@ from symid.data import (
     kept_of,
 )
 from symid.identification.rows.filtered_signals import Filtered, Signal, filtered
-from symid.identification.rows.scheme import Scheme
-from symid.identification.rows.settings import Preparation
+from symid.identification.rows.settings import Preparation, Scheme
 from symid.signal_names import derivative_name
 
 STANDSTILL_SHARE = 0.01

@@ -1,16 +1,19 @@
-"""Columns that an axis expects of a log, and its sensors that a log holds."""
+"""Logs of an axis, given as such, as files or as data frames: the columns expected, and the sensors they hold."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Unpack
+from typing import Any, TypeAlias, Unpack, cast
 
 from symid.axis import Axis, of_any_axis
-from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, open_log, read_log
+from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, LongLog, in_memory, open_log, read_log
 from symid.data.quality.checks import constant_fault
 from symid.errors import LogError
 from symid.units import Unit
+
+LogLike: TypeAlias = "AnyLog | str | os.PathLike[str] | Frame"
+"""A log, the path of one, a data frame, or columns by name."""
 
 
 def axis_columns(
@@ -160,3 +163,22 @@ def require_changing(log: AnyLog, names: Iterable[str]) -> None:
         for name in (name for name in names if name in log.signals):
             if fault := constant_fault(name, float(log[name].min()), float(log[name].max())):
                 raise LogError(f"{log.source}: {fault}")
+
+
+def log_of(axis: Axis, given: LogLike, measured: Sequence[str] | None = None, **columns: Any) -> AnyLog:
+    """A log of an axis; a file or a frame is read and checked, with columns as in `symid.read_axis_log`."""
+    if isinstance(given, (Log, LongLog)):
+        return given
+    return read_axis_log(axis, given, measured=measured, **columns)
+
+
+def each_of(given: LogLike | Sequence[LogLike]) -> Sequence[LogLike]:
+    """Logs as a sequence; a single one may be given alone."""
+    return cast("Sequence[LogLike]", given if isinstance(given, (list, tuple)) else (given,))
+
+
+def logs_of(
+    axis: Axis, given: LogLike | Sequence[LogLike], measured: Sequence[str] | None = None, **columns: Any
+) -> list[Log]:
+    """One or several logs of an axis, whole in memory."""
+    return [in_memory(log_of(axis, each, measured, **columns)) for each in each_of(given)]
