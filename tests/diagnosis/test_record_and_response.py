@@ -272,6 +272,14 @@ def test_a_motion_in_a_part_of_the_log_is_parted_where_it_moves() -> None:
         assert np.sum(part & moving) > 0.25 * np.sum(moving)
 
 
+def test_rows_of_short_strokes_count_in_the_models_of_errors() -> None:
+    # One long stroke and many short ones: with a past of six rows only the long one would be left.
+    kept = np.ones(160, dtype=bool)
+    kept[40::6] = False
+    rows = np.random.default_rng(0).standard_normal((1, 160))
+    assert autoregression(rows, kept, 6).usable[40:].sum() > 0.5 * kept[40:].sum()
+
+
 def test_errors_of_short_stretches_have_an_autoregressive_model() -> None:
     rows = np.random.default_rng(0).standard_normal((1, 40))
     kept = np.arange(40) % 8 < 7  # no row has more than six before it

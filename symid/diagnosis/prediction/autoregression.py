@@ -9,6 +9,8 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray
 
 _ROWS_PER_COEFFICIENT = 2
+_LEAST_USABLE = 0.75
+"""Least share of the kept rows that have a past of the order of the model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +46,11 @@ class Autoregression:
 def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
     """Least-squares autoregressive model of the kept rows, of shape (n_outputs, n_rows).
 
-    The order is reduced where rests leave too few rows with a past of that length.
+    The order is reduced where rests leave too few rows with a past of that length: those of short strokes would be lost.
     """
     p = len(rows)
     usable = _with_past(kept, order)
-    while order > 1 and usable.sum() < _ROWS_PER_COEFFICIENT * p * order:
+    while order > 1 and usable.sum() < max(_ROWS_PER_COEFFICIENT * p * order, _LEAST_USABLE * kept.sum()):
         order -= 1
         usable = _with_past(kept, order)
     past = np.concatenate([np.roll(rows, k, axis=1)[:, usable] for k in range(1, order + 1)]).T
