@@ -224,7 +224,7 @@ class _Task:
 
     def _damage(self, begun: Fit, base: Fit, last: Fit) -> Damage:
         """Faults of the recording, the one that explains most in front."""
-        damaged = damage(self._parts, begun, base).led_by(feedback_law(last))
+        damaged = damage(self._parts, begun, base, last).led_by(feedback_law(last))
         if not damaged.fatal:
             damaged = damaged.led_by(driven_backwards(last))
         return damaged.led_by(wrong_gain(base), silent=True).led_by(steady_force(base), silent=True)

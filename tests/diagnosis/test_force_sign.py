@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from symid import Log, load_axis
+from symid import Axis, Body, Drive, Log, Position, ViscousFriction, load_axis
 from symid.diagnosis import diagnose
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -45,3 +45,32 @@ def test_a_force_with_samples_filled_with_zero_is_no_right_model(log: Log) -> No
     found = diagnose(AXIS, replace(log, signals={**log.signals, "F": np.where(lost, 0.0, log["F"])}))
     assert found.verdict == "recording"
     assert "samples were lost and filled with 0" in found.sentence
+
+
+def test_a_spring_that_outweighs_the_inertia_is_no_wrong_sign() -> None:
+    # A pendulum that is moved slower than it swings: its drive pushes against the acceleration.
+    t = np.arange(2500) / 1000
+    rng, q = np.random.default_rng(3), np.zeros(t.size)
+    a = np.zeros(t.size)
+    for f, size in ((0.8, 0.5), (1.1, 0.15), (1.7, 0.05)):
+        q += size * np.sin(2 * np.pi * f * t)
+        a -= size * (2 * np.pi * f) ** 2 * np.sin(2 * np.pi * f * t)
+    pushed = 0.1 * a + 20.0 * np.sin(q) + 0.2 * np.gradient(q, t) + 0.1 * rng.standard_normal(t.size)
+    read = q + 1e-5 * rng.standard_normal(t.size)
+    assert np.corrcoef(pushed, a)[0, 1] < -0.5
+    joint = Body("joint", inertia="J")
+    axis = Axis("swung", (joint, ViscousFriction(joint, "Fv")), Drive("T", joint), (Position("q", joint),))
+    found = diagnose(axis, Log.from_arrays({"q": read, "T": pushed}, sampling_period=1e-3))
+    assert not found.faults
+    names = {found.effects[0].effect, *(name for name, _ in found.effects[0].indistinguishable_from)}
+    assert "weight" in names
+
+
+def test_a_constant_force_that_speeds_an_axis_up_is_no_lost_sign() -> None:
+    t = np.arange(800) / 1000
+    speed = -57.0 * (1 - np.exp(-np.clip(t - 0.1, 0.0, None) / 0.05))
+    read = np.cumsum(speed) / 1000 + 0.02 * np.random.default_rng(4).standard_normal(t.size)
+    log = Log.from_arrays({"q": read, "F": np.where(t < 0.1, 0.0, -7.0)}, sampling_period=1e-3)
+    table = Body("table", mass="M")
+    found = diagnose(Axis("pushed", (table,), Drive("F", table), (Position("q", table),)), log)
+    assert not any(text.startswith(LOST) for text in found.faults)

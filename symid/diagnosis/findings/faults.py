@@ -49,10 +49,10 @@ class Damage:
 NO_DAMAGE = Damage()
 
 
-def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
+def damage(logs: Sequence[Log], begun: Fit, found: Fit, last: Fit) -> Damage:
     """Damage of logs by their recorder or by a wrong sign.
 
-    `begun` is the axis with its initial values, `found` the axis fitted to the logs.
+    `begun` is the axis with its initial values, `found` the axis fitted to the logs, `last` that with all effects.
     """
     record = begun.state.prediction.record
     names = (*record.forces, *record.signals)
@@ -69,7 +69,7 @@ def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
         uneven_averaging({name: log[name] for name in names}, cycles, "end of the motion", _AVERAGED)
         for log in logs
     ]
-    signs = [wrong_sign(begun, found, drive) for drive in range(record.n_drives)]
+    signs = [wrong_sign(begun, found, last, drive) for drive in range(record.n_drives)]
     cut = [cut_force(found, drive) for drive in range(record.n_drives)]
     fatal = tuple(dict.fromkeys(text for text in (*signs, *faults, *held, *means, *cut) if text))
     # Samples filled with 0 scale the force, and all values with it: a gap is then none of the model.

@@ -17,6 +17,8 @@ _MIRRORED = 0.3
 """Error with the opposite force relative to that with the recorded one, mean squares, below which the sign is wrong."""
 _BOTH_SIGNS = 0.2
 """Least share of samples with each sign in a predicted force for a record of one sign to be suspicious."""
+_FOLLOWS = 0.5
+"""Share of the squares of a record, less its mean, that a course must explain for the record to follow it."""
 _LEFT = 0.1
 """Share of the squares of a force whose signs are found that the axis may leave."""
 _ROUNDS = 4
@@ -25,15 +27,18 @@ _COASTS = 0.1
 """Share of the samples of a motion in which the force is exactly 0: the drive is off, and no sign is lost."""
 
 
-def wrong_sign(begun: Fit, found: Fit, drive: int) -> str:
-    """Sentence if the force of a drive is opposite to the predicted one, or is its absolute value; otherwise empty."""
+def wrong_sign(begun: Fit, found: Fit, last: Fit, drive: int) -> str:
+    """Sentence if the force of a drive is opposite to the predicted one, or is its absolute value; otherwise empty.
+
+    `found` is the axis fitted to the log, `last` the same with all effects that were found.
+    """
     state, weighting = begun.state, begun.weighting
     record = state.prediction.record
     force = record.forces[drive]
     both = weighting.rows(np.stack([record.measured, state.prediction.outputs]))
     measured, predicted = both[:, drive, weighting.kept]
     opposite = float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE
-    if opposite and _fits_mirrored(begun, found, force):
+    if opposite and _fits_mirrored(begun, min(found, last, key=lambda fit: fit.mean_square), force):
         return f"{force} is opposite to what the motion asks for: its sign or that of a position is wrong"
     logged = record.log[force]
     seen, asked = (
@@ -52,10 +57,13 @@ def wrong_sign(begun: Fit, found: Fit, drive: int) -> str:
     return ""
 
 
-def _fits_mirrored(begun: Fit, found: Fit, force: str) -> bool:
-    """Whether the axis fits the force of opposite sign far better than the recorded one."""
+def _fits_mirrored(begun: Fit, best: Fit, force: str) -> bool:
+    """Whether the axis fits the force of opposite sign far better than the best model fits the recorded one.
+
+    A weight or a spring that the axis lacks asks for a force against the acceleration where it outweighs the inertia.
+    """
     fit = _with_force(begun, force, -begun.state.prediction.record.log[force])
-    return fit.mean_square < _MIRRORED * found.mean_square
+    return fit.mean_square < _MIRRORED * best.mean_square
 
 
 def _is_rectified(begun: Fit, found: Fit, drive: int) -> bool:
@@ -66,7 +74,7 @@ def _is_rectified(begun: Fit, found: Fit, drive: int) -> bool:
     well once a constant is taken off.
     """
     record = begun.state.prediction.record
-    force, speed = record.forces[drive], record.speeds[drive]
+    force, speed = record.forces[drive], record.fine(1j * record.omega * record.motions[drive])
     logged = record.log[force]
     plain = min(found.mean_square, _with_force(begun, force, logged - logged.mean()).mean_square)
 
@@ -98,13 +106,15 @@ def _with_force(begun: Fit, force: str, values: FloatArray) -> Fit:
 def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
     """Whether a record follows the absolute value of the predicted force rather than the force, each plus a constant.
 
-    The predicted force has both signs. A weight that is not in the model can keep a force on one side, too.
+    The predicted force has both signs. A weight that is not in the model can keep a force on one side, too, and a force
+    that is constant follows neither.
     """
     if min(float(np.mean(asked > 0)), float(np.mean(asked < 0))) < _BOTH_SIGNS:
         return False
 
     def left(course: FloatArray) -> float:
         base = np.stack([np.ones(asked.size), course], axis=1)
-        return float(np.linalg.norm(seen - base @ np.linalg.lstsq(base, seen)[0]))
+        return float(np.sum((seen - base @ np.linalg.lstsq(base, seen)[0]) ** 2))
 
-    return left(np.abs(asked)) < left(asked)
+    varies = float(np.sum((seen - seen.mean()) ** 2))
+    return left(np.abs(asked)) < min(left(asked), (1 - _FOLLOWS) * varies)

@@ -46,7 +46,7 @@ class Autoregression:
 def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
     """Least-squares autoregressive model of the kept rows, of shape (n_outputs, n_rows).
 
-    The order is reduced where rests leave too few rows with a past of that length: those of short strokes would be lost.
+    The order is reduced where rests leave few rows with a past of that length: those of short strokes would be lost.
     """
     p = len(rows)
     usable = _with_past(kept, order)
