@@ -86,7 +86,7 @@ class Criteria:
     # what it describes. From there the highest cutoff is taken that leaves little more than the best
     cutoff_fit: float = 0.1
     # cutoff_change, cutoff_certain: relative change of a parameter between two cutoffs, 1.6 times apart, and its size
-    # in the larger printed deviation, from which it depends on the cutoff: right undamaged logs show up to 1.8
+    # in the larger printed deviation, from which it widens the interval: right undamaged logs show up to 1.8
     cutoff_change: float = 0.05
     cutoff_certain: float = 2.5
     # log_change, log_certain: relative difference of a parameter between one log and all, and its size in the

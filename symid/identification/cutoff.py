@@ -20,6 +20,7 @@ from symid.data import AnyLog
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, Method, TriangularFactor, estimate, refine_blocks
 from symid.identification.criteria import CRITERIA
+from symid.identification.deviations.discrepancy import Discrepancy
 from symid.identification.faults.poor_fit import unexplained
 from symid.identification.results.identification_result import Identification
 from symid.identification.results.verdict import poorly_fitted
@@ -210,35 +211,32 @@ def least_uncertain(
     return best, tried
 
 
-def disagreement_of(found: Identification, tried: Sequence[Identification]) -> str:
-    """Statement on a parameter that comes out otherwise at the next lower or higher cutoff that was tried; else empty.
+def disagreements_of(found: Identification, tried: Sequence[Identification]) -> tuple[Discrepancy, ...]:
+    """Differences of the parameters at the next lower and higher cutoff that were tried, where one is certain.
 
     Estimates from more and from less of the same band agree where the model is right (J. A. Hausman, Econometrica 46,
     1978). What a controller makes of the encoder's noise, a filter of one signal or a missing mode make a bias that
     changes with the cutoff.
     """
     if not found.physical:
-        return ""
+        return ()
     own = _cutoff(found)
     others = [one for one in tried if one.physical and _cutoff(one) != own]
     lower = max((one for one in others if _cutoff(one) < own), key=_cutoff, default=None)
     higher = min((one for one in others if _cutoff(one) > own), key=_cutoff, default=None)
     values, deviations = found.physical[0].parameters, found.physical_deviations
+    seen = []
     for other in filter(None, (lower, higher)):
         change = np.abs(other.physical[0].parameters - values)
-        with np.errstate(divide="ignore", invalid="ignore"):  # values held at a bound have no deviation
-            certain = change / np.maximum(deviations, other.physical_deviations)
-        beyond = np.where(change > CRITERIA.cutoff_change * np.abs(values), certain, 0.0)
-        k = int(np.argmax(np.nan_to_num(beyond)))
-        if beyond[k] > CRITERIA.cutoff_certain:
-            name, unit = list(found.model.physical_units.items())[k]
-            return (
-                f"{name} depends on the cutoff ({values[k]:.4g} {unit} at {own:.3g} Hz, "
-                f"{other.physical[0].parameters[k]:.4g} at {_cutoff(other):.3g} Hz): the controller makes force of "
-                "the encoder's noise, a signal was filtered, or the model lacks an effect; record raw signals at the "
-                "rate of the controller, or take `method=oe`"
+        certain = change > CRITERIA.cutoff_certain * np.maximum(deviations, other.physical_deviations)
+        if np.any(certain & (change > CRITERIA.cutoff_change * np.abs(values)) & (deviations > 0.0)):
+            minimal = (other.fit.solution - found.fit.solution)[None]
+            seen.append(
+                Discrepancy(
+                    f"other values at {_cutoff(other):.3g} Hz", minimal, np.zeros((minimal.size,) * 2)
+                )
             )
-    return ""
+    return tuple(seen)
 
 
 def _upward(highest: float) -> list[float]:

@@ -29,7 +29,7 @@ from symid.estimation import (
     estimate,
 )
 from symid.identification.criteria import CRITERIA
-from symid.identification.cutoff import CutoffTrial, Estimation, disagreement_of, least_uncertain
+from symid.identification.cutoff import CutoffTrial, Estimation, disagreements_of, least_uncertain
 from symid.identification.delays.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.delays.timing import delays_of, likeliest
 from symid.identification.deviations.bias import Bias, Correction, bias_of_instruments
@@ -288,10 +288,8 @@ def with_checks(
     # Faults of channels, of parts of the logs and of the structure; then what no fault explains widens the deviations
     change = greatest_change(sums, own.solution, own.rank.inverse_root)
     faults = faults_of(examined, fit, parts, change, drift, noise_alone=noise_alone)
-    checked = with_faults(
-        examined, replace(faults, poor_fit=faults.poor_fit or disagreement_of(found, tried))
-    )
+    checked = with_faults(examined, faults)
     if checked.status == "ok":
         seen = discrepancies_of(model, parts, fit, found.fit, noise_alone=noise_alone)
-        checked = with_discrepancies(checked, seen)
+        checked = with_discrepancies(checked, (*seen, *disagreements_of(found, tried)))
     return with_constraint_check(checked)
