@@ -11,17 +11,15 @@ from threadpoolctl import threadpool_limits
 from symid.axis import AnyAxis, Axis, axis_of
 from symid.data import Log, require_times_within
 from symid.diagnosis.effects import LIBRARY, Effect
-from symid.diagnosis.findings.changed_span import changed_span
 from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.faults import Damage, damage
 from symid.diagnosis.findings.feedback import driven_backwards, feedback_law
+from symid.diagnosis.findings.fit_faults import changed_span, steady_force, wrong_gain
 from symid.diagnosis.findings.held_out import strongest_first, without_worsening
 from symid.diagnosis.findings.location import momentary
-from symid.diagnosis.findings.steady_force import steady_force
 from symid.diagnosis.findings.wording import rejection, sentence
-from symid.diagnosis.findings.wrong_gain import wrong_gain
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import first_state

@@ -12,7 +12,7 @@ from symid.data import Log
 from symid.data.quality.lost_samples import dropped
 from symid.data.quality.stuck import inspect_spans, is_switched
 from symid.diagnosis.effects import Placed, force_at
-from symid.diagnosis.findings.cut_force import cut_force
+from symid.diagnosis.findings.fit_faults import cut_force
 from symid.diagnosis.findings.force_sign import wrong_sign
 from symid.diagnosis.fitting.fit import Fit
 from symid.identification.faults.recording import channel_fault, held_fault

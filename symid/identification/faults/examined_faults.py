@@ -12,9 +12,8 @@ from symid.identification.delays.lag_scan import shown_late
 from symid.identification.deviations.stability import Change
 from symid.identification.deviations.whitened import whitened
 from symid.identification.faults.constant_force import constant_force
-from symid.identification.faults.folding import folding_of
 from symid.identification.faults.lagging import ac_coupling_of, smoothing_by_residual
-from symid.identification.faults.modes import lost_mode, mode_above
+from symid.identification.faults.modes import folding_of, lost_mode, mode_above
 from symid.identification.faults.nonlinearity import ColumnTests
 from symid.identification.faults.poor_fit import contradicting_part, unexplained, unexplained_outputs
 from symid.identification.faults.recording import fault_of

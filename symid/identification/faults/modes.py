@@ -1,4 +1,4 @@
-"""Natural frequencies of an identified axis, from the coefficients of its equations.
+"""Natural frequencies of an identified axis, from the coefficients of its equations; motion beyond the band of a log.
 
 Without laws the equations are A(s) q = B(s) F, with polynomials in s whose coefficients are those of W X - y. The
 natural frequencies are the zeros of det A. The determinant is sampled on a circle around the band of the estimate, and
@@ -7,10 +7,14 @@ its polynomial follows by a Fourier transform.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
+from symid.data.filters.density import NOISE_FROM, explained_power, mean_power, segment_spectra
+from symid.identification.rows.excerpts import Excerpt
 from symid.identification.rows.noise import coefficients
 from symid.signal_names import split_derivative
 
@@ -99,3 +103,38 @@ def natural_frequencies(model: GeneratedModel, X: FloatArray, around_hz: float) 
     roots = np.roots(polynomial[: kept[-1] + 1][::-1]) if size > 0.0 else np.zeros(0)
     weakly = (roots.imag > 0.0) & (-roots.real < _DAMPED * np.abs(roots))
     return np.sort(around_hz * np.abs(roots[weakly]))
+
+
+_SHARE = 0.1
+"""Part of a sensor's power above it; an accelerometer's noise of 2 % of the rms signal makes 1e-4 of it."""
+_COHERENT = 0.8
+"""Share of a force's power there that is linear in the sensors, in the median: noise is not."""
+_SEGMENTS, _LONGEST = 16, 1024  # segments at least, and samples of one at most
+
+
+def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+    """Statement on a sensor with motion up to half the sampling frequency; empty without one.
+
+    A controller makes a force of an encoder's noise, so that the two are coherent up to there in a sound log too: it is
+    the share of the power that decides. As a rule accelerometers show it.
+    """
+    for part in parts:
+        length = max(16, min(_LONGEST, part.log.n_samples // _SEGMENTS))
+        motion = [name for name in model.highest_derivatives if name not in model.forces]
+        sensors = {name: segment_spectra(part.log[name][None], length) for name in motion}
+        upper = np.arange(length // 2 + 1) > NOISE_FROM * length
+        power = {name: mean_power(x) for name, x in sensors.items()}
+        shares = {name: float(p[upper].sum()) / max(float(p.sum()), 1e-300) for name, p in power.items()}
+        name = max(shares, key=shares.__getitem__)
+        if shares[name] < _SHARE:
+            continue
+        for force in model.forces:
+            spectra = segment_spectra(part.log[force][None], length)
+            seen = explained_power(spectra, np.stack(list(sensors.values())))
+            if np.median((seen / np.maximum(mean_power(spectra), 1e-300))[upper]) > _COHERENT:
+                return (
+                    f"{name} has {100 * shares[name]:.2g} % of its power above 0.7 of half the sampling frequency, and "
+                    f"{force} goes with it: faster motion is folded into the log; record faster, or filter all signals "
+                    "alike before sampling"
+                )
+    return ""
