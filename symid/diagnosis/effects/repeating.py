@@ -1,6 +1,6 @@
 """Effects that are periodic along the stroke: in a force, dry friction, the force constant or a position reading.
 
-Each is a sine and a cosine of the displacement times a carrier: 1, the direction of motion, or the drive force. The
+Each is a sine and a cosine of the displacement times a factor: 1, the direction of motion, or the drive force. The
 pitch is estimated from the residual by a Fourier transform along the stroke.
 """
 
@@ -179,17 +179,17 @@ def repeating_pitches(
     unit: Unit,
     matched_filter: MatchedFilter,
     response: ComplexArray,
-    carrier: FloatArray | None = None,
+    factor: FloatArray | None = None,
 ) -> Iterable[Shape]:
-    """Pitches at which a carrier times a wave along the stroke explains most of the residual.
+    """Pitches at which a factor times a wave along the stroke explains most of the residual.
 
     `unit` is that of the displacement of the joint, which may differ from that of the drive. `response` is the response
-    of the outputs to this signal. The output of the matched filter, times the carrier, is summed in bins along the
+    of the outputs to this signal. The output of the matched filter, times the factor, is summed in bins along the
     stroke; one Fourier transform of the bins gives the correlation with all waves.
     """
     low, high = joint.range
     inside = prediction.record.in_log
-    weight = np.ones_like(joint.q) if carrier is None else carrier
+    weight = np.ones_like(joint.q) if factor is None else factor
     least = max(
         2 * math.pi / _MOST_WAVES if str(unit) == "rad" else _LEAST_PITCH, 8 * (high - low) / _MOST_BINS
     )
@@ -207,12 +207,12 @@ def repeating_pitches(
 
 
 def _of_joint_force(
-    prediction: Prediction, joint: Joint, matched_filter: MatchedFilter, carrier: FloatArray | None = None
+    prediction: Prediction, joint: Joint, matched_filter: MatchedFilter, factor: FloatArray | None = None
 ) -> Iterable[Shape]:
     """`repeating_pitches` of a force in a joint."""
     response = -prediction.response.of_force(joint.direction)
     _, unit = joint_units(prediction, joint.name)
-    return repeating_pitches(prediction, joint, unit, matched_filter, response, carrier)
+    return repeating_pitches(prediction, joint, unit, matched_filter, response, factor)
 
 
 def _of_output(prediction: Prediction, output: int) -> ComplexArray:
