@@ -77,8 +77,6 @@ class CorrelatedCovariance:
         Lag in samples from which on the correlation is taken as 0.
     effective_samples : float
         Number of independent samples with the same information as the correlated residual.
-    effective_parameters : float
-        Noise that the fit absorbs, in samples; the number of parameters for a white residual.
     degrees_of_freedom : float
         Of Student's t for intervals from `covariance`: effective samples minus parameters, 1 at least.
     """
@@ -87,7 +85,6 @@ class CorrelatedCovariance:
     covariance: FloatArray
     bandwidth: int
     effective_samples: float
-    effective_parameters: float
     degrees_of_freedom: float
 
     @property
@@ -199,7 +196,6 @@ def corrected_covariance_of_blocks(
         covariance=read_only(covariance),
         bandwidth=bandwidth,
         effective_samples=independent,
-        effective_parameters=absorbed * sum(fit.rows),
         degrees_of_freedom=max(independent - fit.rank.rank, 1.0),
     )
 
