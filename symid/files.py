@@ -123,14 +123,14 @@ def is_finite_number(value: object) -> bool:
         return False
 
 
-def shortened(value: object, longest: int = 60) -> str:
-    """Value of a JSON file, shortened for a message.
+def shortened(value: object) -> str:
+    """Value of a JSON file, shortened to 60 characters for a message.
 
-    >>> shortened("12"), shortened([0] * 100, 10)
-    ("'12'", '[0, 0, ...')
+    >>> shortened("12"), shortened([0] * 100)[-9:]
+    ("'12'", ' 0, 0,...')
     """
     text = repr(value)
-    return text if len(text) <= longest else text[: longest - 3] + "..."
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _integer(digits: str) -> int | float:

@@ -124,12 +124,6 @@ def test_few_samples(n):
     assert faults_of(np.arange(n)) == f"has only {n} sample{'s' * (n != 1)}: at least 25 are required"
 
 
-def test_a_lower_minimum_can_be_asked_for():
-    clock = inspect_clock(0.5 * np.arange(4), minimum=4)
-    assert clock.faults == ()
-    assert clock.period == 0.5
-
-
 @pytest.mark.parametrize("time", [np.zeros(100), -np.arange(100.0), np.full(100, np.nan)])
 def test_times_that_do_not_advance(time):
     clock = inspect_clock(time)

@@ -168,11 +168,9 @@ def test_central_difference_is_exact_on_parabolas(coefficients, period, n):
     )
 
 
-def test_difference_across_blocks_and_into_given_memory():
+def test_difference_across_blocks():
     x = np.random.default_rng(3).standard_normal((2, 70_000))
-    out = np.empty_like(x)
-    assert central_difference(x, 0.25, out=out) is out
-    assert out == pytest.approx(np.gradient(x, 0.25, axis=-1), rel=1e-12)
+    assert central_difference(x, 0.25) == pytest.approx(np.gradient(x, 0.25, axis=-1), rel=1e-12)
 
 
 def test_third_derivative_of_a_cubic_inside():

@@ -16,9 +16,7 @@ _BLOCK: Final = 16_384  # samples of a block that stays in the cache between two
 _BISECTIONS: Final = 52  # to the last digit of a frequency
 
 
-def central_difference(
-    x: npt.ArrayLike, sampling_period: float, *, order: int = 2, out: FloatArray | None = None
-) -> FloatArray:
+def central_difference(x: npt.ArrayLike, sampling_period: float, *, order: int = 2) -> FloatArray:
     """First derivative by central differences, equation [31], one-sided at the two ends.
 
     Parameters
@@ -30,8 +28,6 @@ def central_difference(
     order : int
         Order of accuracy, an even number: 2 is the paper's difference of the two neighbours. A higher one takes more
         neighbours on either side, half as many as its number; near the ends the order is reduced.
-    out : array of the shape of `x`, optional
-        Where to write the result; it must not share memory with `x`.
 
     Returns
     -------
@@ -50,7 +46,7 @@ def central_difference(
     values = np.asarray(x, dtype=np.float64)
     if values.ndim == 0 or values.shape[-1] < 2:
         raise SettingError("a difference needs at least 2 samples: give a longer signal")
-    slope = np.empty(values.shape) if out is None else out
+    slope = np.empty(values.shape)
     for row in np.ndindex(values.shape[:-1]):
         _difference_row(values[row], sampling_period, difference_factors(order), slope[row])
     return slope

@@ -64,8 +64,8 @@ def require_seconds(time: FloatArray) -> None:
         )
 
 
-def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: int = 0) -> Clock:
-    """The sampling period and the faults of the written times of a log, s, with at least `minimum` samples.
+def inspect_clock(time: FloatArray, *, before: int = 0) -> Clock:
+    """The sampling period and the faults of the written times of a log, s.
 
     The rounding of the written times is allowed for: 1.5 ms written with three decimals, or 32 bit numbers, do not
     count as jitter. `before` counts the rows before the first of these times, in messages.
@@ -73,8 +73,8 @@ def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: i
     >>> inspect_clock(np.arange(100) / 250.0).period
     0.004
     """
-    if time.size < max(minimum, 2):
-        short = f"has only {counted(time.size, 'sample')}: at least {minimum} are required"
+    if time.size < MINIMUM_SAMPLES:
+        short = f"has only {counted(time.size, 'sample')}: at least {MINIMUM_SAMPLES} are required"
         return Clock(0.0, float("nan"), (short,))
     time = np.where(np.abs(time) < _LARGEST_TIME, time, np.nan)
     intervals = np.diff(time)
