@@ -1,4 +1,9 @@
-"""Why a simulation and a machine differ: the gap, where it lies, which effect causes it, how far it shrinks."""
+"""Why a simulation and a machine differ: the gap, where it lies, which effect causes it, how far it shrinks.
+
+`diagnose` is the table of contents. `prediction` evaluates the axis on a log, `effects` is the library of what may be
+missing, `fitting` fits an axis with effects, `selection` finds those that explain the gap, `findings` makes the result,
+`in_motion` simulates it under the controller, and `experiment` designs the next experiment.
+"""
 
 from symid.diagnosis.against import diagnose_against
 from symid.diagnosis.diagnose import diagnose
