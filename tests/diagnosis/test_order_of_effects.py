@@ -2,23 +2,26 @@
 
 import sys
 
+import hand_made
 import numpy as np
 import pytest
+from hand_made import rigid_log
 
 from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import diagnose
-from symid.diagnosis.effects import LIBRARY
+from symid.diagnosis.effects import LIBRARY, Placed
 from symid.diagnosis.findings.held_out import strongest_first
 from symid.diagnosis.findings.strength import FixedBand
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.state import State, first_state
+from symid.diagnosis.fitting.gauss_newton import fitted
+from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.diagnosis.selection.backward import brought_first
-from symid.diagnosis.selection.step import accepted_of
+from symid.diagnosis.selection.backward import _determined, brought_first
+from symid.diagnosis.selection.step import Confirmed, SelectionStep, accepted_of
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 applied_module = sys.modules[applied.__module__]
@@ -138,3 +141,33 @@ def test_the_interval_of_a_share_holds_what_the_effect_removes_beside_the_others
     drag, cogging = (effect.removes for effect in found.effects)
     assert drag.low < truth < drag.high
     assert cogging.low < 1 - truth < cogging.high
+
+
+def test_cogging_of_a_longer_pitch_than_the_stroke_is_found_if_it_explains_all() -> None:
+    pitch = 1.2 * float(np.ptp(rigid_log()["q"]))
+    log = rigid_log(lambda t, q, v, a, path: 40 * np.sin(2 * np.pi * q / pitch + 0.7))
+    found = diagnose(RIGID, log, nominal=hand_made.RIGID)
+    assert [effect.effect for effect in found.effects] == ["cogging"]
+    assert found.effects[0].parameters["pitch"].value == pytest.approx(pitch, rel=1e-3)
+    stiff = rigid_log(lambda t, q, v, a, path: 800 * q)
+    named = diagnose(RIGID, stiff, nominal=hand_made.RIGID).effects[0]
+    assert (named.effect, named.indistinguishable_from) == ("position_stiffness", ())
+
+
+def test_effects_within_their_deviations_beside_all_others_are_dropped() -> None:
+    """An effect that is named first and stood in for another one, which leaves nothing to it."""
+    data = data_of(RIGID, (joined([rigid_log(lambda t, q, v, a, path: 800 * q)]), None), Recorded({}, None))
+    fit = fitted(*first_state(data.record, hand_made.RIGID))
+    base, steps = fit, list[SelectionStep]()
+    for name in ("offset_force", "position_stiffness"):
+        effect = next(effect for effect in LIBRARY if effect.name == name)
+        item = Placed(effect, "motor", (), (1.0,))
+        found = fitted(with_effects(fit.state, fit.weighting, (*fit.state.placed, item)), fit.weighting)
+        own = Confirmed(found, 100.0, 1.0, found.blocks.squares)
+        steps.append(SelectionStep(fit, (own,), ()))
+        fit = found
+    assert abs(fit.state.placed[0].amplitudes[0]) < 1.0
+    kept = _determined(steps)
+    assert [step.best.key for step in kept] == [("position_stiffness", "motor")]
+    assert kept[0].before.parameters == base.parameters
+    assert _determined(steps[:1]) == steps[:1]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 from hand_made import RIGID, motion
 
 from symid import Log, load_axis
+from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.shares import closed_fraction, removed_share, surely_decreases
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.autoregression import autoregression
@@ -103,6 +105,21 @@ def test_an_excess_in_few_blocks_is_surely_removed() -> None:
     assert removed_share(np.stack([before, before, after]), 1.5).low <= 0
     assert surely_decreases(before, after)
     assert not surely_decreases(after, before)
+
+
+@pytest.mark.parametrize(("falls", "better"), [(0.01, False), (0.5, True)])
+def test_a_further_effect_must_remove_more_than_some_percent_of_the_noise(falls: float, better: bool) -> None:
+    """However sure the fall: a constant force at a base took 0.1 % of the noise, from the ringing as the log begins."""
+    before = 1.5 + np.random.default_rng(1).chisquare(1, 2400)
+    squares = {2: before, 3: before - falls}
+    stub = SimpleNamespace(
+        output_of=lambda model: 0,
+        floors=np.ones(1),
+        squares=lambda model, output: squares[model],
+        excess=lambda model, output: squares[model].mean() - 1.0,
+    )
+    assert surely_decreases(squares[2], squares[3])
+    assert Comparison._surely_better(cast(Comparison, stub), 3) == better
 
 
 def test_nothing_to_close_has_no_fraction() -> None:

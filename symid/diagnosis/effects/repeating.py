@@ -31,6 +31,7 @@ _TRIALS = 4  # pitches tried
 _IN_BAND = 0.95  # share of the band up to which a wave counts
 _STEEPEST_RIPPLE = 0.2  # slope of the error of a reading
 _ROUNDS = 5  # from a reading to the true position; each leaves at most that slope of the error before
+_BOTH_BENDS = 0.75  # of a wave, whatever its phase; less is a stiffness
 _MOST_OF_CONSTANT = 0.5  # ripple of a force constant relative to its mean; that of motors is a tenth of it
 
 
@@ -38,13 +39,19 @@ class CoggingEffect(LawEffect):
     """Force ripple along the stroke."""
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        """The stroke shows both bends of a wave."""
+        return _repeats(prediction.joints[placed.at], _BOTH_BENDS * placed.shape[0])
+
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
+        """The ripple repeats within the stroke."""
         return _repeats(prediction.joints[placed.at], placed.shape[0])
 
     def places(self, prediction: Prediction) -> Iterable[str]:
         return [name for name, joint in prediction.joints.items() if joint.stroke > _LEAST_STROKE]
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        return _of_joint_force(prediction, prediction.joints[place], matched_filter)
+        joint = prediction.joints[place]
+        return [*_of_joint_force(prediction, joint, matched_filter), (joint.stroke,)]
 
     def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
         """Sine and cosine along the stroke, without parts above the band."""

@@ -86,9 +86,10 @@ class Comparison:
         return last
 
     def _surely_better(self, model: int) -> bool:
-        """Whether a model surely errs less than the one before it, and more than noise was left before."""
+        """Whether a model surely errs less than the one before it, by as much as a further effect must take away."""
         output = self.output_of(model)
-        falls = self.excess(model - 1, output) > self.excess(model, output)
+        least = self.excess(model - 1, output) - THRESHOLDS.least_power * float(self.floors[output]) ** 2
+        falls = self.excess(model, output) < least
         return falls and surely_decreases(self.squares(model - 1, output), self.squares(model, output))
 
     @property
@@ -192,8 +193,7 @@ class Comparison:
     @property
     def relative_density(self) -> FloatArray:
         """Weight of the force error relative to its maximum, of shape (n_bins,)."""
-        density = self.weighting.density[self.drive]
-        return np.asarray(density / density.max())
+        return np.asarray(self.weighting.density[self.drive] / self.weighting.density[self.drive].max())
 
     @cached_property
     def size(self) -> float:

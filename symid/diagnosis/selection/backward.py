@@ -18,6 +18,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from
+from symid.diagnosis.selection.credibility import exceeds_deviations
 from symid.diagnosis.selection.evidence import probabilities
 from symid.diagnosis.selection.reselection import Member, in_place_of, reselected
 from symid.diagnosis.selection.step import SelectionStep, accepted_of
@@ -28,9 +29,9 @@ def backward_elimination(
     steps: Sequence[SelectionStep], library: Sequence[Effect]
 ) -> tuple[SelectionStep, ...]:
     """Steps sorted by the error that their effects remove; effects that remove nothing are dropped."""
-    accepted = accepted_of(steps)
-    if len(accepted) < 2:
+    if len(accepted_of(steps)) < 2:
         return tuple(steps)
+    steps = accepted = _determined(accepted_of(steps))
     members = reselected(accepted, library)
     if not members:
         tentative = accepted[0].beside_others  # not certain alone, and not beside the others
@@ -48,6 +49,24 @@ def backward_elimination(
     tried = (*((order, None) for order in orders), (orders[0], whole))
     chains = (_chain(_whole_before_part(order), first, most, whole=begun) for order, begun in tried)
     return next((chain for chain in chains if chain is not None), _beside_others(accepted, members))
+
+
+def _determined(steps: Sequence[SelectionStep]) -> Sequence[SelectionStep]:
+    """Steps without effects whose values are within their deviations beside all others, if the rest explains as much.
+
+    They stood in for an effect that was found later. Each may be needed beside the others, which have adapted to it.
+    """
+    first, whole = steps[0].before, steps[-1].best.fit
+    covariance, end = whole.blocks.covariance, len(whole.columns)
+    shown: list[Member] = []
+    for member in reversed(_members(steps)):
+        begin = end - member.placed.n_free
+        if exceeds_deviations(member.placed, covariance[begin:end, begin:end]):
+            shown.insert(0, member)
+        end = begin
+    if len(shown) in (0, len(steps)):
+        return steps
+    return _chain(shown, first, THRESHOLDS.as_good * whole.mean_square) or steps
 
 
 def _whole_before_part(order: Sequence[Member]) -> list[Member]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
 from symid.diagnosis.effects.declared_friction import declared_level, moving_along
@@ -180,7 +181,11 @@ def is_determined(item: Placed, blocks: Blocks) -> bool:
         return True
     if blocks.least_seen(item.n_free) < THRESHOLDS.seen:
         return False
-    covariance = blocks.covariance[-item.n_free :, -item.n_free :]
+    return exceeds_deviations(item, blocks.covariance[-item.n_free :, -item.n_free :])
+
+
+def exceeds_deviations(item: Placed, covariance: FloatArray) -> bool:
+    """Whether amplitudes and shapes of an effect exceed their deviations, of the covariance of its free values."""
     n = item.n_free - len(item.shape)
     amplitudes, shape = np.array(item.amplitudes[:n]), np.array(item.shape)
     matters = np.array([name not in item.effect.in_doubt for name in item.effect.shape_names], dtype=bool)
