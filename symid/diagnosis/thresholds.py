@@ -47,6 +47,8 @@ class Thresholds:
     promising: float = 0.15
     # mean square from which on candidates are fitted regardless of their projection, and more than noise is left
     clear_gap: float = 9.0
+    # mean square from which on a search that would end goes on from the nominal values (a drawn pair: 7.8)
+    resumed: float = 4.0
     # multiple of the least mean square beyond which another candidate is not fitted to the end
     hopeless: float = 4.0
     # share of the best gain from which on another candidate is accepted in its place, where it is not certain

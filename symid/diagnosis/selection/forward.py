@@ -18,7 +18,7 @@ from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.stages import (
     best_first,
     from_nominal,
-    has_hidden_joint,
+    has_predicted_joint,
     integrated,
     least_left,
     stages,
@@ -97,8 +97,8 @@ def _continued(
 ) -> tuple[SelectionStep, ...]:
     """A first step, and the steps after it that accept their best candidate.
 
-    A law of a hidden joint may show from the nominal values only, as the fitted ones have taken over a part of it: they
-    are tried, with the effects found, before a search ends with a clear gap, or goes on with an imitation.
+    A law of a joint whose motion is predicted may show from the nominal values only, as the fitted ones have taken over
+    a part of it: they are tried, with the effects found, before a search ends with a gap, or goes on with an imitation.
     """
     steps, last = [first], first
     while last.accepts and len(steps) < THRESHOLDS.most_effects:
@@ -107,7 +107,8 @@ def _continued(
         if current.mean_square - counts < THRESHOLDS.noise and not is_more_than_noise(current):
             break
         last = _selection_step(current, library, None)
-        if nominal and has_hidden_joint(current) and is_clear(current) and not _is_settled(last, fit):
+        resumes = nominal and has_predicted_joint(current) and current.mean_square > THRESHOLDS.resumed
+        if nominal and resumes and not _is_settled(last, fit):
             placed = with_effects(nominal.state, nominal.weighting, current.state.placed)
             last = _resumed(last, current, library, replace(nominal, state=placed))
         if not last.justifies_another(fit):
@@ -175,6 +176,7 @@ def _completed(
     late = [c.placed for c in found if _is_other_timing(c.placed.key, tried)]
     tried |= _confirm(fit, [Start.of(fit, placed) for placed in late], confirmed)
     tried |= _confirm(fit, list(_simpler(fit, found, confirmed)), confirmed)
+    tried |= _confirm(fit, list(_refined(fit, found, confirmed)), confirmed)
     _confirm(fit, list(_elsewhere(fit, found, confirmed)), confirmed, math.inf)
     _converge(fit, confirmed)
     refused = frozenset(tried.keys() - confirmed.keys())
@@ -242,6 +244,19 @@ def _simpler(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confi
                 amplitudes = item.amplitudes[: len(placed.amplitudes)]
                 simpler = replace(placed, amplitudes=amplitudes, integrated=item.integrated)
                 yield Start(state, fit.weighting, simpler)
+
+
+def _refined(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
+    """Refinements of the best candidate on hidden motion that leaves a clear gap, from its values."""
+    best = next(iter(best_first(confirmed)), None)
+    if best is None or not (best.placed.integrated and is_clear(best.fit)):
+        return
+    state = with_effects(best.fit.state, fit.weighting, fit.state.placed)
+    for placed in (c.placed for c in found if c.placed.contains(best.key)):
+        own = confirmed.get(placed.key)
+        if own is None or best.fit.mean_square < THRESHOLDS.far_less * own.fit.mean_square:
+            amplitudes = best.placed.amplitudes + placed.amplitudes[len(best.placed.amplitudes) :]
+            yield Start(state, fit.weighting, replace(placed, amplitudes=amplitudes, integrated=True))
 
 
 def _elsewhere(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:

@@ -74,10 +74,10 @@ def from_nominal(
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
     if _explains(fit, confirmed):
         return
-    yield integrated(other, nominal)[:_INTEGRATED]
+    yield integrated(other, nominal, read=True)[:_INTEGRATED]
     yield islice(from_other_places(fit, [c.fit for c in best_first(confirmed)]), _OTHER_PLACES)
     if not _explains(fit, confirmed):
-        yield integrated(_astray(other, confirmed), nominal)
+        yield integrated(_astray(other, confirmed), nominal, read=True)
 
 
 def _astray(starts: Sequence[Start], confirmed: Mapping[Key, Confirmed]) -> list[Start]:
@@ -97,18 +97,18 @@ def _astray(starts: Sequence[Start], confirmed: Mapping[Key, Confirmed]) -> list
 def _explains(fit: Fit, confirmed: Mapping[Key, Confirmed]) -> bool:
     """Whether a candidate takes away nearly all of the error.
 
-    Where motion is hidden it must leave little more than noise too: many a law imitates a spring that stiffens near a
+    Where motion is predicted it must leave little more than noise too: many a law imitates a spring that stiffens near a
     resonance down to a tenth of its error.
     """
     left = least_left(confirmed)
-    clearly_left = left >= THRESHOLDS.clear_gap and has_hidden_joint(fit)
+    clearly_left = left >= THRESHOLDS.clear_gap and has_predicted_joint(fit)
     return left < THRESHOLDS.hardly * fit.mean_square and not clearly_left
 
 
-def has_hidden_joint(fit: Fit) -> bool:
-    """Whether the deflection of a spring is not measured."""
+def has_predicted_joint(fit: Fit) -> bool:
+    """Whether the model determines the deflection of a spring, be it compared with a reading or not."""
     prediction = fit.state.prediction
-    return any(prediction.record.is_hidden(joint.direction) for joint in prediction.springs.values())
+    return any(prediction.record.is_predicted(joint.direction) for joint in prediction.springs.values())
 
 
 def integrated(starts: Sequence[Start], model: Fit, *, read: bool = False) -> list[Start]:
