@@ -242,8 +242,8 @@ def _simpler(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confi
             if plain is None or own.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square:
                 state = with_effects(own.fit.state, fit.weighting, fit.state.placed)
                 amplitudes = item.amplitudes[: len(placed.amplitudes)]
-                simpler = replace(placed, amplitudes=amplitudes, integrated=item.integrated)
-                yield Start(state, fit.weighting, simpler)
+                simpler = Start(state, fit.weighting, replace(placed, amplitudes=amplitudes))
+                yield next(iter(integrated([simpler], fit)), simpler)
 
 
 def _refined(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
