@@ -97,8 +97,8 @@ def _astray(starts: Sequence[Start], confirmed: Mapping[Key, Confirmed]) -> list
 def _explains(fit: Fit, confirmed: Mapping[Key, Confirmed]) -> bool:
     """Whether a candidate takes away nearly all of the error.
 
-    Where motion is predicted it must leave little more than noise too: many a law imitates a spring that stiffens near a
-    resonance down to a tenth of its error.
+    Where motion is predicted it must leave little more than noise too: many a law imitates a spring that stiffens near
+    a resonance down to a tenth of its error.
     """
     left = least_left(confirmed)
     clearly_left = left >= THRESHOLDS.clear_gap and has_predicted_joint(fit)
