@@ -1,13 +1,19 @@
 """A law of a hidden body is found beside another effect, which comes first."""
 
+from dataclasses import replace
+
 from symid import Cogging, CoulombFriction, load_axis
 from symid.data import Log
 from symid.diagnosis import LIBRARY, diagnose
-from symid.diagnosis.effects import Placed
+from symid.diagnosis.effects import Key, Placed
+from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
-from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
+from symid.diagnosis.selection import forward
+from symid.diagnosis.selection.screening import Candidate
+from symid.diagnosis.selection.step import Confirmed, is_clear
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 AXIS = load_axis("direct_2m1s")
@@ -48,3 +54,29 @@ def test_friction_of_a_structure_begins_at_the_size_with_the_least_error() -> No
         begun = Start(state, weighting, placed).best_state()
         assert begun is not None
         assert 25.0 < begun.placed[-1].amplitudes[0] < 150.0
+
+
+def test_relatives_of_friction_of_a_structure_are_integrated_from_its_values() -> None:
+    structure = AXIS.bodies[0]
+    machine = AXIS.with_effect(CoulombFriction(structure, "Fss")).with_signal("q2", noise=1e-8)
+    reference = trapezoids(0.1, [0.3], acceleration=4.0, jerk=120.0, dwell=0.1, sampling_period=1e-3)
+    loop = tuned_cascade(plant_of(AXIS, VALUES), "q2")
+    log = simulate(machine.with_signal("Fm", noise=0.3), VALUES | {"Fss": 60.0}, reference, loop, seed=1).log
+    state, weighting = first_state(data_of(AXIS, (joined([log]), None), Recorded({}, True)).record, VALUES)
+    fit = Fit(state, weighting)
+    effects = {effect.name: effect for effect in LIBRARY}
+    plain = Placed(effects["coulomb_friction"], "structure", (), (20.0,))
+    refined = Placed(effects["presliding_friction"], "structure", (2e-6,), (1.0,))
+    found = [Candidate(placed, 100.0, 100.0) for placed in (plain, refined)]
+
+    def confirmed(placed: Placed) -> dict[Key, Confirmed]:
+        own = Fit(with_effects(state, weighting, (placed,)), weighting)
+        assert is_clear(own)
+        return {placed.key: Confirmed(own, 100.0, 1.0, fit.blocks.squares)}
+
+    (start,) = forward._refined(fit, found, confirmed(replace(plain, integrated=True)))
+    begun_with = start.placed
+    assert (begun_with.key, begun_with.amplitudes, begun_with.integrated) == (refined.key, (20.0,), True)
+    (start,) = forward._simpler(fit, found, confirmed(refined))
+    begun_with = start.placed
+    assert (begun_with.key, begun_with.amplitudes, begun_with.integrated) == (plain.key, (1.0,), True)
