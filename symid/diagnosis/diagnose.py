@@ -134,7 +134,7 @@ def diagnose(
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What is to be diagnosed: the axis, its logs and their recording, and what the user gave."""
+    """The subject of a diagnosis: the axis, its logs and their recording, and what the user gave."""
 
     axis: Axis
     runs: Runs

@@ -1,7 +1,7 @@
 """A second encoder that is read late, from the damping that it moves from one body to the other.
 
 Through a spring of stiffness K, a load whose position is read T late seems to feel K T more of viscous friction, and
-the drive K T less. Errors hardly tell the two apart; that no machine has negative friction does.
+the drive K T less. Errors hardly distinguish the two; negative friction, which no machine has, does.
 """
 
 from __future__ import annotations

@@ -73,7 +73,7 @@ class SharedIdentification(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What bounds and priors do to the result, and notes on the groups of logs."""
+        """Effect of bounds and priors on the result, and notes on the groups of logs."""
         return tuple(
             dict.fromkeys((*self.constraint_notes, *(n for group in self.groups for n in group.notes)))
         )

@@ -2,7 +2,7 @@
 
 Small terms are added to the given controller, and their sizes estimated together with the parameters, by one step from
 the estimate (a score test: C. R. Rao, Proc. Cambridge Phil. Soc. 44, 1948). They are 0 within their deviations for the
-controller that made the log. Force and motion are both measured, which tells these terms from parameters of the axis.
+controller that made the log. Force and motion are both measured, which separates these terms from the axis.
 """
 
 from __future__ import annotations

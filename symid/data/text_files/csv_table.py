@@ -64,7 +64,7 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
         )
     row = fields(lines[skipped], layout.separator)
     headers = with_units(layout.headers(lines), row)
-    # a day alone, in a column beside the time of day, does not tell samples apart
+    # a day alone, in a column beside the time of day, does not distinguish samples
     stamps = frozenset(i for i, text in enumerate(row) if has_time_of_day(text.strip(" \t\"'")))
     file = _Csv(path, layout.separator, max(len(headers), len(row)))
 

@@ -63,7 +63,7 @@ class FixedBand:
         return self.flat.rows(state.errors)[:, self.rows]
 
     def _left(self, errors: FloatArray, outputs: list[int]) -> FloatArray:
-        """What the parameters cannot explain of the errors of some outputs; shape (n_outputs, n_rows)."""
+        """Part of the errors of some outputs that the parameters cannot explain; shape (n_outputs, n_rows)."""
         columns = self.columns[:, outputs].reshape(len(self.columns), -1)
         return (errors.ravel() - columns.T @ least_squares(columns.T, errors.ravel(), RANK)).reshape(
             len(outputs), -1

@@ -7,7 +7,7 @@ moved every parameter:
 
 - Columns of typical small effects are added to those of the model, the one first that explains most of the residual,
   as long as one is certain (matching pursuit). Of columns that explain about as much, the largest change counts, since
-  the log does not tell them apart.
+  the log does not distinguish them.
 - Estimates from the lower half and the lower quarter of the band agree with that from all of it if the model is right
   (J. A. Hausman, Econometrica 46, 1978).
 
@@ -47,7 +47,7 @@ _LIKELY = 3.0
 _MOST = 6
 """Most effects of one log."""
 _AS_MUCH = 0.5
-"""Part of what the best column explains from which the log does not tell another one from it."""
+"""Part of what the best column explains from which the log does not distinguish another one from it."""
 _INDEPENDENT = 0.025
 """Part of a column's power that the model does not explain from which it counts as any other: with less, the effect
 would have to be six times as large as what it explains (drawn machines with small effects; with 0.01, EMPS unfiltered
@@ -73,7 +73,7 @@ class Discrepancy:
     """An effect that the model lacks, and how far it may have moved the minimal parameters."""
 
     effect: str
-    changes: FloatArray  # shape (n_alternatives, n_parameters): by all that the log does not tell apart
+    changes: FloatArray  # shape (n_alternatives, n_parameters): by all that the log does not distinguish
     covariance: FloatArray  # shape (n_parameters, n_parameters): of a change between bands
 
     @property
@@ -193,7 +193,7 @@ class _Columns:
         )
 
     def noise(self) -> tuple[FloatArray, FloatArray]:
-        """What noise makes of the products of the orthonormal columns with themselves, and with the residual."""
+        """Share of noise in the products of the orthonormal columns with themselves, and with the residual."""
         p, total = self.fit.solution.size, np.zeros((self.fit.solution.size + 1,) * 2)
         for part in self.parts:
             valid = part.observation.valid
