@@ -24,7 +24,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.in_motion.motion import is_contradicted, with_motion
-from symid.diagnosis.late_reading import lateness, with_late_reading
+from symid.diagnosis.late_reading import READ_BEFORE_STEPS, before_steps, lateness, with_late_reading
 from symid.diagnosis.prediction.data import Data, Recorded, Runs, data_of, one_run
 from symid.diagnosis.prediction.integrated_speed import with_positions
 from symid.diagnosis.prediction.recorder import recovered
@@ -157,7 +157,7 @@ class _Task:
 
     def physically_read(self) -> Diagnosis:
         """Diagnosed with the reading of a load taken as late where friction would be negative without."""
-        found = late = self.diagnosed()
+        found = late = self._read_before_steps()
         times: dict[str, float] = {}
         for _ in range(_MOST_READINGS):
             if not (further := lateness(self.axis, late)):
@@ -167,6 +167,21 @@ class _Task:
             read = replace(self.recorded, late={**self.recorded.late, **times})
             late = replace(self, recorded=read).diagnosed()
         return with_late_reading(found, late, times) if times else found
+
+    def _read_before_steps(self) -> Diagnosis:
+        """Diagnosed with accelerometers taken as read before the steps of a held force where they are late by that."""
+        found, recorded = self.diagnosed(), self.recorded
+        if any(text in found.faults for text in self._hold_texts):
+            recorded = replace(recorded, held=True)
+        holds = recorded.holds(self.axis, self.runs[0].log.sampling_period)
+        times = before_steps(self.axis, found, max(holds.values())) if holds else {}
+        if not times:
+            return found
+        delays = {s.signal: s.delay for s in self.axis.sensors} | dict(recorded.late)
+        late = {**recorded.late, **{signal: delays[signal] + time for signal, time in times.items()}}
+        other = replace(self, recorded=replace(recorded, late=late)).diagnosed()
+        texts = (*map(READ_BEFORE_STEPS.format, times), *(t for t in found.faults if t in self._hold_texts))
+        return replace(other, faults=(*texts, *other.faults))
 
     def diagnosed(self) -> Diagnosis:
         """The diagnosis of the logs as they are recorded."""
@@ -212,8 +227,12 @@ class _Task:
     def _with_hold(self) -> Diagnosis:
         """The same where the force is held from sample to sample: that is not an effect of the machine."""
         found = replace(self, recorded=replace(self.recorded, held=True)).diagnosed()
-        held = tuple(HELD.format(drive.signal) for drive in self.axis.drives)
-        return replace(found, faults=(*held, *found.faults))
+        return replace(found, faults=(*self._hold_texts, *found.faults))
+
+    @property
+    def _hold_texts(self) -> tuple[str, ...]:
+        """Sentences on a hold of every force."""
+        return tuple(HELD.format(drive.signal) for drive in self.axis.drives)
 
     @property
     def _parts(self) -> list[Log]:

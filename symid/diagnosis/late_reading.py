@@ -1,7 +1,10 @@
-"""A second encoder that is read late, from the damping that it moves from one body to the other.
+"""Readings that are late by their nature: a second encoder beside its spring, an accelerometer beside a held force.
 
 Through a spring of stiffness K, a load whose position is read T late seems to feel K T more of viscous friction, and
 the drive K T less. Errors hardly distinguish the two; negative friction, which no machine has, does.
+
+A held force makes the acceleration jump at each sample. An accelerometer with the same clock is read just before the
+jump: its reading belongs to the force of the sample before, and is half a sample later than the motion.
 """
 
 from __future__ import annotations
@@ -9,12 +12,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from symid.axis import Axis, Between, Position, Spring, ViscousFriction
+from symid.axis import Acceleration, Axis, Between, Position, Spring, ViscousFriction
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
+from symid.diagnosis.thresholds import THRESHOLDS
 
 _AS_GOOD = 1.1
 """Error that the model found may leave with the late reading, relative to that with the reading as it is."""
 _TEXT = "{} read {:.3g} ms {} against {}, which looks like negative friction"
+
+
+READ_BEFORE_STEPS = (
+    "{} is read just before each step of the held force, half a sample late, which is accounted for."
+)
+
+
+def before_steps(axis: Axis, found: Diagnosis, hold: float) -> dict[str, float]:
+    """Time by which accelerometers are late, s, that a diagnosis names as late by half of the time of a hold."""
+    read = {own.signal for own in axis.sensors if isinstance(own, Acceleration)}
+    late = (e for e in found.effects if e.effect == "sensor_delay" and e.at in read)
+    half = (e.at for e in late if abs(e.parameters["T"].value / hold - 0.5) < THRESHOLDS.half_sample)
+    return dict.fromkeys(half, hold / 2)
 
 
 def lateness(axis: Axis, found: Diagnosis) -> dict[str, float]:

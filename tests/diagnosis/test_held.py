@@ -47,3 +47,19 @@ def test_a_held_force_acts_as_its_mean_over_a_sample() -> None:
     found = diagnose("rigid_1m", log, held=True, nominal={"M": 110.0, "Fv": 280.0, "Fs": 1.0}, library=())
     assert found.verdict == "parameters"
     assert found.parameters[0].reidentified == pytest.approx(M, rel=2e-3)
+
+
+def test_an_accelerometer_is_read_before_the_steps_of_a_held_force() -> None:
+    """An axis that is simulated by symid has no gap: at 1 kHz its accelerometer was named as 0.49 ms late."""
+    axis = load_axis("direct_2m1s")
+    values = {"Ms": 3899.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 362.0, "Fvm": 500.0, "Fsm": 80.0}
+    for name, noise in {"q2": 1e-7, "ddq1": 1e-3, "ddq2": 1e-3}.items():
+        axis = axis.with_signal(name, noise=noise)
+    moves = trapezoids(0.2, [0.5, 0.25], acceleration=5.0, jerk=500.0, dwell=0.2, sampling_period=1e-3)
+    log = simulate(axis, values, moves, tuned_cascade(plant_of(axis, values), "q2"), seed=1).log
+    found = diagnose(axis, log)
+    assert found.verdict == "no_gap"
+    assert found.faults[0].startswith("ddq2 is read just before each step of the held force")
+    assert any(text.startswith("Fm is held") for text in found.faults)
+    late = diagnose(axis, log, late={"ddq2": 5e-4}, held=True)
+    assert (late.verdict, late.faults) == ("no_gap", ())
