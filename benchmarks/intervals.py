@@ -16,6 +16,7 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import binom
 from threadpoolctl import threadpool_limits
 
 from benchmarks.promise.machines import Case, draw_machine, draw_noise, with_noise
@@ -92,11 +93,15 @@ def print_setting(number: int, found: Setting) -> None:
         )
 
 
-def summary(covered: np.ndarray) -> str:
-    """How many parameters are covered how often."""
+def summary(covered: np.ndarray, draws: int) -> str:
+    """How many parameters are covered how often; of exact intervals, some are covered by all of few draws."""
     edges = (("below 85 %", 0.0, 0.85), ("in 85 to 90 %", 0.85, 0.9), ("in 90 to 99 %", 0.9, 0.99))
     counts = [f"{np.sum((covered >= low) & (covered < high))} {name}" for name, low, high in edges]
-    return f"covered {', '.join(counts)}, {np.sum(covered >= 0.99)} above; mean {100 * covered.mean():.1f} %"
+    by_chance = covered.size * binom.sf(np.ceil(0.99 * draws) - 1, draws, 0.95)
+    return (
+        f"covered {', '.join(counts)}, {np.sum(covered >= 0.99)} above ({by_chance:.0f} of exact intervals); "
+        f"mean {100 * covered.mean():.1f} %"
+    )
 
 
 def main() -> None:
@@ -115,7 +120,9 @@ def main() -> None:
             print_setting(number, found)
             coverages.append(found.coverage)
     covered = np.concatenate(coverages)
-    print(f"\n{covered.size} parameters, {chosen.draws} draws each, seed {chosen.seed}: {summary(covered)}")
+    print(
+        f"\n{covered.size} parameters, {chosen.draws} draws each, seed {chosen.seed}: {summary(covered, chosen.draws)}"
+    )
 
 
 if __name__ == "__main__":

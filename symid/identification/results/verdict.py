@@ -33,9 +33,8 @@ _HIGHEST_CONDITION = 1e5
 
 
 _FEW_ROWS = 10
-"""Rows for each parameter below which a residual that is hardly independent gives no deviation."""
-_FEWEST_ROWS = 4
-"""Rows for each parameter for a residual whose correlation does not decay within the lags that so few rows show."""
+"""Rows for each parameter below which a residual whose correlation does not decay within the lags that so few rows
+show gives no deviation: with 16 rows for four parameters, an encoder 0.7 samples late moved Fv by 58 % at 7."""
 _WORST_FIT = 0.5
 """Residual beyond which, as part of the output, an equation is worthless: a quarter of the power is unexplained."""
 
@@ -58,7 +57,8 @@ def verdict(
     if fit.status == "too_few_rows":
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
         return "too_few_rows", f"{rows}: give a longer log or `standstill=0`"
-    if correlated is not None and sum(fit.rows) < _rows_needed(correlated) * len(names):
+    is_open = correlated is not None and correlated.status != "ok"
+    if is_open and sum(fit.rows) < _FEW_ROWS * len(names):
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters, and they are not independent"
         return "too_few_rows", f"{rows}: give a longer log"
     if fit.status == "rank_deficient":
@@ -138,11 +138,6 @@ def _cause(model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatA
         forces = " or ".join(dict.fromkeys(model.output_names))
         return f", as all that the log determines: the sign of {forces} or of a position is wrong"
     return ": the model, a sign, the filter, the timing or the log does not fit"
-
-
-def _rows_needed(correlated: CorrelatedCovariance) -> int:
-    """Rows for each parameter from which a residual of such a correlation gives deviations."""
-    return {"ok": 1, "correlation_persists": _FEWEST_ROWS, "too_few_samples": _FEW_ROWS}[correlated.status]
 
 
 def poorly_fitted(model: GeneratedModel, fit: LeastSquares) -> str:
