@@ -191,15 +191,15 @@ class GainNonlinearityEffect(DriveEffect):
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         """The force increases with the command, except in short peaks."""
-        return self._change(prediction, placed, _BUT_FOR_PEAKS) < _MOST_BEND
+        return self._change(prediction, placed) < _MOST_BEND
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """The gain changes by a limited factor."""
+        """The gain changes by a limited factor, except in short peaks, as at the shock of a payload."""
         return self._change(prediction, placed) < _USUAL_BEND
 
-    def _change(self, prediction: Prediction, placed: Placed, share: float = 1.0) -> float:
-        """Relative change of the gain at the force that a share of the samples does not exceed."""
-        largest = float(np.quantile(np.abs(_whole_force(prediction, placed.at)), share))
+    def _change(self, prediction: Prediction, placed: Placed) -> float:
+        """Relative change of the gain at the force that all but short peaks do not exceed."""
+        largest = float(np.quantile(np.abs(_whole_force(prediction, placed.at)), _BUT_FOR_PEAKS))
         return abs(placed.amplitudes[0]) * self.power * largest ** (self.power - 1)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:

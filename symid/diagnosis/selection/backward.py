@@ -48,7 +48,11 @@ def backward_elimination(
     most = THRESHOLDS.as_good * whole.mean_square
     tried = (*((order, None) for order in orders), (orders[0], whole))
     chains = (_chain(_whole_before_part(order), first, most, whole=begun) for order, begun in tried)
-    return next((chain for chain in chains if chain is not None), _beside_others(accepted, members))
+    found = next((chain for chain in chains if chain is not None), None)
+    if found is None and whole.mean_square < THRESHOLDS.far_less * accepted[-1].best.fit.mean_square:
+        # None is justified without the others, which lead it astray: their evidence is that beside each other.
+        found = _chain(orders[0], first, most, justified=True, whole=whole)
+    return found or _beside_others(accepted, members)
 
 
 def _determined(steps: Sequence[SelectionStep]) -> Sequence[SelectionStep]:

@@ -112,6 +112,8 @@ def _chosen(
         others |= {item.key: replace(item, integrated=own.integrated) for item in refined}
     tried = {own.key, *present, *(member.placed.key for member in simpler)}
     starts += [replace(begun, placed=item) for key, item in others.items() if key not in tried]
+    laws = (item for c in step.screened if c.placed.key == own.key for item in (c.placed, *c.others))
+    starts += [replace(begun, placed=item) for item in laws if item.effect is not own.effect]
     if library:
         rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS] if c.key not in present}
         rivals |= {c.placed.key: c.placed for c in screened(before, library)[:_RIVALS]}

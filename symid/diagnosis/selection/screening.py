@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,8 @@ class Candidate:
     placed: Placed  # effect, place and values
     gain: float  # gain of the log-likelihood, errors taken as white
     white_gain: float  # gain after whitening by an autoregressive model of the errors
+    # other laws of the effect with as many free values, which a projection hardly distinguishes
+    others: tuple[Placed, ...] = ()
 
     @property
     def penalised_gain(self) -> float:
@@ -40,7 +42,7 @@ class Candidate:
 
 
 def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
-    """Best shape of every effect at every place, the largest gain first."""
+    """Best law and shape of every effect at every place, the largest gain first."""
     prediction, left = fit.state.prediction, fit.left
     plain = unweighted(left, fit.weighting.kept, AR_ORDER)
     white = autoregression(left, fit.weighting.kept, AR_ORDER)
@@ -50,20 +52,29 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
     def matched_filter(response: ComplexArray) -> FloatArray:
         return prediction.record.fine(np.sum(response.conj() * wanted, axis=0))
 
-    best: dict[Key, Candidate] = {}
+    laws: dict[Key, list[Candidate]] = {}
     present = with_alike(item.key for item in fit.state.placed)
     for effect in library:
         for place in effect.places(prediction):
             if (effect.name, place) in present:
                 continue
             shapes = list(effect.shapes(prediction, place, matched_filter))
-            for found in _best_shapes(fit, projections, effect, place, shapes):
-                key = found.placed.key
-                if key not in best or max(found.gain, found.white_gain) > max(
-                    best[key].gain, best[key].white_gain
-                ):
-                    best[key] = found
-    return sorted(best.values(), key=lambda c: -c.gain)
+            own = list(_best_shapes(fit, projections, effect, place, shapes))
+            if own:
+                laws.setdefault(own[0].placed.key, []).append(max(own, key=_larger_gain))
+    return sorted(map(_best_law, laws.values()), key=lambda c: -c.gain)
+
+
+def _larger_gain(own: Candidate) -> float:
+    return max(own.gain, own.white_gain)
+
+
+def _best_law(laws: Sequence[Candidate]) -> Candidate:
+    """The law of an effect with the largest gain, and others of the same size."""
+    best = max(laws, key=_larger_gain)
+    least = THRESHOLDS.promising * _larger_gain(best)
+    alike = (c for c in laws if c is not best and c.placed.n_free == best.placed.n_free)
+    return replace(best, others=tuple(c.placed for c in alike if _larger_gain(c) > least))
 
 
 class _Projection:

@@ -40,8 +40,8 @@ def stages(
     promising = _promising(found, fit)
     white = sorted(promising, key=lambda c: -c.white_penalised_gain)
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
-    yield [Start.of(fit, c.placed) for c in promising[:3]]
-    yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
+    yield _of_all_laws(fit, promising[:3])
+    yield _of_all_laws(fit, _distinct([*promising[3:6], *white[:3], *timing], promising[:3]))
     if not confirmed:  # the most promising candidates are not credible: others are tried
         yield [
             Start.of(fit, c.placed)
@@ -66,14 +66,20 @@ def stages(
             yield of_grid(fit, nominal, library)
 
 
+def _of_all_laws(fit: Fit, candidates: Iterable[Candidate]) -> list[Start]:
+    """Starts of candidates and of the other laws of their effects."""
+    return [Start.of(fit, placed) for c in candidates for placed in (c.placed, *c.others)]
+
+
 def from_nominal(
     fit: Fit, nominal: Fit, library: Sequence[Effect], confirmed: Mapping[Key, Confirmed]
 ) -> Iterator[Iterable[Start]]:
     """Starts from the nominal values, the cheapest first."""
-    other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
-    yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
+    found = screened(nominal, library)
+    yield _of_all_laws(nominal, [*found[:4], *(c for c in found[4:] if c.placed.effect.name == LATE_READING)])
     if _explains(fit, confirmed):
         return
+    other = [Start.of(nominal, c.placed) for c in found]
     yield integrated(other, nominal, read=True)[:_INTEGRATED]
     yield islice(from_other_places(fit, [c.fit for c in best_first(confirmed)]), _OTHER_PLACES)
     if not _explains(fit, confirmed):
