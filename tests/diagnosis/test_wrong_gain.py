@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
 import pytest
 
 from symid import Axis, Between, Body, Drive, Force, Log, Position, Sensor, Spring, ViscousFriction, simulate
@@ -43,3 +44,11 @@ def test_a_sensor_of_another_gain(name: str) -> None:
 def test_the_right_gain_is_no_fault(name: str) -> None:
     found = diagnose(axis_with(SENSORS[name]), logged(name), nominal=TRUE, library=())
     assert found.verdict == "no_gap", found.sentence
+
+
+def test_a_reading_that_something_else_shakes_is_no_wrong_gain() -> None:
+    """A reading many times the predicted one would need a gain near nothing, which explains it no better."""
+    log, axis = logged("cell"), axis_with(SENSORS["cell"])
+    shaken = log["cell"] + 20.0 * np.std(log["cell"]) * np.sin(2 * np.pi * 20.0 * log.time)
+    found = diagnose(axis, replace(log, signals={**log.signals, "cell": shaken}), nominal=TRUE, library=())
+    assert not any("would have to be" in text for text in found.faults), found.faults
