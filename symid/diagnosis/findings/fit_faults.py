@@ -68,8 +68,8 @@ _LEVEL = 10.0
 _OFF = 0.03
 """Least relative error of a gain."""
 _ALL_OF_IT = 0.95
-"""Share of the power of the error, and of the prediction, that a wrong gain takes away: effects of the machine are not in
-proportion."""
+"""Share of the power of the error, and of the prediction, that a wrong gain takes away: effects of the machine are not
+in proportion."""
 
 
 def wrong_gain(fit: Fit) -> str:
@@ -91,7 +91,9 @@ def wrong_gain(fit: Fit) -> str:
         factor = float(read @ predicted) / power
         before, after = (float(np.sum((predicted - x * read) ** 2)) for x in (1.0, factor))
         # a reading many times the prediction errs by itself, with any gain: they must be in proportion
-        if abs(factor - 1.0) > _OFF and after < (1.0 - _ALL_OF_IT) * min(before, float(predicted @ predicted)):
+        if abs(factor - 1.0) > _OFF and after < (1.0 - _ALL_OF_IT) * min(
+            before, float(predicted @ predicted)
+        ):
             return (
                 f"{name} would have to be {factor:.3g} times as large to agree with the other signals: its unit or "
                 "gain is wrong, or a ratio of the axis"
