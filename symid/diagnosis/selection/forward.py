@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
@@ -27,7 +28,7 @@ from symid.diagnosis.selection.step import Confirmed, SelectionStep, is_clear, i
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _LEADING = 2
-"""Candidates that are fitted until their errors hardly fall."""
+"""Candidates that are fitted until their errors hardly fall, and those of earlier steps that are fitted again."""
 
 
 def forward_selection(
@@ -106,7 +107,7 @@ def _continued(
         counts = max(THRESHOLDS.least_power, THRESHOLDS.least_of_first * float(fit.squares.min()))
         if current.mean_square - counts < THRESHOLDS.noise and not is_more_than_noise(current):
             break
-        last = _selection_step(current, library, None)
+        last = _selection_step(current, library, None, steps)
         resumes = nominal and has_predicted_joint(current) and current.mean_square > THRESHOLDS.resumed
         if nominal and resumes and not _is_settled(last, fit):
             placed = with_effects(nominal.state, nominal.weighting, current.state.placed)
@@ -135,7 +136,9 @@ def _penalised_likelihood(steps: Sequence[SelectionStep], weighting: Weighting) 
     )
 
 
-def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> SelectionStep:
+def _selection_step(
+    fit: Fit, library: Sequence[Effect], nominal: Fit | None, earlier: Sequence[SelectionStep] = ()
+) -> SelectionStep:
     """Fit the best candidates, and more of them at higher cost as long as none explains the error.
 
     Where every output errs less than its noise, none is fitted: there is nothing to explain.
@@ -145,7 +148,8 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
         return SelectionStep(fit.released(), (), tuple(found))
     confirmed: dict[Key, Confirmed] = {}
     tried: dict[Key, Placed] = {}
-    return _completed(fit, found, stages(fit, found, library, nominal, confirmed, tried), confirmed, tried)
+    starts = chain(stages(fit, found, library, nominal, confirmed, tried), [_outdone(earlier, fit)])
+    return _completed(fit, found, starts, confirmed, tried)
 
 
 def _resumed(step: SelectionStep, fit: Fit, library: Sequence[Effect], nominal: Fit) -> SelectionStep:
@@ -153,6 +157,17 @@ def _resumed(step: SelectionStep, fit: Fit, library: Sequence[Effect], nominal: 
     confirmed = {own.key: own for own in step.confirmed}
     found = _completed(fit, step.screened, from_nominal(fit, nominal, library, confirmed), confirmed, {})
     return replace(found, refused=(found.refused | step.refused) - confirmed.keys())
+
+
+def _outdone(steps: Sequence[SelectionStep], fit: Fit) -> list[Start]:
+    """Laws integrated with the motion of their joints that gained in earlier steps, from the values found there."""
+    present = {item.key for item in fit.state.placed}
+    integrated_ones = (own for step in steps for own in step.confirmed if own.placed.integrated)
+    found = {own.key: own for own in integrated_ones if own.penalised_gain > 0 and own.key not in present}
+    return [
+        Start(with_effects(own.fit.state, fit.weighting, fit.state.placed), fit.weighting, own.placed)
+        for own in best_first(found)[:_LEADING]
+    ]
 
 
 def _completed(
