@@ -51,6 +51,15 @@ class Start:
         """Start of a fit that adds an effect to a fitted model."""
         return cls(fit.state, fit.weighting, placed)
 
+    @classmethod
+    def with_values_of(cls, other: Fit, fit: Fit, placed: Placed) -> Start:
+        """The same with the parameters of another fitted model, unless hidden motion grows without bound with them."""
+        try:
+            state = with_effects(other.state, fit.weighting, fit.state.placed)
+        except OverflowError:
+            state = fit.state
+        return cls(state, fit.weighting, placed)
+
     def placed_state(self) -> State:
         """The model with the effect."""
         return self._with(self.placed)
@@ -96,8 +105,7 @@ def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
         for place in item.effect.places(prediction):
             moved = replace(item, at=place, integrated=True)
             if moved != item and law_to_integrate(prediction, moved):
-                state = with_effects(other.state, fit.weighting, fit.state.placed)
-                yield Start(state, fit.weighting, moved)
+                yield Start.with_values_of(other, fit, moved)
 
 
 def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:

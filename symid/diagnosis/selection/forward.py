@@ -108,7 +108,7 @@ def _continued(
         if current.mean_square - counts < THRESHOLDS.noise and not is_more_than_noise(current):
             break
         last = _selection_step(current, library, None, steps)
-        resumes = nominal and has_predicted_joint(current) and current.mean_square > THRESHOLDS.resumed
+        resumes = has_predicted_joint(current) and current.mean_square > THRESHOLDS.resumed
         if nominal and resumes and not _is_settled(last, fit):
             placed = with_effects(nominal.state, nominal.weighting, current.state.placed)
             last = _resumed(last, current, library, replace(nominal, state=placed))
@@ -159,15 +159,12 @@ def _resumed(step: SelectionStep, fit: Fit, library: Sequence[Effect], nominal: 
     return replace(found, refused=(found.refused | step.refused) - confirmed.keys())
 
 
-def _outdone(steps: Sequence[SelectionStep], fit: Fit) -> list[Start]:
+def _outdone(steps: Sequence[SelectionStep], fit: Fit) -> Iterator[Start]:
     """Laws integrated with the motion of their joints that gained in earlier steps, from the values found there."""
     present = {item.key for item in fit.state.placed}
-    integrated_ones = (own for step in steps for own in step.confirmed if own.placed.integrated)
-    found = {own.key: own for own in integrated_ones if own.penalised_gain > 0 and own.key not in present}
-    return [
-        Start(with_effects(own.fit.state, fit.weighting, fit.state.placed), fit.weighting, own.placed)
-        for own in best_first(found)[:_LEADING]
-    ]
+    hidden = (own for step in steps for own in step.confirmed if own.placed.integrated)
+    found = {own.key: own for own in hidden if own.penalised_gain > 0 and own.key not in present}
+    yield from (Start.with_values_of(own.fit, fit, own.placed) for own in best_first(found)[:_LEADING])
 
 
 def _completed(
@@ -255,9 +252,8 @@ def _simpler(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confi
         for placed in (c.placed for c in found if item.contains(c.placed.key)):
             plain = confirmed.get(placed.key)
             if plain is None or own.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square:
-                state = with_effects(own.fit.state, fit.weighting, fit.state.placed)
                 amplitudes = item.amplitudes[: len(placed.amplitudes)]
-                simpler = Start(state, fit.weighting, replace(placed, amplitudes=amplitudes))
+                simpler = Start.with_values_of(own.fit, fit, replace(placed, amplitudes=amplitudes))
                 yield next(iter(integrated([simpler], fit)), simpler)
 
 
@@ -266,12 +262,12 @@ def _refined(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confi
     best = next(iter(best_first(confirmed)), None)
     if best is None or not (best.placed.integrated and is_clear(best.fit)):
         return
-    state = with_effects(best.fit.state, fit.weighting, fit.state.placed)
+    begun = Start.with_values_of(best.fit, fit, best.placed)
     for placed in (c.placed for c in found if c.placed.contains(best.key)):
         own = confirmed.get(placed.key)
         if own is None or best.fit.mean_square < THRESHOLDS.far_less * own.fit.mean_square:
             amplitudes = best.placed.amplitudes + placed.amplitudes[len(best.placed.amplitudes) :]
-            yield Start(state, fit.weighting, replace(placed, amplitudes=amplitudes, integrated=True))
+            yield replace(begun, placed=replace(placed, amplitudes=amplitudes, integrated=True))
 
 
 def _elsewhere(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:

@@ -59,9 +59,9 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
             if (effect.name, place) in present:
                 continue
             shapes = list(effect.shapes(prediction, place, matched_filter))
-            own = list(_best_shapes(fit, projections, effect, place, shapes))
-            if own:
-                laws.setdefault(own[0].placed.key, []).append(max(own, key=_larger_gain))
+            own = _best_shape(fit, projections, effect, place, shapes)
+            if own is not None:
+                laws.setdefault(own.placed.key, []).append(own)
     return sorted(map(_best_law, laws.values()), key=lambda c: -c.gain)
 
 
@@ -130,14 +130,14 @@ class _Projection:
         return float(-0.5 * self.n_rows * np.log1p(-min(closed, 1 - 1e-12)))
 
 
-def _best_shapes(
+def _best_shape(
     fit: Fit,
     projections: tuple[_Projection, _Projection],
     effect: Effect,
     place: str,
     shapes: Sequence[Shape],
-) -> list[Candidate]:
-    """Candidates with the best shape under each noise model."""
+) -> Candidate | None:
+    """Candidate with the best shape under either noise model; None if no shape has a possible amplitude."""
     found: list[Candidate] = []
     prediction = fit.state.prediction
     many = max(1, _BATCH // (max(len(effect.amplitudes), 1) * fit.state.rows.size))
@@ -153,10 +153,4 @@ def _best_shapes(
                 continue
             values = (1.0,) if effect.fixed else tuple(map(float, amplitudes))
             found.append(Candidate(Placed(effect, place, shape, values), gain, white_gain))
-    if not found:
-        return []
-    return list(
-        {
-            id(c): c for c in (max(found, key=lambda c: c.gain), max(found, key=lambda c: c.white_gain))
-        }.values()
-    )
+    return max(found, key=_larger_gain, default=None)
