@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 from click import argument, option
 
 from symid.axis import Axis, load_axis
@@ -17,10 +18,12 @@ from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import with_options
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, open_table
 from symid.data.formats import layout_found
+from symid.data.quality.clock import inspect_clock
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
 from symid.report.figures.colours import palette_of
 from symid.report.tables.console import TextTable, report_console
+from symid.units import to_si
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ def command(log: str, **options: Any) -> None:
         "mapping": mapping.as_record if mapping else None,
     }
     if options["output"] != "-":
-        give_result(record, options["json_file"], lambda _: _show_mapping(log, mapping, options))
+        give_result(record, options["json_file"], lambda _: _show_mapping(log, look, mapping, options))
     elif options["json_file"]:
         write_json(with_options(record), options["json_file"])
 
@@ -188,7 +191,7 @@ def _show_columns(log: str, look: ForeignFile, *, numbered: bool = False) -> Non
         console.print(f"left out: {header!r} {reason}", markup=False)
 
 
-def _show_mapping(log: str, mapping: LogMapping | None, options: dict[str, Any]) -> None:
+def _show_mapping(log: str, look: ForeignFile, mapping: LogMapping | None, options: dict[str, Any]) -> None:
     console = report_console()
     if mapping is None:
         console.print("\nThese are guesses. With --axis AXIS they become a mapping.")
@@ -199,11 +202,25 @@ def _show_mapping(log: str, mapping: LogMapping | None, options: dict[str, Any])
         console.print(f"    {guess}", markup=False)
     for lack in mapping.missing:
         console.print(f"Missing: {with_options(lack)}", markup=False)
+    faults = _faults_of_clock(look, mapping)
+    for fault in faults:
+        console.print(f"Clock: {with_options(fault)}", markup=False)
     if options["output"]:
         check = "check each guess, delete those that you confirm, then" if mapping.guesses else "use it with"
         check = "give the missing options here, or to" if mapping.missing else check
         console.print(
             f"\nwrote {options['output']}: {check}\n    symid identify "
-            f"{options['axis']} {log} --mapping {options['output']}",
+            f"{options['axis']} {log} --mapping {options['output']}" + " --resample own" * bool(faults),
             markup=False,
         )
+
+
+def _faults_of_clock(look: ForeignFile, mapping: LogMapping) -> list[str]:
+    """Reasons why a log is to be resampled."""
+    times = dict(zip(look.table.headers, look.table.beginning(), strict=True)).get(
+        mapping.columns.get("t", "")
+    )
+    if times is None or isinstance(times, str):
+        return []
+    faults = inspect_clock(times[np.isfinite(times)] * to_si(mapping.units.get("t", "s"))).faults
+    return [fault for fault in faults if "resample" in fault]

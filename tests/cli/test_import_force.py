@@ -32,3 +32,42 @@ def test_the_only_force_is_taken_though_it_is_a_command(
     assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", *gain) == 0
     assert words in capsys.readouterr().out
     assert json.loads(Path("m.json").read_text(encoding="utf-8"))["columns"]["F"] == header
+
+
+@pytest.mark.parametrize(
+    ("header", "options", "said"),
+    [
+        ("duty", [], "F has no factor: give --gain F in N per unit of 'duty'"),
+        ("u", ["--gain", "F=40"], ""),
+        ("out [digits]", [], "F has no factor: give --gain F in N per unit of 'out [digits]'"),
+        ("cmd", [], "name it with --column F=NAME; 'cmd' may be it"),
+        ("setpoint", ["--column", "F=setpoint"], ""),
+        ("Analog out [V]", [], "name it with --column F=NAME; 'Analog out [V]' may be it"),
+        ("Torque [0.1 %]", [], "F has no factor: give --gain F in N per 0.1 % (rated value / 1000)"),
+    ],
+)
+def test_a_command_of_unknown_size_is_asked_about(
+    header: str,
+    options: list[str],
+    said: str,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    t = np.arange(1000) / 1000
+    columns = {"t [ms]": 1e3 * t, "PosF[mm]": 100 * np.sin(9 * t), header: np.sin(9 * t)}
+    pl.DataFrame(columns).write_csv(folder / "c.csv")
+    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", *options) == 0
+    assert said in capsys.readouterr().out
+    record = json.loads(Path("m.json").read_text(encoding="utf-8"))
+    assert len(record["missing"]) == bool(said)
+    if not said:
+        assert record["columns"]["F"] == header
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("%", 4.0), ("‰", 0.4), ("0,1%", 0.4), ("0.01 %", 0.04)])
+def test_shares_of_a_rated_force_have_their_own_size(unit: str, factor: float, folder: Path) -> None:
+    t = np.arange(1000) / 1000
+    columns = {"t [ms]": 1e3 * t, "pos [mm]": 100 * np.sin(9 * t), f"Torque [{unit}]": 40 * np.sin(9 * t)}
+    pl.DataFrame(columns).write_csv(folder / "c.csv")
+    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", "--rated", "400") == 0
+    assert json.loads(Path("m.json").read_text(encoding="utf-8"))["gains"]["F"] == pytest.approx(factor)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
-Quantity = Literal["time", "position", "velocity", "acceleration", "force", "current", "voltage", "percent"]
+Quantity = Literal[
+    "time", "position", "velocity", "acceleration", "force", "current", "voltage", "percent", "command"
+]
+"""What a column measures; a command is what a controller sends to a drive, in a unit that the file does not state."""
 
 UNITS: Final[tuple[tuple[Quantity, tuple[str, ...]], ...]] = (
     ("time", ("s",)),
@@ -17,7 +20,11 @@ UNITS: Final[tuple[tuple[Quantity, tuple[str, ...]], ...]] = (
 )
 """Units in SI of each quantity."""
 WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
-    ("time", r"t|time|timestamp|zeit\w*|temps|tempo|tiempo|время|\w*[时時][间間]|sec|ms"),
+    (
+        "time",
+        r"t|ts|time|(?:time)?stamps?|zeit\w*|temps|tempo|tiempo|время|\w*[时時][间間]|sec(?:onds?)?|elapsed|uptime|"
+        r"ms(?:ec)?|milli(?:s|seconds?)|us(?:ec)?|micro(?:s|seconds?)|ns(?:ec)?|nano(?:s|seconds?)",
+    ),
     ("acceleration", r"acc\w*|acel\w*|(?:ist|soll)?beschl\w*|ddq\w*|ускорение|\w*加速度"),
     ("velocity", r"vel\w*|speed|(?:ist|soll)?(?:geschw|drehzahl)\w*|vitesse|скорость|\w*(?:速度|转速)|v"),
     (
@@ -31,8 +38,14 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
         "position",
         r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|encoder|scale|положение|перемещение|координата|\w*(?:位置|位移|角度)|q\w?|x|y|z",
     ),
+    (
+        "command",
+        r"out(?:put)?|control|ctrl|duty\w*|pwm|u|throttle|dac|manipulated|stell(?:gr\w*|wert)|sortie|salida|uscita",
+    ),
 )
 """Words in the name of a column of each quantity; the first that fits counts."""
+CLOCKS_NAMED: Final = {"ms": r"ms(?:ec)?|milli\w*", "us": r"us(?:ec)?|micro\w*", "ns": r"ns(?:ec)?|nano\w*"}
+"""Units of a time that a word of its name states."""
 SETPOINT: Final = (
     r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg|consigne|"
     r"consigna|задан\w*|\w*(?:指令|目标|目標|给定)\w*"
@@ -43,7 +56,7 @@ DIFFERENCE: Final = (
     r"\w*(?:误差|誤差|偏差)"
 )
 """Words of what is commanded less what is measured."""
-COUNTS: Final = r"inc|incr\w*|increments?|inkr\w*|counts?|cts|impuls\w*|pulses?|lsb"
+COUNTS: Final = r"inc|incr\w*|increments?|inkr\w*|counts?|q?cts|cnts?|qc|impuls\w*|pulses?|lsb|digits?"
 """Units of unknown length."""
 NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 """Words of columns that number the samples."""
@@ -54,8 +67,13 @@ SPELLED: Final = {
     "μm": "um",
     "1/min": "rpm",
     "U/min": "rpm",
+    "r/min": "rpm",
+    "N-m": "N*m",
     "sec": "s",
+    "msec": "ms",
+    "usec": "us",
     "Arms": "A",
+    "Apk": "A",
     "A rms": "A",
     "Aeff": "A",
     "A eff": "A",

@@ -10,9 +10,10 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.quality.clock import PLAUSIBLE_PERIODS
 from symid.data.table import Table
+from symid.data.text_files.clock_columns import counts_up, rises_evenly, rises_unevenly, step_of_clock
 from symid.data.text_files.column_words import (
+    CLOCKS_NAMED,
     COUNTS,
     DIFFERENCE,
     NUMBERS,
@@ -27,15 +28,16 @@ from symid.units import Unit, to_si
 
 _BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*")
 _TRAILING: Final = re.compile(
-    r"(?P<name>.*?\S)[ _/](?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|ms|us|deg|kN|Nm|rpm|A|V|N|s|m|"
+    r"(?P<name>.*?\S)(?:,? |[_/])(?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|msec|ms|usec|us|deg|kN|Nm|rpm|A|V|N|s|m|"
+    r"counts|cts|inc|qc|"
     r"мм/с|мм|мкм|м/с|мс|кН|Нм|град|рад|об/мин|А|В|Н|с|м)"
 )
 _SIGN_BITS: Final = (10, 11, 15)
 _MOST_OF_BIT, _CHANGES = 0.75, 3
 """Largest magnitude as a share of the sign bit's value, and fewest changes of sign, to take the bit as a sign."""
-_CLOCKS: Final = ("s", "ms", "us", "ns", "day")
-_YEAR_2000: Final = 946_684_800  # s from 1970
-_FROM_1601: Final = 1.25e17, 1.6e17  # times of 1997 to 2108, in 100 ns
+_NUMBERED: Final = "it numbers the samples"
+_COUNTED: Final = "it rises by 1: numbers of samples, or ms"
+_PER_CENT: Final = re.compile(r"(?P<size>\d+[.,]?\d*)?\s*%")
 _LONGEST_STROKE: Final = 10.0  # m: a position that covers more is in a smaller unit
 
 
@@ -89,13 +91,22 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
         table.clocks.values(), "it holds the times of other columns, which are read in seconds"
     )
     clocks |= dict.fromkeys(table.stamps, "its values are moments, which are read in seconds")
-    return tuple(
-        ForeignColumn(header, "time", "s", False, clocks[i], True)
-        if i in clocks
-        else described_column(header, column[np.isfinite(column)])
+    finite = {
+        i: column[np.isfinite(column)]
         for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header
-    )
+    }
+    found = {
+        i: ForeignColumn(table.headers[i], "time", "s", False, clocks[i], True)
+        if i in clocks
+        else described_column(table.headers[i], column)
+        for i, column in finite.items()
+    }
+    if not any(column.quantity == "time" for column in found.values()):
+        unknown = (i for i, c in found.items() if c.quantity is None and c.unit is None)
+        if (i := next((i for i in unknown if rises_unevenly(finite[i])), None)) is not None:
+            found[i] = _uneven_clock(table.headers[i], finite[i])
+    return tuple(found.values())
 
 
 def described_column(header: str, values: FloatArray) -> ForeignColumn:
@@ -116,25 +127,25 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
         return ForeignColumn(header, None, unit, False, why, unit is not None)
     if quantity is not None and quantity != "percent":
         return ForeignColumn(header, quantity, unit, setpoint, f"its unit is written, {written}", True)
-    if written and _match([written], COUNTS):
-        why = f"its unit is {written}, of unknown length"
-        return ForeignColumn(header, "position", None, setpoint, why, False, scaled=True)
+    is_even = not setpoint and rises_evenly(values)
+    if written and _match([written], COUNTS) and not _match(words, NUMBERS):
+        by_name, _ = next(_named(words), ("position", ""))
+        why = f"its unit is {written}, of unknown {'length' if by_name == 'position' else 'size'}"
+        return ForeignColumn(header, by_name, None, setpoint, why, False, scaled=True)
     if written and quantity is None:  # what is in brackets, or below, may be the name
         words += _words(written)
-    is_even = not setpoint and _rises_evenly(values)
     for by_name, word in _named(words):
         if by_name == "position" and is_even:  # no measured position does
             continue
         if quantity == "percent":
             why = f"{word!r} in percent: of a rated value"
-            return ForeignColumn(header, "percent", "%", setpoint, why, True)
+            return ForeignColumn(header, "percent", unit, setpoint, why, True)
         return _without_unit(header, by_name, word, setpoint, values, written)
     numbered = _match(words, NUMBERS) is not None
     if numbered and is_even:
-        return ForeignColumn(header, None, None, setpoint, "it numbers the samples", False)
-    if is_even and np.all(values % 1 == 0) and values[1] - values[0] == 1:
-        why = "it rises by 1: numbers of samples, or ms"
-        return ForeignColumn(header, "time", None, setpoint, why, False)
+        return ForeignColumn(header, None, None, setpoint, _NUMBERED, False)
+    if is_even and counts_up(values):
+        return ForeignColumn(header, "time", None, setpoint, _COUNTED, False)
     if is_even:
         return _without_unit(header, "time", "rises in equal steps", setpoint, values, written)
     quantity, unit = _measured_in(header)
@@ -188,11 +199,14 @@ def _sign_and_magnitude(values: FloatArray) -> str:
     return ""
 
 
-def _rises_evenly(values: FloatArray) -> bool:
-    """Whether these are the times of samples, or their numbers."""
-    steps = np.diff(values)
-    step = float(np.median(steps)) if steps.size > 1 else 0.0
-    return step > 0 and bool(np.ptp(steps) <= 1e-3 * step)
+def _uneven_clock(header: str, values: FloatArray) -> ForeignColumn:
+    """A column without a name of the time that may be one; whole numbers that rise by 1 may number samples instead."""
+    if _match(_words(header), NUMBERS):
+        return ForeignColumn(header, None, None, False, _NUMBERED, False)
+    if counts_up(values):
+        return ForeignColumn(header, "time", None, False, _COUNTED, False)
+    column = _without_unit(header, "time", "always rises", False, values, None)
+    return column if column.unit else replace(column, quantity=None)
 
 
 def split_header(header: str) -> tuple[str, str | None]:
@@ -231,8 +245,8 @@ def _measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
     """Quantity that a unit measures, and the unit as `to_si` reads it."""
     if not written:
         return None, None
-    if "%" in written:
-        return "percent", "%"
+    if (share := _PER_CENT.search(written.replace("‰", "0.1 %"))) is not None:
+        return "percent", f"{share['size'].replace(',', '.')} %" if share["size"] else "%"
     unit = SPELLED.get(written, written.replace("²", "^2").replace("°", "deg"))
     for quantity, names in UNITS:
         for name in names:
@@ -244,29 +258,16 @@ def _measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
     return None, None
 
 
-def _clocks_of(times: FloatArray) -> Sequence[str]:
-    """Units that times may have: one, if they count from 1970, or, as Windows does, from 1601 in 100 ns.
-
-    >>> _clocks_of(np.array([1.76e15])), _clocks_of(np.array([1.33e17])), len(_clocks_of(np.zeros(1)))
-    (['us'], ['100 ns'], 5)
-    """
-    first = float(times[0]) if times.size else 0.0
-    from_1970 = [unit for unit in _CLOCKS[:4] if _YEAR_2000 < first * to_si(unit) < 4 * _YEAR_2000]
-    return from_1970 or (["100 ns"] if _FROM_1601[0] < first < _FROM_1601[1] else _CLOCKS)
-
-
 def _without_unit(
     header: str, quantity: Quantity, word: str, setpoint: bool, values: FloatArray, written: str | None
 ) -> ForeignColumn:
     """A column identified by its name; its unit is guessed from its values where possible."""
     evidence = f"{word!r} in its name" if word in header else f"it {word}"
     if quantity == "time":
-        step = float(np.median(np.diff(values))) if values.size > 1 else 0.0
-        low, high = PLAUSIBLE_PERIODS
-        fits = [unit for unit in _clocks_of(values) if low <= step * to_si(unit) <= high]
-        if fits:
-            reason = f"{evidence}; steps of {step:g} are a plausible sampling period in {fits[0]}"
-            return ForeignColumn(header, "time", fits[0], setpoint, reason, False)
+        step, unit = step_of_clock(values, [u for u, words in CLOCKS_NAMED.items() if _match([word], words)])
+        if unit:
+            reason = f"{evidence}; steps of {step:g} are a plausible sampling period in {unit}"
+            return ForeignColumn(header, "time", unit, setpoint, reason, False)
         return ForeignColumn(
             header, "time", None, setpoint, f"{evidence}; steps of {step:g} fit no unit", False
         )
@@ -277,4 +278,5 @@ def _without_unit(
             return ForeignColumn(header, "position", None, setpoint, f"{reason}; {what}", False, scaled=True)
         return ForeignColumn(header, "position", "mm", setpoint, reason, False)
     lacking = f"{written!r} is not a unit" if written else "no unit"
-    return ForeignColumn(header, quantity, None, setpoint, f"{evidence}; {lacking}, so SI is assumed", False)
+    follows = "of unknown size" if quantity == "command" else "so SI is assumed"
+    return ForeignColumn(header, quantity, None, setpoint, f"{evidence}; {lacking}, {follows}", False)

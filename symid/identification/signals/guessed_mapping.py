@@ -186,8 +186,8 @@ class _Guess:
     def called(self, signal: str) -> list[ForeignColumn]:
         """The column that has the name of a signal, if neither its name nor a unit says what it measures."""
         why = "its name is that of the signal; no unit, so SI is assumed"
-        same = [c for c in self.free if c.header == signal and c.quantity is None]
-        return [replace(c, reason=why) for c in same]
+        same = [c for c in self.free if c.header == signal and c.quantity in (None, "command")]
+        return [replace(c, quantity=None, reason=why) for c in same]
 
     def sensor(self, sensor: Sensor, unit: Unit, alike: int, *, needed: bool) -> None:
         """A column for a sensor: one of its name, else the first measured one of its quantity.
@@ -219,12 +219,13 @@ class _Guess:
             self.take(command, measured["voltage"])
             return
         commanded = {c.quantity: c for c in reversed(found) if c.setpoint}
-        kinds = (own, "percent", "current")
-        alike = [of[q] for of in (measured, commanded) for q in kinds if q in of]
-        column = self.chosen(signal, alike or self.called(signal))
+        alike = [of[q] for of in (measured, commanded) for q in (own, "percent", "current") if q in of]
+        sent = [of["command"] for of in (measured, commanded) if "command" in of]
+        column = self.chosen(signal, alike or self.called(signal) or sent)
         if column is None:
             self.missing.append(
                 f"no column seems to be the force {signal}: name it with `columns` {signal}=NAME"
+                + "".join(f"; {c.header!r} may be it" for c in found if _may_command(c))
                 + self.but_for("force")
             )
             return
@@ -233,20 +234,28 @@ class _Guess:
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
         # v may be volts
-        misnamed = signal in self.named and column.quantity in _MOTION and column.unit is None
-        if (misnamed or column.quantity in (own, None)) and _is_unit_of_drive(column.unit, unit):
+        misnamed = signal in self.named and column.quantity in (*_MOTION, "command") and not column.unit
+        in_unit = not column.scaled and _is_unit_of_drive(column.unit, unit)
+        if (misnamed or column.quantity in (own, None)) and in_unit:
             self.take(signal, column, column.unit or str(unit))
             if gain is not None:
                 self.gains[signal] = gain
             return
         self.take(signal, column, str(unit))
         in_percent = column.quantity == "percent"
-        factor = rated / 100 if rated is not None and in_percent else gain
-        per = "% (rated value / 100)" if in_percent else column.unit or "A"
+        size = float((column.unit or "").partition(" ")[0].rstrip("%") or 1) if in_percent else 1.0
+        factor = rated / 100 * size if rated is not None and in_percent else gain
+        known = "A" if column.quantity == "current" and not column.scaled else f"unit of {column.header!r}"
+        per = f"{column.unit} (rated value / {100 / size:g})" if in_percent else column.unit or known
         if factor is not None:
             self.gains[signal] = factor
             return
         self.missing.append(f"{signal} has no factor: give `gains` {signal} in {unit} per {per}")
+
+
+def _may_command(column: ForeignColumn) -> bool:
+    """Whether a column may be the command of a drive, of which neither name nor unit says so."""
+    return not column.constant and (column.quantity == "voltage" or (column.setpoint and not column.quantity))
 
 
 def _in_degrees(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColumn]:
