@@ -41,6 +41,7 @@ from symid.identification.deviations.whitened import segments
 from symid.identification.faults.examined_faults import faults_of
 from symid.identification.faults.lagging import lag_of
 from symid.identification.faults.poor_fit import unexplained
+from symid.identification.faults.smoothing import slowly_updated
 from symid.identification.parameters.constraints import Constraints, constrained_estimates
 from symid.identification.parameters.inseparable import estimates_by_priors
 from symid.identification.parameters.physical import PhysicalEstimate, physical_estimates
@@ -240,6 +241,8 @@ def found_from(
     if not per_log.all() and per_log.any():
         unused = ", ".join(log.source for log, rows in zip(logs, per_log, strict=True) if not rows)
         status, message = "too_few_rows", f"no row of {unused} is left: check its signals, or leave it out"
+    elif status == "too_few_rows" and (slow := slowly_updated(model, logs)):
+        message = f"{message.partition(': ')[0]}: {slow}"
     return replace(found, status=status, message=message)
 
 

@@ -74,3 +74,13 @@ def test_a_first_cutoff_far_below_the_mode_is_left_where_it_makes_a_mass_negativ
     found = identified(case)
     assert found.status == "ok"
     assert abs(found.physical_parameters["Ms"] / case.truth["Ms"] - 1) < 0.03
+
+
+def test_a_slow_sensor_is_named_where_it_leaves_no_rows() -> None:
+    t = np.arange(8000) / 1000
+    q, v, a = np.sin(3 * t), 3 * np.cos(3 * t), -9 * np.sin(3 * t)
+    held = np.repeat(q[::8], 8)  # between two updates its velocity is 0: each row seems to rest
+    force = 5 * a + 9 * v + 2 * np.sign(v) + 0.1 * np.random.default_rng(1).standard_normal(t.size)
+    found = identify("rigid_1m", Log.from_arrays({"q": held, "F": force}, sampling_period=1e-3))
+    assert found.status != "ok"
+    assert "q changes every 8 samples only: it is updated more rarely than it is recorded" in found.message

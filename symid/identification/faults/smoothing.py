@@ -13,6 +13,7 @@ import numpy as np
 
 from symid.arrays import FloatArray, fast_length
 from symid.codegen import GeneratedModel
+from symid.data import AnyLog, Log
 from symid.identification.criteria import CRITERIA
 from symid.identification.rows.excerpts import Excerpt
 
@@ -117,6 +118,14 @@ def slow_update(x: FloatArray, name: str) -> str:
         if every > 1
         else ""
     )
+
+
+def slowly_updated(model: GeneratedModel, logs: Sequence[AnyLog]) -> str:
+    """`slow_update` of the first channel of logs in memory that is one; empty without one."""
+    channels = (
+        (log[name], name) for log in logs if isinstance(log, Log) for name in model.highest_derivatives
+    )
+    return next((said for x, name in channels if (said := slow_update(x, name))), "")
 
 
 def interpolated_from(x: FloatArray) -> int:
