@@ -42,6 +42,17 @@ def norms_or_one(columns: npt.NDArray[Any], axis: int = 0) -> FloatArray:
     return np.where(norms > 0.0, norms, 1.0)
 
 
+def add_outer(total: ComplexArray, values: ComplexArray, row: FloatArray) -> None:
+    """Add the outer product of values and a row with few entries to an array.
+
+    >>> add_outer(total := np.zeros((1, 2), dtype=complex), np.array([2j]), np.array([0.0, 3.0]))
+    >>> total.tolist()
+    [[0j, 6j]]
+    """
+    for j in np.flatnonzero(row):
+        total[:, j] += row[j] * values
+
+
 def least_squares(columns: FloatArray, y: FloatArray, rcond: float | None = None) -> FloatArray:
     """Least-squares solution for columns that may differ by many decades, and may be zero.
 

@@ -1,6 +1,7 @@
 """A small effect beside a large one is found where it takes away much of what is left."""
 
 import math
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -15,6 +16,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection import backward
 from symid.diagnosis.selection.backward import _chain, _members, _with_values_of
 from symid.diagnosis.selection.lack_of_fit import lack_of_fit
+from symid.diagnosis.selection.reselection import Member
 from symid.diagnosis.selection.step import takes
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -100,15 +102,17 @@ def test_where_fits_begin_astray_the_values_of_the_whole_model_are_tried(
     found: Diagnosis, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     accepted = [step for step in found.search if step.accepts]
-    begun_from_whole = []
+    tried = []
 
-    def astray(*orders: Any, whole: Fit | None = None, **options: Any) -> Any:
-        begun_from_whole.append(whole is not None)
-        return whole and _chain(*orders, whole=whole, **options)
+    def astray(members: Sequence[Member], *args: Any, whole: Fit | None = None, **options: Any) -> Any:
+        tried.append((tuple(member.placed.key for member in members), whole is not None))
+        return whole and _chain(members, *args, whole=whole, **options)
 
     monkeypatch.setattr(backward, "_chain", astray)
     steps = backward.backward_elimination(accepted, LIBRARY)
-    assert begun_from_whole == [False, False, False, True]
+    assert [from_whole for _, from_whole in tried] == [*[False] * (len(tried) - 1), True]
+    assert len(tried) > 1
+    assert len(set(tried)) == len(tried)  # each order once
     assert {step.best.key for step in steps} == {step.best.key for step in accepted}
 
 

@@ -91,7 +91,9 @@ class TransferEffect(Effect):
 
     def _under(self, prediction: Prediction, place: str, shape: Shape, outputs: ComplexArray) -> ComplexArray:
         changed, at = np.zeros_like(outputs), self.output(prediction, place)
-        changed[..., at, :] = self.transfer(prediction, shape) * outputs[..., at, :]
+        memory = prediction.record.memory
+        transfer = memory.of((self, "transfer"), shape, lambda: self.transfer(prediction, shape))
+        changed[..., at, :] = transfer * outputs[..., at, :]
         return changed
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import ComplexArray, norms_or_one
+from symid.arrays import ComplexArray, add_outer, norms_or_one
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
@@ -54,9 +54,9 @@ def next_prediction(
             stiffness = item.effect.impedance(record.omega, item)
             impedances.append((joint.direction, stiffness))
             if hidden or any(other.integrated for other in placed):  # an integration has no impedances
-                forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)
+                add_outer(forces, stiffness * joint.spectrum, -joint.direction)
         else:
-            forces -= np.multiply.outer(_force(before, item, joint), joint.direction)
+            add_outer(forces, _force(before, item, joint), -joint.direction)
     plant = record.dynamics.at(parameters) if nearby or hidden else before.response.plant
     for i, k in hidden:
         direction, term = plant.laws[i].direction, plant.laws[i].terms[k]

@@ -9,7 +9,7 @@ from itertools import islice
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray, least_squares
+from symid.arrays import ComplexArray, FloatArray, add_outer, least_squares
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
 from symid.diagnosis.fitting.state import State, as_read, free_forces, passed_on, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
@@ -77,7 +77,7 @@ class _InitialMotion:
                 if isinstance(item.effect, LinearEffect):
                     direction = item.effect.joint(self.prediction, item.at).direction
                     stiffer = item.effect.impedance(omega, moved) - item.effect.impedance(omega, item)
-                    change -= np.multiply.outer(stiffer * (direction @ self._displacements), direction)
+                    add_outer(change, stiffer * (direction @ self._displacements), -direction)
                 yield response.of_forces(change)[None] / step
 
     def _forces_with(self, placed: Sequence[Placed]) -> ComplexArray:
@@ -216,7 +216,7 @@ def _of_parameters(
         for (direction, spectra), law in zip(laws, change.laws, strict=bool(laws)):
             for spectrum, term in zip(spectra, law.terms, strict=True):
                 if term.parameter:
-                    forces -= np.multiply.outer(term.parameter * spectrum, direction)
+                    add_outer(forces, term.parameter * spectrum, -direction)
         if change.drives.any():
             forces += driven.T @ change.drives.T
         forces[0] += change.constant * constant

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from symid.arrays import FloatArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.record import Record
 
 _AT_REST = 1e-9
 """Displacement of a joint, relative to the largest, below which it does not follow the drive."""
@@ -50,9 +51,15 @@ def acting_force(prediction: Prediction, drive: int) -> FloatArray:
         np.sum(np.abs(prediction.response.of_positions[:, drive]) ** 2 * spread, axis=0) * record.n_extended
     )
     share = np.minimum(_MARGIN * noise / np.maximum(power, np.finfo(float).tiny), 1.0)
-    force = scipy.fft.rfft(record.whole_forces[drive])
-    beyond = force[record.n_bins :]
-    of_noise = record.noise_of_outputs[drive] ** 2 * record.n_extended * beyond.size
-    beyond *= np.sqrt(max(1 - of_noise / max(float(np.sum(np.abs(beyond) ** 2)), of_noise), 0.0))
+    force = record.memory.of(("beyond", drive), None, lambda: _beyond_band(record, drive)).copy()
     force[: record.n_bins] = modelled + share * (record.measured[drive] - modelled)
     return np.asarray(scipy.fft.irfft(force, record.n_extended))
+
+
+def _beyond_band(record: Record, drive: int) -> ComplexArray:
+    """Spectrum of the recorded force of a drive beyond the band, less its noise; the band is empty."""
+    force = np.asarray(scipy.fft.rfft(record.whole_forces[drive]))
+    force[: record.n_bins] = 0.0
+    of_noise = record.noise_of_outputs[drive] ** 2 * record.n_extended * (force.size - record.n_bins)
+    share = max(1 - of_noise / max(float(np.sum(np.abs(force) ** 2)), of_noise), 0.0)
+    return np.asarray(np.sqrt(share) * force)

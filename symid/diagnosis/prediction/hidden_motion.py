@@ -57,6 +57,12 @@ class Pointwise:
     dry: bool = False  # whether it is dry friction
 
     @property
+    def key(self) -> tuple[object, ...]:
+        """What the force depends on, to be compared."""
+        course = None if self.course is None else self.course.tobytes()
+        return self.force, tuple(self.values.items()), course, self.reach, self.dry
+
+    @property
     def program(self) -> Program:
         """The force as a program of `ARGUMENTS` and the values in their order."""
         return _program(self.force, tuple(self.values))
@@ -109,43 +115,51 @@ def acts_on_hidden(plant: Plant, other: Plant, driven: FloatArray) -> bool:
 def integrated_motion(
     record: Record,
     plant: Plant,
-    known: FloatArray,
+    acting: ComplexArray,
     laws: Sequence[tuple[FloatArray, Pointwise]],
     *,
     follows: bool = False,
 ) -> tuple[ComplexArray, ComplexArray, tuple[ComplexArray, ...]]:
     """Spectra of the displacements of two bodies as predicted and observed, (2, n_bins), and of the force of each law.
 
-    `known` are other forces on the bodies on the fine grid, (2, n_fine). Each law comes with the
-    direction of its joint. Motion that `follows` the measured force is observed, other motion is the predicted one.
+    `acting` are other forces on the bodies, (n_bins, 2). Each law comes with the direction of its joint. Motion that
+    `follows` the measured force is observed, other motion is the predicted one.
     """
     # The measured position fixes one combination of the two bodies; one coordinate is left. The measured motion enters
     # its equation as a known input, linear in courses that all models share: only this coordinate is integrated.
     hidden = hidden_motion(plant, plant.sensors[record.signals[0]][0])
     row, by_state = _drive_balance(plant, hidden)
-    matrices = plant.stiffness, plant.damping, plant.mass
-    rows = np.stack([hidden.balance, -row])
-    pushed, load = (
-        rows @ known - np.stack([rows @ m @ hidden.carried for m in matrices], 1) @ record.driven_courses
-    )
+
+    def balanced(row: FloatArray) -> FloatArray:
+        """Course of a combination of the equations: forces less those of the motion without the hidden one."""
+        force, matrices = acting @ row, (plant.stiffness, plant.damping, plant.mass)
+        of_motion = [row @ m @ hidden.carried for m in matrices] @ record.driven_courses
+        return np.asarray(record.fine(force) - of_motion if force.any() else -of_motion)
+
+    pushed = balanced(hidden.balance)
+    loaded = follows or any(law.program.asks_for(ARGUMENTS.index("_load")) for _, law in laws)
+    load = -balanced(row) if loaded else np.zeros_like(pushed)
     mass, damping, stiffness = (
         float(hidden.balance @ m @ hidden.free) for m in (plant.mass, plant.damping, plant.stiffness)
     )
     step, (q, v, _) = record.period / record.n_fine, record.driven_courses
     natural = math.sqrt(abs(stiffness / mass)) if follows else 0.0
     rest, gain = _observer(record, load, natural, float(by_state[0]), step)
-    *courses, forces = _periodic(
-        _discretised(mass, damping, stiffness, step),
-        _Driven(pushed, load, by_state, q, v, rest, gain),
-        np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d, row @ d) for d, _ in laws]),
-        [law for _, law in laws],
-        math.ceil(record.duration / step),
+    equation = _discretised(mass, damping, stiffness, step)
+    driven = _Driven(pushed, load, by_state, q, v, rest, gain)
+    joints = np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d, row @ d) for d, _ in laws])
+    acting_laws, n_log = [law for _, law in laws], math.ceil(record.duration / step)
+    # Forces on the driven body alone change none of this: the motion is the last one.
+    given = mass, damping, stiffness, *(x.tobytes() for x in (pushed, load, by_state, gain, joints))
+    spectra = record.memory.of(
+        "hidden motion",
+        (*given, *(law.key for law in acting_laws)),
+        lambda: record.from_grid(_periodic(equation, driven, joints, acting_laws, n_log)),
     )
-    carried = np.multiply.outer(hidden.carried, record.motion)
-    predicted, observed = (
-        carried + np.multiply.outer(hidden.free, record.from_grid(course)) for course in courses
-    )
-    return predicted, observed, tuple(record.from_grid(f) for f in forces)
+    moved = [
+        hidden.carried[:, None] * record.motion + hidden.free[:, None] * x for x in spectra[: -len(laws)]
+    ]
+    return moved[0], moved[-1], tuple(spectra[-len(laws) :])
 
 
 def _observer(
@@ -220,18 +234,17 @@ def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, Floa
 
 def _periodic(
     equation: _Equation, driven: _Driven, joints: FloatArray, laws: Sequence[Pointwise], n_log: int
-) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
-    """Hidden coordinate as predicted and as observed, and forces at the points, as periodic courses."""
+) -> FloatArray:
+    """Hidden coordinate as predicted, as observed where it is, and the force of each law, as periodic courses."""
     # A log begins at rest or in an unknown state, for which the rows allow: the deflection begins at 0. On the way back
     # from the end of the log to its beginning courses return to their first values, which closes the period.
     predicted, observed, forces = _stepped(equation, driven, joints, laws)
     if not np.isfinite(predicted).all():
         raise OverflowError("the hidden motion grows without bound")
-    n = driven.q.size
-    back = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, n - n_log))
-    for course in (predicted, observed, *forces):
-        course[n_log:] += back * (course[0] - course[n_log:])
-    return predicted, observed, forces
+    courses = np.stack([predicted, *([observed] if driven.gain.any() else []), *forces])
+    back = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, driven.q.size - n_log))
+    courses[:, n_log:] += back * (courses[:, :1] - courses[:, n_log:])
+    return courses
 
 
 def _stepped(

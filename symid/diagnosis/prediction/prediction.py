@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import ComplexArray, FloatArray, add_outer
 from symid.axis import Axis, Spring
 from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
@@ -85,9 +85,9 @@ class Prediction:
         """The same with the values of another plant, at this motion."""
         total = np.zeros((self.record.n_bins, len(plant.bodies)), dtype=complex)
         for i, ((direction, spectra), law) in enumerate(zip(self.laws, plant.laws, strict=True)):
-            terms = enumerate(zip(law.terms, spectra, strict=True))
-            force = sum(term.parameter * x for k, (term, x) in terms if (i, k) not in self.integrated_terms)
-            total -= np.multiply.outer(force, direction)
+            for k, (term, spectrum) in enumerate(zip(law.terms, spectra, strict=True)):
+                if (i, k) not in self.integrated_terms:
+                    add_outer(total, spectrum, -term.parameter * direction)
         total[0] += plant.constant * self.record.n_extended
         return total
 
@@ -261,11 +261,10 @@ def prediction_of(
     if integrated:
         plant = response.plant
         acting = of_effects if before is None else of_effects + before.law_forces_of(plant)
-        known = record.fine(acting.T) if acting.any() else np.zeros((n, 1))
-        moved, observed, pushes = integrated_motion(record, plant, known, integrated, follows=follows)
-        of_integrated = np.asarray(
-            -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
-        )
+        moved, observed, pushes = integrated_motion(record, plant, acting, integrated, follows=follows)
+        of_integrated = np.zeros_like(of_effects)
+        for push, (direction, _) in zip(pushes, integrated, strict=True):
+            add_outer(of_integrated, push, -direction)
     else:
         acting = of_effects if before is None else of_effects + before.law_forces
         moved = response.displacements(record.motions, acting)

@@ -36,8 +36,8 @@ _ORTHONORMAL = 1e-12
 _MOST_STARTS = 40
 _TOGETHER = 16
 """Columns that are projected together, which need as much memory again."""
-_TRANSFORMED = 40_000
-"""Values of the columns that are transformed together."""
+_TRANSFORMED, _AT_ONCE = 40_000, 4
+"""Values of the columns that are transformed together; least number of transforms, which share instructions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +60,8 @@ class Weighting:
         n, (*several, n_outputs, n_bins) = self.record.n_rows, errors.shape
         count = math.prod(several)
         columns, results = errors.reshape(count, n_outputs, n_bins), np.empty((count, n_outputs, n))
-        # Several at a time share the instructions of a transform; they stay in the processor's cache.
-        many = max(min(_TRANSFORMED // (n_outputs * n), count), 1)
+        # Several at a time share the instructions of a transform; a few more leave the processor's cache.
+        many = max(min(max(_TRANSFORMED // n, _AT_ONCE) // n_outputs, count), 1)
         spectra = np.empty((many, n_outputs, n // 2 + 1), dtype=complex)
         courses = np.empty((many, n_outputs, n))
         for first in range(0, count, many):
@@ -93,16 +93,15 @@ class Weighting:
 
         `beginning`, of shape (n_starts, n_outputs, n_rows), holds the contributions of a state at the start of the log.
         """
-        if self._begun.get("rows") is not beginning:  # one step of a fit asks several times
-            rest = self.flat(beginning)
-            basis = _orthonormal(rest - (rest @ self._basis) @ self._basis.T)
-            self._begun.update(rows=beginning, basis=basis)
         found = self.flat(rows)
-        several = np.atleast_2d(found)
-        for first in range(0, len(several), _TOGETHER):
-            some = several[first : first + _TOGETHER]
-            for basis in (self._basis, self._begun["basis"]):
-                some -= (some @ basis) @ basis.T
+        several, begins = np.atleast_2d(found), len(beginning)
+        if self._begun.get("rows") is beginning:  # one step of a fit asks several times
+            _take_away(several, self._basis)
+        else:  # one pass over the basis, which is large after many rests
+            both = _take_away(np.concatenate([self.flat(beginning), several]), self._basis)
+            self._begun.update(rows=beginning, basis=_orthonormal(both[:begins]))
+            several[:] = both[begins:]
+        _take_away(several, self._begun["basis"])
         return found
 
     def flat(self, rows: FloatArray) -> FloatArray:
@@ -188,16 +187,26 @@ def pulse_spectra(record: Record, times: FloatArray | tuple[float, ...] = (0.0,)
     return record.memory.of(("pulses", moments.size), moments.tobytes(), pulses)
 
 
+def _take_away(rows: FloatArray, basis: FloatArray) -> FloatArray:
+    """The rows, in place, less their parts in an orthonormal basis."""
+    for first in range(0, len(rows), _TOGETHER):
+        some = rows[first : first + _TOGETHER]
+        some -= (some @ basis) @ basis.T
+    return rows
+
+
 def _orthonormal(columns: FloatArray) -> FloatArray:
     """Orthonormal basis of columns, given as rows; negligible columns are left out."""
     norms = np.linalg.norm(columns, axis=1)
     seen = norms > _UNSEEN * norms.max(initial=0.0)
     basis = columns[seen] / norms[seen, None]
-    try:  # Cholesky factors of the Gram matrix, twice: a quarter of the time of QR where rows are many
+    gram = basis @ basis.T
+    try:  # Cholesky factors of the Gram matrix, twice at most: a quarter of the time of QR where rows are many
         for _ in range(2):
-            basis = np.linalg.inv(np.linalg.cholesky(basis @ basis.T)) @ basis
-        if np.abs(basis @ basis.T - np.eye(len(basis))).max(initial=0.0) < _ORTHONORMAL:
-            return np.asarray(basis.T)
+            basis = np.linalg.inv(np.linalg.cholesky(gram)) @ basis
+            gram = basis @ basis.T
+            if np.abs(gram - np.eye(len(basis))).max(initial=0.0) < _ORTHONORMAL:
+                return np.asarray(basis.T)
     except np.linalg.LinAlgError:
         pass  # columns that depend on each other to half the digits
     return np.asarray(np.linalg.qr((columns[seen] / norms[seen, None]).T)[0])

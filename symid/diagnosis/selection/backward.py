@@ -37,11 +37,9 @@ def backward_elimination(
         tentative = accepted[0].beside_others  # not certain alone, and not beside the others
         return (replace(accepted[0], beside_others=False),) if tentative else tuple(steps)
     first, whole = accepted[0].before, members[-1].step.best.fit
-    orders = (
-        sorted(members, key=lambda member: (not member.is_timing, -member.lost)),
-        sorted(members, key=lambda member: -member.taken),
-        members,
-    )
+    by_loss = sorted(members, key=lambda member: (not member.is_timing, -member.lost))
+    by_gain = sorted(members, key=lambda member: -member.taken)
+    orders = tuple(dict.fromkeys(map(tuple, (by_loss, by_gain, members))))  # two of them are often the same
     # Effects are fitted one by one in each order. The first order counts in which each is justified at its position and
     # the last model is as good as the whole one. Fits from the model without effects may end in other minima: at last
     # the values of the whole model are tried.
