@@ -113,7 +113,7 @@ class Weighting:
         """The weighting without cached arrays, which are recomputed on demand."""
         return replace(self)
 
-    @cached_property
+    @property
     def restarts(self) -> FloatArray:
         """Contributions of unknown states after rests to the rows, of shape (n_restarts, n_outputs, n_rows)."""
         # After each rest the hidden motion starts from an unknown state, as friction held it in an unknown place.

@@ -46,7 +46,9 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
     prediction, left = fit.state.prediction, fit.left
     plain = unweighted(left, fit.weighting.kept, AR_ORDER)
     white = autoregression(left, fit.weighting.kept, AR_ORDER)
-    projections = (_Projection(fit, plain), _Projection(fit, white))
+    base = fit.base
+    projections = (_Projection(fit, base, plain), _Projection(fit, base, white))
+    del base  # long after many rests, and not needed any more
     wanted = fit.weighting.back(left)
 
     def matched_filter(response: ComplexArray) -> FloatArray:
@@ -84,15 +86,17 @@ class _Projection:
     adjoint of the whitening applied to these, which is computed once.
     """
 
-    def __init__(self, fit: Fit, noise: Autoregression) -> None:
+    def __init__(self, fit: Fit, base: FloatArray, noise: Autoregression) -> None:
         self.noise = noise
-        base = noise.apply(fit.base)
+        base = noise.apply(base)
         base /= norms_or_one(base, axis=1)[:, None]
         unit = np.linalg.qr(base.T)[0].T
         error = noise.apply(fit.state.rows)
         left = error - (unit @ error) @ unit
         self.n_rows, self.square = left.size, float(left @ left)
-        self._base_and_left = np.stack([noise.back(row).ravel() for row in (*unit, left)]).T
+        self._base_and_left = np.empty((len(unit) + 1, fit.state.rows.size)).T
+        for column, row in zip(self._base_and_left.T, (*unit, left), strict=True):
+            column[:] = noise.back(row).ravel()
 
     def gains(self, rows: FloatArray, *, fixed: bool) -> list[tuple[float, FloatArray]]:
         """Gain and amplitudes for groups of columns of shape (n_groups, n_amplitudes, n_outputs, n_rows)."""
