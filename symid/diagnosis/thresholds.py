@@ -53,7 +53,7 @@ class Thresholds:
     hopeless: float = 4.0
     # share of the best gain from which on another candidate is accepted in its place, where it is not certain
     beside_best: float = 0.2
-    # share of the gain of a delay from which on a lag is followed to the end too, and the other way round
+    # share of the gain of a delay from which on a lag is tried in its place, and the other way round
     other_timing: float = 0.3
     # share of the best gain from which on a late reading goes first: readings that do not belong together look
     # like play, friction or compliance (a robot's link encoder, real)

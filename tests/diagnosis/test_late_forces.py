@@ -7,6 +7,7 @@ from benchmarks.diagnosis.drawn_machines import RATES, drawn_machine, drawn_run,
 from symid import ActuatorDelay, ActuatorLag
 from symid.axis import DriveImperfection
 from symid.diagnosis import diagnose
+from symid.diagnosis.selection.late_forces import in_band_of_forces, other_predicts_better
 
 LATE = 1.8e-3
 
@@ -23,3 +24,9 @@ def test_a_lag_of_a_ball_screw_is_no_delay(late: DriveImperfection, name: str) -
     assert effect.effect == name
     assert effect.probability > 0.5
     assert effect.parameters["T"].value == pytest.approx(LATE, rel=0.05)
+    # A search from the other one goes on only where that predicts better in place of the one found.
+    (step,) = (step for step in found.search if step.accepts)
+    (other,) = step.other_timing()
+    weighting = in_band_of_forces(step.before)
+    assert other_predicts_better(step, [other], weighting)
+    assert not other_predicts_better(other, [step], weighting)

@@ -12,9 +12,8 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import evaluated, with_effects
-from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, converged_from, prefer_coulomb, ranked
-from symid.diagnosis.selection.late_forces import in_band_of_forces
+from symid.diagnosis.selection.late_forces import in_band_of_forces, other_predicts_better
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.stages import (
     best_first,
@@ -24,7 +23,13 @@ from symid.diagnosis.selection.stages import (
     least_left,
     stages,
 )
-from symid.diagnosis.selection.step import Confirmed, SelectionStep, is_clear, is_more_than_noise
+from symid.diagnosis.selection.step import (
+    Confirmed,
+    SelectionStep,
+    is_clear,
+    is_more_than_noise,
+    penalised_likelihood,
+)
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _LEADING = 2
@@ -45,16 +50,18 @@ def forward_selection(
         fit, nominal = _with_least_inertia(better, nominal)
         first = _selection_step(fit, library, nominal).with_acceptable()
     # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and
-    # presliding friction may be all friction or a part of it. Where one of them comes first, both searches are run to
-    # their end, and the better prediction of blocks left out decides.
+    # presliding friction may be all friction or a part of it. Where one of them comes first, the search is also run to
+    # its end from the other one, and the better prediction of blocks left out decides. The other timing is then first
+    # put in the place of the one found: where it predicts worse there, its search is not run.
     if not first.accepts:
         return _together(fit, first, library, nominal)
     timings = first.other_timing()
-    branches = [
-        _continued(fit, step, library, nominal) for step in (first, *timings, *first.whole_before_part())
-    ]
     weighting = in_band_of_forces(fit) if timings else fit.weighting
-    return max(branches, key=lambda steps: _penalised_likelihood(steps, weighting))
+    found = _continued(fit, first, library, nominal)
+    others = [step for step in timings if other_predicts_better(step, found, weighting)]
+    others += first.whole_before_part()
+    branches = [found, *(_continued(fit, step, library, nominal) for step in others)]
+    return max(branches, key=lambda steps: penalised_likelihood(steps, steps[-1].best.fit.state, weighting))
 
 
 def _together(
@@ -123,17 +130,6 @@ def _is_settled(step: SelectionStep, first: Fit) -> bool:
     best = step.best if step.confirmed else None
     imitates = best is not None and best.placed.integrated and is_clear(best.fit)
     return step.justifies_another(first) and not imitates
-
-
-def _penalised_likelihood(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
-    """Cross-validated log-likelihood of the last model, less the penalties."""
-    if not steps[-1].confirmed:
-        return -math.inf
-    state = steps[-1].best.fit.state
-    added = state.placed[len(steps[0].before.state.placed) :]
-    return Fit(state.weighted(weighting), weighting).predicted - THRESHOLDS.penalty * sum(
-        item.n_free for item in added
-    )
 
 
 def _selection_step(

@@ -10,12 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from symid.diagnosis.effects import LATE_FORCES
 from symid.diagnosis.fitting.cross_validation import log_likelihood
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
+from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.diagnosis.selection.step import Confirmed
+from symid.diagnosis.selection.step import Confirmed, SelectionStep, penalised_likelihood
+from symid.errors import SymidError
 
 _BAND = 0.5
 """Power of the weight of a force at the end of its band: noise of the position is then as large as its own."""
@@ -30,6 +34,18 @@ def in_band_of_forces(fit: Fit) -> Weighting:
     for i in range(fit.state.prediction.record.n_drives):
         density[i, of_noise[i] ** 2 < _BAND * of_noise[i].max() ** 2] = 0.0
     return replace(fit.weighting, density=density)
+
+
+def other_predicts_better(step: SelectionStep, steps: Sequence[SelectionStep], weighting: Weighting) -> bool:
+    """Whether the timing that leads a step predicts better than that of a search, with what this one found besides."""
+    last = steps[-1].best.fit
+    placed = [step.best.placed if item.key == steps[0].best.key else item for item in last.state.placed]
+    try:
+        other = fitted(with_effects(last.state, last.weighting, tuple(placed)), last.weighting).state
+    except (SymidError, ArithmeticError, np.linalg.LinAlgError):
+        return True
+    own = penalised_likelihood(steps, last.state, weighting)
+    return penalised_likelihood(steps, other, weighting) > own
 
 
 def compared_in_band(candidates: Sequence[Confirmed], before: Fit) -> list[Confirmed]:

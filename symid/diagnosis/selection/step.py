@@ -12,6 +12,8 @@ from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, is_part
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted_on
 from symid.diagnosis.fitting.start import from_other_moments
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -165,6 +167,14 @@ def takes(before: Fit, after: Fit, first: Fit) -> bool:
     else:
         counts = is_more_than_noise(before) and _excess(after) < (1 - THRESHOLDS.nearly_all) * _excess(before)
     return most > THRESHOLDS.least_power and (counts or of_first > THRESHOLDS.least_of_first)
+
+
+def penalised_likelihood(steps: Sequence[SelectionStep], state: State, weighting: Weighting) -> float:
+    """Cross-validated log-likelihood of a model that follows some steps, less the penalties of what it adds."""
+    added = state.placed[len(steps[0].before.state.placed) :]
+    return Fit(state.weighted(weighting), weighting).predicted - THRESHOLDS.penalty * sum(
+        item.n_free for item in added
+    )
 
 
 def is_clear(left: Fit) -> bool:
