@@ -18,6 +18,7 @@ from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import with_options
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, open_table
 from symid.data.formats import layout_found
+from symid.data.quality.checks import inspect_finite
 from symid.data.quality.clock import inspect_clock
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
@@ -202,9 +203,9 @@ def _show_mapping(log: str, look: ForeignFile, mapping: LogMapping | None, optio
         console.print(f"    {guess}", markup=False)
     for lack in mapping.missing:
         console.print(f"Missing: {with_options(lack)}", markup=False)
-    faults = _faults_of_clock(look, mapping)
+    faults = _uneven(look, mapping)
     for fault in faults:
-        console.print(f"Clock: {with_options(fault)}", markup=False)
+        console.print(f"Sampling: {with_options(fault)}", markup=False)
     if options["output"]:
         check = "check each guess, delete those that you confirm, then" if mapping.guesses else "use it with"
         check = "give the missing options here, or to" if mapping.missing else check
@@ -215,12 +216,18 @@ def _show_mapping(log: str, look: ForeignFile, mapping: LogMapping | None, optio
         )
 
 
-def _faults_of_clock(look: ForeignFile, mapping: LogMapping) -> list[str]:
-    """Reasons why a log is to be resampled."""
-    times = dict(zip(look.table.headers, look.table.beginning(), strict=True)).get(
-        mapping.columns.get("t", "")
-    )
+def _uneven(look: ForeignFile, mapping: LogMapping) -> list[str]:
+    """Reasons why a log is to be resampled: its clock, and values that are missing within it."""
+    columns = dict(zip(look.table.headers, look.table.beginning(), strict=True))
+    times = columns.get(mapping.columns.get("t", ""))
     if times is None or isinstance(times, str):
         return []
-    faults = inspect_clock(times[np.isfinite(times)] * to_si(mapping.units.get("t", "s"))).faults
+    seconds = times * to_si(mapping.units.get("t", "s"))
+    faults = list(inspect_clock(seconds[np.isfinite(seconds)]).faults)
+    for signal, name in mapping.columns.items():
+        if isinstance(values := columns[name], str):
+            continue
+        known = np.flatnonzero(np.isfinite(values))
+        if known[-1] - known[0] >= known.size:
+            faults += inspect_finite(seconds, {signal: values[: known[-1] + 1]})
     return [fault for fault in faults if "resample" in fault]

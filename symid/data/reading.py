@@ -15,6 +15,7 @@ from symid.data.log import Log
 from symid.data.quality.checks import inspect_steps, inspect_values
 from symid.data.quality.clock import inspect_clock, require_seconds
 from symid.data.quality.lost_samples import restored
+from symid.data.quality.overflow import continued
 from symid.data.quality.stuck import inspect_spans
 from symid.data.table import Table, require_memory
 from symid.errors import LogError
@@ -60,6 +61,8 @@ def read_table(
         return _checked(str(file), values, notes, expected)
     if resample != "own" and not 1e-9 < resample < 1e12:
         raise LogError(f"rate {resample:g} Hz is not possible: give a positive number, or own")
+    values, again = _continued(values, expected)
+    notes = [*notes, *again]
     signals = {name: x for name, x in values.items() if name != TIME}
     _require_sound(signals, clocks, expected)
     values, done = resampled(signals, clocks, resample)
@@ -99,6 +102,17 @@ def _require_sound(
             faults += inspect_steps(t, {name: part})
     if faults:
         raise LogError("; ".join(faults))
+
+
+def _continued(
+    values: Mapping[str, FloatArray], expected: Mapping[str, Unit]
+) -> tuple[dict[str, FloatArray], list[str]]:
+    """Values with positions that go on where their counter began again, and notes."""
+    found, notes = dict(values), []
+    for name in positions_of(expected, values):
+        found[name], note = continued(name, values[name], is_angle=expected[name] == Unit.of("rad"))
+        notes += [note] * bool(note)
+    return found, notes
 
 
 def positions_of(expected: Mapping[str, Unit], signals: Collection[str]) -> list[str]:
@@ -165,8 +179,9 @@ def _checked(
     faults = (*clock.faults, *inspect_values(time, needed))
     if not faults and not sound:
         positions = positions_of(expected, needed)
+        needed, again = _continued(needed, expected)
         whole, lost = restored(needed, positions)
-        values, notes = values | whole, [*notes, *lost]
+        values, notes = values | whole, [*notes, *again, *lost]
         faults = inspect_steps(time, {name: whole[name] for name in positions})
     if faults:
         raise LogError("; ".join(faults))

@@ -20,8 +20,9 @@ from symid.identification.rows.excerpts import Excerpt, excerpts
 from symid.identification.rows.observation import Observation, observe
 from symid.identification.rows.settings import Preparation
 from symid.identification.signals.axis_logs import measured_signals, open_axis_log, read_axis_log
-from symid.identification.signals.guessed_mapping import guessed_mapping, stated_period
+from symid.identification.signals.guessed_mapping import guessed_mapping
 from symid.identification.signals.mapping import LogMapping, read_mapping
+from symid.identification.signals.stated_period import stated_period
 
 __all__ = [
     "Bias",

@@ -44,7 +44,7 @@ def test_a_clock_that_jitters_is_recognised_and_resampled(
     assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json") == 0
     out = " ".join(capsys.readouterr().out.split())
     assert f"t is column '{name}' in {unit}" in out
-    assert "Clock: t " in out
+    assert "Sampling: t " in out
     assert out.endswith("symid identify rigid_1m a.csv --mapping map.json --resample own")
     options = ["--mapping", "map.json", "--resample", "own", "--held", "F", "--json", "out.json"]
     assert run("identify", "rigid_1m", "a.csv", *options) == 0
@@ -79,3 +79,36 @@ def test_numbers_of_samples_with_gaps_are_no_clock(
     assert "'k' may be it, it rises by 1: numbers of samples, or ms" in " ".join(
         capsys.readouterr().out.split()
     )
+
+
+def test_a_channel_of_every_other_row_is_resampled(
+    recorded: Log, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    force = np.where(np.arange(recorded.n_samples) % 2, np.nan, recorded["F"])
+    columns = {"t [s]": recorded.time, "pos [mm]": 1e3 * recorded["q"], "force [N]": force}
+    (folder / "a.csv").write_text(table(columns, ",").replace("nan", ""), encoding="utf-8")
+    assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json") == 0
+    out = capsys.readouterr().out
+    assert "Sampling: 'F' has" in out
+    assert out.rstrip().endswith("--mapping map.json --resample own")
+    assert run("identify", "rigid_1m", "a.csv", "--mapping", "map.json") == 2
+    assert "or give --resample own" in capsys.readouterr().err
+    options = ["--mapping", "map.json", "--resample", "own", "--held", "F", "--json", "out.json"]
+    assert run("identify", "rigid_1m", "a.csv", *options) == 0
+    found = json.loads((folder / "out.json").read_text())["physical"]
+    assert found["M"]["value"] == pytest.approx(TRUE["M"], rel=2e-2)
+
+
+@pytest.mark.parametrize("resample", [[], ["--resample", "own"]])
+def test_a_counter_that_overflows_is_continued(resample: list[str], recorded: Log, folder: Path) -> None:
+    count = 2e-6
+    counts = np.round(recorded["q"] / count) % 2**16
+    columns = {"t [s]": recorded.time, "enc [counts]": counts, "force [N]": recorded["F"]}
+    (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
+    given = ["--unit", f"q={1 / count:g} counts/m"]
+    assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json", *given) == 0
+    options = ["--mapping", "map.json", "--held", "F", "--json", "out.json", *resample]
+    assert run("identify", "rigid_1m", "a.csv", *options) == 0
+    record = json.loads((folder / "out.json").read_text())
+    assert any("after 65536 steps: it is continued" in note for note in record["notes"])
+    assert record["physical"]["M"]["value"] == pytest.approx(TRUE["M"], rel=2e-2)

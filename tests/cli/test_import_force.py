@@ -71,3 +71,45 @@ def test_shares_of_a_rated_force_have_their_own_size(unit: str, factor: float, f
     pl.DataFrame(columns).write_csv(folder / "c.csv")
     assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", "--rated", "400") == 0
     assert json.loads(Path("m.json").read_text(encoding="utf-8"))["gains"]["F"] == pytest.approx(factor)
+
+
+def test_a_rated_value_makes_a_torque_without_a_unit_per_cent(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t = np.arange(1000) / 1000
+    columns = {"t [ms]": 1e3 * t, "pos [mm]": 100 * np.sin(9 * t), "TorqueReference": 40 * np.sin(9 * t)}
+    pl.DataFrame(columns).write_csv(folder / "c.csv")
+    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", "--rated", "400") == 0
+    assert "no unit, so per cent is assumed of the rated value that is given" in capsys.readouterr().out
+    assert json.loads(Path("m.json").read_text(encoding="utf-8"))["gains"]["F"] == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(
+    ("position", "given", "unit", "said"),
+    [
+        (
+            "Pos [cnt]",
+            ["--unit", "q=5000 counts/mm"],
+            "5000 counts/mm",
+            "its counts are taken for those of the position",
+        ),
+        ("Pos [mm]", [], None, "reference is not taken: 'Pos Command [cnt]' has no unit"),
+    ],
+)
+def test_a_reference_in_counts_does_not_keep_a_mapping_incomplete(
+    position: str,
+    given: list[str],
+    unit: str | None,
+    said: str,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    t = np.arange(1000) / 1000
+    q = np.round(5e3 * np.sin(9 * t))
+    columns = {"t [ms]": 1e3 * t, position: q, "Pos Command [cnt]": q, "force [N]": 40 * np.sin(9 * t)}
+    pl.DataFrame(columns).write_csv(folder / "c.csv")
+    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", *given) == 0
+    assert said in " ".join(capsys.readouterr().out.split())
+    record = json.loads(Path("m.json").read_text(encoding="utf-8"))
+    assert record["missing"] == []
+    assert record["units"].get("reference") == unit

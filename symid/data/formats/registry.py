@@ -25,6 +25,7 @@ from symid.data.formats.mdf import open_mdf
 from symid.data.formats.messages import open_mcap, open_rosbag
 from symid.data.formats.own_clocks import with_own_clocks
 from symid.data.formats.scope_text import open_scope_text, writer_of
+from symid.data.formats.serial_text import open_serial_text
 from symid.data.formats.split_times import with_joined_times
 from symid.data.formats.tdms import open_tdms
 from symid.data.table import Table, first_line, naming_file
@@ -95,9 +96,14 @@ Reader: TypeAlias = "Callable[[Path, int | None], Table]"
 
 
 def _open_text(path: Path, memory: int | None = None) -> Table:
-    """Table in a CSV file, or in the text of a scope."""
+    """Table in a CSV file, or in the text of a scope or serial monitor."""
+    return _special_text(path) or open_csv(path)
+
+
+def _special_text(path: Path) -> Table | None:
+    """Table in the text of a scope or serial monitor; None of other files."""
     scope = writer_of(path)
-    return open_scope_text(path, *scope) if scope else open_csv(path)
+    return open_scope_text(path, *scope) if scope else open_serial_text(path)
 
 
 READERS: Final[Mapping[str, Reader]] = MappingProxyType(
@@ -140,7 +146,7 @@ def layout_found(path: Path, encoding: str | None = None) -> Layout | None:
     """Layout that a text file seems to have; None of other files, and of the text of scopes."""
     return (
         guessed_layout(path, encoding)
-        if path.is_file() and _is_text(path) and writer_of(path) is None
+        if path.is_file() and _is_text(path) and writer_of(path) is None and open_serial_text(path) is None
         else None
     )
 
@@ -194,8 +200,11 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         raise LogError(f"{path}: is a directory: give a {kinds}")
     require_regular(path, LogError)
     suffix = suffix_of(path)
-    if suffix in (".txt", ".tsv") and layout is None and writer_of(path) is not None:
-        suffix = ".csv"
+    if suffix in (".txt", ".tsv", ".log") and layout is None and path.is_file():
+        with naming_file(path):
+            special = _special_text(path) if path.stat().st_size else None
+        if special is not None:
+            return special
     if suffix not in SUFFIXES and layout is None:
         raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {kinds}")
     try:

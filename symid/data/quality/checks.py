@@ -48,7 +48,7 @@ def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: 
         if bad.size:
             faults.append(
                 f"{name!r} has {counted(bad.size, 'value')} empty or not finite, the first at "
-                f"{time_and_row(time, bad[0], before)}: repair or cut out those rows"
+                f"{time_and_row(time, bad[0], before)}: repair or cut out those rows, or give `resample=own`"
             )
             continue
         largest = int(np.argmax(np.abs(x)))

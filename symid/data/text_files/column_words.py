@@ -56,7 +56,9 @@ DIFFERENCE: Final = (
     r"\w*(?:误差|誤差|偏差)"
 )
 """Words of what is commanded less what is measured."""
-COUNTS: Final = r"inc|incr\w*|increments?|inkr\w*|counts?|q?cts|cnts?|qc|impuls\w*|pulses?|lsb|digits?"
+COUNTS: Final = (
+    r"inc|incr\w*|increments?|inkr\w*|counts?(?:\d+bit)?|q?cts|cnts?|qc|impuls\w*|pulses?|lsb|digits?"
+)
 """Units of unknown length."""
 NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 """Words of columns that number the samples."""

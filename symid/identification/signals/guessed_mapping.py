@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from types import MappingProxyType
 
 from symid.axis import Axis, Drive, Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.text_files.foreign import quantity_named, split_header, with_unit
-from symid.data.text_files.layout import first_lines
 from symid.errors import LogError, SettingError
 from symid.identification.signals.mapping import LogMapping, require_known
 from symid.units import Unit, to_si
 
-_PERIOD = re.compile(
-    r"(?:cycle|sampl|period|interval|abtast|takt)[^\d]*(?P<value>\d+(?:[.,]\d+)?)\s*(?P<unit>s|ms|us|µs|Hz|kHz)\b",
-    re.IGNORECASE,
-)
 _MOTION = "position", "velocity", "acceleration"
 """Quantities that a name without a unit suggests, and an answer refutes."""
 
@@ -73,9 +66,7 @@ def guessed_mapping(
         guess.sensor(sensor, axis.signal_units[sensor.signal], alike, needed=not place)
     for drive in axis.drives:
         guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
-    setpoint = [c for c in guess.free if c.setpoint and c.quantity == "position"]
-    if (reference := guess.chosen(REFERENCE, setpoint)) is not None:
-        guess.take(REFERENCE, reference)
+    guess.reference()
     return LogMapping(
         columns=guess.names,
         units=guess.units,
@@ -85,35 +76,6 @@ def guessed_mapping(
         guesses=tuple(guess.guesses),
         missing=tuple(guess.missing),
     )
-
-
-def stated_period(path: Path, layout: Layout) -> float | None:
-    """Sampling period that a line above the header states, s; None without such a line.
-
-    Parameters
-    ----------
-    path : Path
-        A text file.
-    layout : Layout
-        Its layout: its lines above the header are searched.
-
-    Examples
-    --------
-    >>> _period_in("Sampling interval: 2 ms"), _period_in("SampleRate;4 kHz"), _period_in("Axis X")
-    (0.002, 0.00025, None)
-    """
-    found = (_period_in(line) for line in first_lines(path, layout.encoding)[: layout.above])
-    return next((period for period in found if period), None)
-
-
-def _period_in(line: str) -> float | None:
-    match = _PERIOD.search(line)
-    if match is None:
-        return None
-    value = float(match["value"].replace(",", ".")) * to_si(match["unit"].replace("µ", "u"))
-    if not value:
-        return None
-    return 1.0 / value if "Hz" in match["unit"] else value
 
 
 class _Guess:
@@ -136,6 +98,7 @@ class _Guess:
         self.units: dict[str, str] = {}
         self.gains: dict[str, float] = {}
         self.period: float | None = None
+        self.count: str | None = None  # unit of a position in counts
         self.guesses: list[str] = []
         self.missing: list[str] = []
 
@@ -151,6 +114,8 @@ class _Guess:
         written = unit or column.unit
         if written:
             self.units[signal] = written
+            if column.scaled and column.quantity == "position" and self.count is None:
+                self.count = written
         elif column.scaled and signal not in self.given:
             self.missing.append(
                 f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as '5000 counts/mm'"
@@ -182,6 +147,21 @@ class _Guess:
         """Remark on columns of a quantity by their names, which hold something else than numbers."""
         alike = (header for header in self.left_out if quantity_named(header) == quantity)
         return "".join(f"; column {header!r} {self.left_out[header]}" for header in alike)
+
+    def reference(self) -> None:
+        """The commanded position, which nothing needs: of unknown counts only where the position has such ones too."""
+        setpoint = [c for c in self.free if c.setpoint and c.quantity == "position"]
+        column = self.chosen(REFERENCE, setpoint)
+        if column is None:
+            return
+        if column.scaled and not column.unit and REFERENCE not in self.named:
+            if self.count is None:
+                self.guesses.append(
+                    f"{REFERENCE} is not taken: {column.header!r} has no unit, {column.reason}"
+                )
+                return
+            column = replace(column, unit=self.count, reason="its counts are taken for those of the position")
+        self.take(REFERENCE, column)
 
     def called(self, signal: str) -> list[ForeignColumn]:
         """The column that has the name of a signal, if neither its name nor a unit says what it measures."""
@@ -231,6 +211,9 @@ class _Guess:
             return
         if column.setpoint and signal not in self.named:
             self.guesses.append(f"{signal} is a command: no column seems to be a measured force")
+        if rated is not None and gain is None and not (column.unit or column.scaled):
+            why = "no unit, so per cent is assumed of the rated value that is given"
+            column = replace(column, quantity="percent", unit="%", reason=why)
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
         # v may be volts

@@ -1,0 +1,53 @@
+"""Positions whose counter, or whose angle, begins again at the end of its range, and their continuation."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.data.quality.checks import jumps_of
+from symid.data.quality.lost_samples import step_of
+from symid.text import counted
+
+_BITS: Final = range(8, 33)
+"""Sizes of counters."""
+_WITHIN: Final = 0.02
+"""Error of a jump, less the step of the samples beside it, as a share of the range that is begun again."""
+_TURN: Final = 2.0 * math.pi
+
+
+def continued(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, str]:
+    """A position without the jumps of its counter, and a note; as it is, and no note, where a jump is none of those.
+
+    All jumps must be of 2^8 to 2^32 of the smallest steps of the values, or of a turn of an angle in rad, and go
+    against the motion beside them.
+
+    >>> counts = np.round(3000 * np.sin(np.arange(600) / 50))
+    >>> x, note = continued("q", 1e-3 * (counts % 1024), is_angle=False)
+    >>> bool(np.allclose(np.diff(x), 1e-3 * np.diff(counts))), note
+    (True, "'q' began again 18 times after 1024 steps: it is continued")
+    >>> continued("q", np.where(np.arange(600) > 300, 1e-3 * counts, 0.5), is_angle=False)[1]
+    ''
+    """
+    jumps = np.array(jumps_of(x) if np.isfinite(x).all() else [], dtype=np.intp)
+    jumps = jumps[(jumps > 1) & (jumps < x.size - 1)]
+    if not jumps.size:
+        return x, ""
+    beside = (x[jumps - 1] - x[jumps - 2] + x[jumps + 1] - x[jumps]) / 2
+    sizes = np.abs(x[jumps] - x[jumps - 1] - beside)
+    along = beside * np.sign(x[jumps] - x[jumps - 1])
+    step = step_of(x)
+    ranges = {f"{2**bits} steps": 2.0**bits * step for bits in _BITS if step}
+    if is_angle:
+        ranges["a turn"] = _TURN
+    for what, whole in ranges.items():
+        near = _WITHIN * whole
+        if np.all(np.abs(sizes - whole) < near) and np.all(along < near) and np.ptp(x) < whole + near:
+            again = int(np.count_nonzero(np.abs(np.diff(x)) > whole / 2))
+            through = np.unwrap(x, period=whole)
+            if not jumps_of(through):
+                return through, f"{name!r} began again {counted(again, 'time')} after {what}: it is continued"
+    return x, ""
