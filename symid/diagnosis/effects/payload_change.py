@@ -156,6 +156,12 @@ def _with_sharp_jump(prediction: Prediction, body: Joint, shape: Shape) -> Float
     share = change / (mass + change)
     load = _load(prediction, body)
     before = float(np.interp(moment, record.fine_time, load)) / (1 - share / 2)
+    beyond = record.memory.of("step beyond the band", moment, lambda: _step_beyond_band(record, moment))
+    return np.asarray(load - share * before * beyond)
+
+
+def _step_beyond_band(record: Record, moment: float) -> FloatArray:
+    """A step at a moment, which fades, less its part in the band, on the fine grid."""
     fading = np.exp(-np.clip(record.fine_time - moment, 0.0, None) * record.band_hz / _FADES)
     step = _later(record, moment) * fading
-    return np.asarray(load - share * before * (step - record.fine(record.from_grid(step))))
+    return np.asarray(step - record.fine(record.from_grid(step)))

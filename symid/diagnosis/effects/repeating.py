@@ -99,9 +99,13 @@ class ForceConstantRippleEffect(DriveEffect):
         return repeating_pitches(prediction, joint, unit, matched_filter, response, force)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        waves = ripple(_joint_of(prediction, place), shape[0])
-        changes = prediction.record.from_grid(_force_course(prediction, place) * np.stack(waves))
-        return self._force(prediction, place, *changes)
+        joint = _joint_of(prediction, place)
+
+        def changes() -> ComplexArray:
+            waves = np.stack(ripple(joint, shape[0]))
+            return prediction.record.from_grid(_force_course(prediction, place) * waves)
+
+        return self._force(prediction, place, *joint.memory.of((self, place), shape, changes))
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return "1", "1", str(length_unit(prediction.axis.drives[drive_at(prediction, place)].at))
@@ -132,8 +136,11 @@ class EncoderRippleEffect(Effect):
         return repeating_pitches(prediction, reading, unit, matched_filter, response)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        waves = prediction.record.from_grid(np.stack(ripple(_reading(prediction, place), shape[0])))
-        return self._response(prediction, place) * waves[:, None, :]
+        def waves() -> ComplexArray:
+            return prediction.record.from_grid(np.stack(ripple(_reading(prediction, place), shape[0])))
+
+        found = prediction.record.memory.of((self, place), shape, waves)
+        return np.asarray(self._response(prediction, place) * found[:, None, :])
 
     def change(self, prediction: Prediction, placed: Placed) -> ComplexArray:
         return self._response(prediction, placed.at) * _error_of_reading(prediction, placed)
@@ -159,6 +166,11 @@ class EncoderRippleEffect(Effect):
 
 def _error_of_reading(prediction: Prediction, placed: Placed) -> ComplexArray:
     """Spectrum of the ripple of an encoder, which repeats along the true position, the reading less the ripple."""
+    values = (placed.shape, placed.amplitudes)
+    return prediction.record.memory.of(("ripple", placed.at), values, lambda: _ripple_of(prediction, placed))
+
+
+def _ripple_of(prediction: Prediction, placed: Placed) -> ComplexArray:
     reading, (pitch,) = _reading(prediction, placed.at), placed.shape
     sine, cosine = placed.amplitudes
     error = np.zeros_like(reading.q)

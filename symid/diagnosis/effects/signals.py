@@ -52,6 +52,19 @@ class DriveEffect(Effect):
         return columns
 
 
+class CommandEffect(DriveEffect):
+    """An effect whose force follows from the logged one at each instant."""
+
+    @abstractmethod
+    def added(self, force: FloatArray, shape: Shape) -> FloatArray:
+        """Force that it adds to a logged one, for a unit amplitude."""
+
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        record, force = prediction.record, _whole_force(prediction, place)
+        change = record.memory.of((self, place), shape, lambda: record.from_grid(self.added(force, shape)))
+        return self._force(prediction, place, change)
+
+
 def drive_at(prediction: Prediction, place: str) -> int:
     """Index of the drive at a place."""
     forces = prediction.record.forces
@@ -155,7 +168,7 @@ class RecordedLagEffect(TimeEffect, DriveEffect):
         return np.asarray(1 / (1 - 1j * prediction.record.omega * shape[0]) - 1, dtype=np.complex128)
 
 
-class SaturationEffect(DriveEffect):
+class SaturationEffect(CommandEffect):
     """The force does not exceed a limit."""
 
     name = "saturation"
@@ -173,16 +186,14 @@ class SaturationEffect(DriveEffect):
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
         return (float(np.clip(shape[0], _least_limit(prediction, place), _top_force(prediction, place))),)
 
-    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        force = _whole_force(prediction, place)
-        clipped = np.clip(force, -shape[0], shape[0])
-        return self._force(prediction, place, prediction.record.from_grid(force - clipped))
+    def added(self, force: FloatArray, shape: Shape) -> FloatArray:
+        return np.asarray(force - np.clip(force, -shape[0], shape[0]))
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return "1", str(_drive_unit(prediction, place))
 
 
-class GainNonlinearityEffect(DriveEffect):
+class GainNonlinearityEffect(CommandEffect):
     """The force is not proportional to the logged one: a term in its square (with sign) or cube."""
 
     name = "gain_nonlinearity"
@@ -204,16 +215,14 @@ class GainNonlinearityEffect(DriveEffect):
         largest = float(np.quantile(np.abs(_whole_force(prediction, placed.at)), _BUT_FOR_PEAKS))
         return abs(placed.amplitudes[0]) * self.power * largest ** (self.power - 1)
 
-    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        force = _whole_force(prediction, place)
-        bent = prediction.record.from_grid(force * np.abs(force) ** (self.power - 1))
-        return self._force(prediction, place, bent)
+    def added(self, force: FloatArray, shape: Shape) -> FloatArray:
+        return np.asarray(force * np.abs(force) ** (self.power - 1))
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return (str(_drive_unit(prediction, place) ** (1 - self.power)),)
 
 
-class GainAsymmetryEffect(DriveEffect):
+class GainAsymmetryEffect(CommandEffect):
     """The gain depends on the direction of the force."""
 
     name = "gain_nonlinearity"
@@ -222,9 +231,8 @@ class GainAsymmetryEffect(DriveEffect):
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         return abs(placed.amplitudes[0]) < _USUAL_BEND
 
-    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        size = prediction.record.from_grid(np.abs(_whole_force(prediction, place)))
-        return self._force(prediction, place, size)
+    def added(self, force: FloatArray, shape: Shape) -> FloatArray:
+        return np.abs(force)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return ("1",)
