@@ -16,14 +16,14 @@ from typing import Final
 
 from symid.errors import LogError
 from symid.units.names import COUNTS, NAMES, PER_TURN
-from symid.units.unit import Unit
+from symid.units.unit import BASE_UNITS, Unit
 
 _LONGEST: Final = 60
 _DEEPEST: Final = 4
 _LARGEST_POWER: Final = 9
 _TOKEN: Final = re.compile(
     r"""\s*(?:
-      (?P<number>\d+(?:\.\d+)?(?:[eE][-+]?\d{1,3})?)(?![\w.])
+      (?P<number>\d+(?:\.\d+)?(?:[eE][-+]?\d{1,3})?)(?![\d_.])
     | (?P<name>(?:(?![⁻⁺¹²³⁴])[^\W\d_])+0?|°)
       (?P<power>(?:\s?(?:\^|\*\*)\s?[-+]?\d+|-?[1-9]|[⁻⁺]?[¹²³⁴]+)(?![\w.^]|\*\*))?
     | (?P<times>[*·⋅×.])
@@ -36,6 +36,9 @@ _TOKEN: Final = re.compile(
 _SUPERSCRIPTS: Final = str.maketrans("⁻⁺¹²³⁴", "-+1234")
 _NONE: Final = Unit()
 _RADIAN: Final = Unit.of("rad")
+_TURNS: Final = BASE_UNITS.index("rad")
+_SQUARED: Final = re.compile(r"\b(k?g)(?=[cm]?m(?:\^2|\*\*2|²|2)(?!\w))")
+"""Mass of an inertia that is written as one word, kgcm^2."""
 _ACCELERATION: Final = Unit.of("m/s^2")
 _ROTATIONS: Final = (Unit.of("rad/s"), Unit.of("rad/s^2"))
 _GRAVITY: Final = {"g": 9.80665, "mg": 9.80665e-3}
@@ -85,6 +88,8 @@ def to_si(text: str, expected: Unit | None = None) -> float:
     --------
     >>> to_si("mm"), round(to_si("1/min", Unit.of("rad/s")), 6), round(to_si("4096 counts/rev", Unit.of("rad")), 6)
     (0.001, 0.10472, 0.001534)
+    >>> to_si("kgcm²", Unit.of("kg*m^2")), to_si("50counts/m", Unit.of("m"))
+    (0.0001, 0.02)
     """
     given = text.strip()
     if expected is not None and given == str(expected):
@@ -105,6 +110,9 @@ def _in(expected: Unit, read: _Read, text: str) -> float:
     counted = _is_counted(read)
     if read.unit == expected and not counted:
         return read.factor
+    turns = expected.exponents[_TURNS]
+    if turns < 0 and read.unit * _RADIAN**turns == expected and not counted:
+        return read.factor  # an inertia in kg*cm^2, a stiffness in N*m: the radian is not written
     if expected in (Unit.of("m"), _RADIAN) and read.unit * expected == Unit() and (read.number or 1.0) > 1.0:
         return 1.0 / read.factor  # counts per turn or per length
     if expected in _ROTATIONS and expected / read.unit == _RADIAN and not counted:
@@ -138,7 +146,7 @@ def _parsed(text: str) -> _Read:
     unknown = LogError(
         f"unit {_quoted(text)} is not known: write a unit such as m, mm, um, rad, deg, N, kN, A or V"
     )
-    given = re.sub(r"\b(?:per|pro)\b", "/", text.strip())
+    given = _SQUARED.sub(r"\1*", re.sub(r"\b(?:per|pro)\b", "/", text.strip()))
     if given in ("", "-", "1", "%"):
         raise _says_nothing(text)
     if given == "grad":

@@ -218,8 +218,8 @@ def test_a_start_that_was_given_is_not_asked_for_again() -> None:
     found = identify(axis, log, preparation=RAW, nominal=nominal, examine=False)
     assert found.status == "no_physical_parameters"
     assert found.message == (
-        "2 minimal parameters do not determine 3 physical ones: give what is known with `fixed` or `prior`, or add a "
-        "sensor"
+        "these signals do not determine Ml, Mr, however the axis moves: give one with `fixed` or `prior`, a payload "
+        "that is `known` in each of several logs, or add a sensor"
     )
     known = identify(axis, log, preparation=RAW, fixed={"Mr": 3.0}, examine=False)
     assert list(known.physical_parameters) == ["Ml", "Fv"]

@@ -131,3 +131,28 @@ def test_any_text_is_a_factor_or_refused(text: str) -> None:
 @given(st.sampled_from(["m", "rad", "s", "N", "N*m", "m/s", "rad/s", "m/s^2", "rad/s^2", "A", "V"]))
 def test_units_that_symid_prints_are_read(name: str) -> None:
     assert to_si(str(Unit.of(name)), Unit.of(name)) == to_si(name) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "expected", "factor"),
+    [
+        *((text, "kg*m^2", 1e-4) for text in ("kg*cm^2", "kgcm^2", "kgcm²", "kg·cm²", "kg cm2", "kgcm**2")),
+        ("gcm²", "kg*m^2", 1e-7),
+        ("kgm²", "kg*m^2", 1.0),
+        ("N*m", "N*m/rad", 1.0),
+        ("Nm/°", "N*m/rad", 360 / TURN),
+        ("mNm*s", "N*m*s/rad", 1e-3),
+        ("50counts/m", "m", 0.02),
+        ("4096counts/rev", "rad", TURN / 4096),
+    ],
+)
+def test_units_of_data_sheets_are_read(text: str, expected: str, factor: float) -> None:
+    assert to_si(text, Unit.of(expected)) == pytest.approx(factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"), [("kg", "kg*m^2"), ("m", "rad"), ("N*m", "N"), ("kgcm", "kg*m^2")]
+)
+def test_a_radian_stands_for_nothing_else(text: str, expected: str) -> None:
+    with pytest.raises(LogError):
+        to_si(text, Unit.of(expected))

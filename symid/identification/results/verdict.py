@@ -78,9 +78,6 @@ def verdict(
                 f"noise decides on {', '.join(vague)}: move at other speeds, accelerations and frequencies"
             )
         return "no_physical_parameters", f"the inverse map gives no finite values: {cause}"
-    if not physical and len(model.physical_units) > len(names):
-        few = f"{len(names)} minimal parameters do not determine {len(model.physical_units)} physical ones"
-        return "no_physical_parameters", f"{few}: give what is known with `fixed` or `prior`, or add a sensor"
     if not physical and (lost := open_by_structure(model)):
         return "no_physical_parameters", not_by_structure(lost)
     if not physical and has_start:
