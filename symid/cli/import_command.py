@@ -227,7 +227,6 @@ def _uneven(look: ForeignFile, mapping: LogMapping) -> list[str]:
     for signal, name in mapping.columns.items():
         if isinstance(values := columns[name], str):
             continue
-        known = np.flatnonzero(np.isfinite(values))
-        if known[-1] - known[0] >= known.size:
-            faults += inspect_finite(seconds, {signal: values[: known[-1] + 1]})
+        if not np.isfinite(values[:-1]).all():  # a last row that is not complete is left out
+            faults += inspect_finite(seconds, {signal: values})
     return [fault for fault in faults if "resample" in fault]

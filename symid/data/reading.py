@@ -142,6 +142,9 @@ def _read(
             faults.append(f"column {table.headers[source.position]!r} {column}")
     if faults:
         raise LogError("; ".join(faults))
+    if not table.clocks and values[TIME].size > 1 and np.all(np.diff(values[TIME]) < 0):
+        values = {signal: x[::-1] for signal, x in values.items()}
+        notes.append("the last row comes first: the rows were turned round")
     for signal in optional & values.keys() if whole else ():
         x = values[signal]
         if x.size != values[TIME].size or not np.isfinite(x).all():

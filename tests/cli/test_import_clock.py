@@ -81,10 +81,12 @@ def test_numbers_of_samples_with_gaps_are_no_clock(
     )
 
 
-def test_a_channel_of_every_other_row_is_resampled(
-    recorded: Log, folder: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("lacking", ["every other row", "the first rows"])
+def test_a_channel_that_lacks_values_is_resampled(
+    lacking: str, recorded: Log, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    force = np.where(np.arange(recorded.n_samples) % 2, np.nan, recorded["F"])
+    row = np.arange(recorded.n_samples)
+    force = np.where(row % 2 if lacking == "every other row" else row < 50, np.nan, recorded["F"])
     columns = {"t [s]": recorded.time, "pos [mm]": 1e3 * recorded["q"], "force [N]": force}
     (folder / "a.csv").write_text(table(columns, ",").replace("nan", ""), encoding="utf-8")
     assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json") == 0

@@ -113,3 +113,29 @@ def test_values_are_told_from_their_differences_to_what_is_commanded(
 ) -> None:
     found = described_column(header, np.linspace(0, 1, 9))
     assert (found.quantity, found.unit, found.setpoint) == (quantity, unit, False)
+
+
+@pytest.mark.parametrize("remark", ["# page 2", "% page 2;;", "// page 2"])
+def test_remarks_between_values_are_passed_over(tmp_path: Path, remark: str) -> None:
+    file = written(tmp_path / "log.csv", "t;q;F", "{t:.3f};{q:.9f};{F:.9f}")
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([*lines[:20], "", remark, *lines[20:40], remark, *lines[40:]]))
+    check(read_log(file, expected=EXPECTED, layout=layout_found(file)))
+
+
+@pytest.mark.parametrize("resample", [None, "own"])
+def test_rows_of_which_the_last_comes_first_are_turned_round(tmp_path: Path, resample: str | None) -> None:
+    file = written(tmp_path / "log.csv", "t,q,F", "{t:.3f},{q:.9f},{F:.9f}")
+    head, *rows = file.read_text().splitlines()
+    file.write_text("\n".join([head, *reversed(rows)]))
+    log = read_log(file, expected=EXPECTED, resample=resample)
+    assert log.n_samples == T.size
+    assert "the last row comes first: the rows were turned round" in log.notes
+    assert log["q"] == pytest.approx(Q, abs=1e-5)
+
+
+def test_a_share_in_cells_is_in_percent(tmp_path: Path) -> None:
+    file = written(tmp_path / "log.csv", "t,pos,torque", "{t:.3f} s,{q:.9f} m,{F:.9f} %")
+    table = open_table(file, layout_found(file))
+    assert [(c.quantity, c.unit) for c in foreign_columns(table)][2] == ("percent", "%")
+    assert table.read([2])[0] == pytest.approx(F, abs=1e-8)

@@ -30,6 +30,8 @@ from symid.errors import LogError
 
 _CHUNK: Final = 4_194_304
 """Bytes of the chunks of lines in which a long file is read."""
+_COMMENTS: Final = ("#", "%", "//")
+"""Beginnings of lines between values that hold none."""
 _NO_VALUE: Final = r"(?i)^(-?nan\(.*\)|-?1\.#\w+|#?n/?a|null|none|nil|over(flow)?|ovl|invalid|[-?*]+)$"
 """Words that programs write where they have no value."""
 
@@ -87,11 +89,14 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
 
 
 def _without_lines(text: str, above: Sequence[str]) -> str:
-    """Lines of values without those that repeat one above them, as files that were joined do."""
+    """Lines of values without comments, and without those that repeat one above them, as files that were joined do."""
     repeated = {line for line in above if line.strip()}
-    if not any(f"\n{line}\n" in text for line in repeated):
+    if not any(f"\n{line}\n" in text for line in repeated) and not any(
+        f"\n{mark}" in text for mark in _COMMENTS
+    ):
         return text
-    return "\n".join(line for line in text.split("\n") if line and line not in repeated)
+    lines = (line for line in text.split("\n") if not line.startswith(_COMMENTS))
+    return "\n".join(line for line in lines if line and line not in repeated)
 
 
 def _first_lines(path: Path) -> tuple[str, str]:

@@ -66,11 +66,11 @@ def is_number_text(text: str, *, comma: bool) -> bool:
 def split_cell(text: str) -> tuple[str, str]:
     """Number and unit of a field; the unit is empty if the field is no number with a unit behind it.
 
-    >>> split_cell("1.5 mm"), split_cell("-3kN"), split_cell("7"), split_cell("3 axes")
-    (('1.5', 'mm'), ('-3', 'kN'), ('7', ''), ('3 axes', ''))
+    >>> split_cell("1.5 mm"), split_cell("-3kN"), split_cell("12 %"), split_cell("7"), split_cell("3 axes")
+    (('1.5', 'mm'), ('-3', 'kN'), ('12', '%'), ('7', ''), ('3 axes', ''))
     """
     found = _NUMBER_WITH_UNIT.fullmatch(text)
-    return (found[1], found[2]) if found and _is_unit(found[2]) else (text, "")
+    return (found[1], found[2]) if found and (_is_unit(found[2]) or found[2] == "%") else (text, "")
 
 
 def with_units(headers: Sequence[str], row: Sequence[str]) -> tuple[str, ...]:
