@@ -113,3 +113,29 @@ def test_a_reference_in_counts_does_not_keep_a_mapping_incomplete(
     record = json.loads(Path("m.json").read_text(encoding="utf-8"))
     assert record["missing"] == []
     assert record["units"].get("reference") == unit
+
+
+def test_forces_of_other_axes_in_the_file_are_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    t = np.arange(1000) / 1000
+    forces = {f"Torque {axis} [N]": (k + 1) * np.sin(9 * t) for k, axis in enumerate("YXZ")}
+    columns = {
+        "t [ms]": 1e3 * t,
+        "Pos X [mm]": 100 * np.sin(9 * t),
+        **forces,
+        "Set torque [N]": np.cos(9 * t),
+    }
+    pl.DataFrame(columns).write_csv(folder / "c.csv")
+    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json") == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "F may as well be column 'Torque X [N]' or 'Torque Z [N]'" in out
+    assert run("import", "c.csv", "--axis", "rigid_1m", "--column", "F=Torque X [N]") == 0
+    assert "may as well" not in capsys.readouterr().out
+
+
+def test_a_velocity_is_named_where_a_position_is_sought(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t = np.arange(1000) / 1000
+    pl.DataFrame({"t [ms]": 1e3 * t, "v [mm/s]": np.cos(9 * t), "F [N]": t}).write_csv(folder / "c.csv")
+    assert run("import", "c.csv", "--axis", "rigid_1m") == 0
+    assert "'v [mm/s]' is a velocity, which an axis may declare" in " ".join(capsys.readouterr().out.split())

@@ -64,8 +64,8 @@ def guessed_mapping(
     for place, sensor in enumerate(axis.sensors):
         alike = sum(other.quantity == sensor.quantity for other in axis.sensors[place:])
         guess.sensor(sensor, axis.signal_units[sensor.signal], alike, needed=not place)
-    for drive in axis.drives:
-        guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
+    for place, drive in enumerate(axis.drives):
+        guess.drive(drive, axis.signal_units[drive.signal], len(axis.drives) - place, gain, rated)
     guess.reference()
     return LogMapping(
         columns=guess.names,
@@ -180,16 +180,31 @@ class _Guess:
         column = self.chosen(signal, _in_degrees(found, unit) or self.called(signal))
         if column is not None:
             self.take(signal, column, None if column.unit or column.scaled else str(unit))
-            others = [repr(c.header) for c in found if c.header != column.header]
-            if signal not in self.named and not column.header.startswith(signal) and len(others) >= alike:
-                self.guesses.append(f"{signal} may as well be column {' or '.join(others)}")
+            self.name_others(signal, column, found, alike)
         elif needed:
             self.missing.append(
                 f"no column seems to be the {quantity} {signal}: name it with `columns` {signal}=NAME"
+                + "".join(
+                    f"; {c.header!r} is a velocity, which an axis may declare" for c in self.moving(quantity)
+                )
                 + self.but_for(quantity)
             )
 
-    def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
+    def moving(self, quantity: str) -> list[ForeignColumn]:
+        """Measured velocities, where a position is sought."""
+        return [
+            c for c in self.free if quantity == "position" and c.quantity == "velocity" and not c.setpoint
+        ]
+
+    def name_others(
+        self, signal: str, column: ForeignColumn, found: Sequence[ForeignColumn], alike: int
+    ) -> None:
+        """Name other columns that may be a signal, if there are as many as signals like it (`alike`) are left."""
+        others = [repr(c.header) for c in found if c.header != column.header]
+        if signal not in self.named and not column.header.startswith(signal) and len(others) >= alike:
+            self.guesses.append(f"{signal} may as well be column {' or '.join(others)}")
+
+    def drive(self, drive: Drive, unit: Unit, alike: int, gain: float | None, rated: float | None) -> None:
         """A column for a drive's force, measured or else commanded, with its factor where it needs one."""
         signal, command = drive.signal, drive.command
         own = {Unit.of("A"): "current", Unit.of("V"): "voltage"}.get(unit, "force")
@@ -199,9 +214,9 @@ class _Guess:
             self.take(command, measured["voltage"])
             return
         commanded = {c.quantity: c for c in reversed(found) if c.setpoint}
-        alike = [of[q] for of in (measured, commanded) for q in (own, "percent", "current") if q in of]
+        forces = [of[q] for of in (measured, commanded) for q in (own, "percent", "current") if q in of]
         sent = [of["command"] for of in (measured, commanded) if "command" in of]
-        column = self.chosen(signal, alike or self.called(signal) or sent)
+        column = self.chosen(signal, forces or self.called(signal) or sent)
         if column is None:
             self.missing.append(
                 f"no column seems to be the force {signal}: name it with `columns` {signal}=NAME"
@@ -209,6 +224,9 @@ class _Guess:
                 + self.but_for("force")
             )
             return
+        kind = column.quantity, column.setpoint, False
+        same = [c for c in found if (c.quantity, c.setpoint, c.constant) == kind]
+        self.name_others(signal, column, same if column.quantity else [], alike)
         if column.setpoint and signal not in self.named:
             self.guesses.append(f"{signal} is a command: no column seems to be a measured force")
         if rated is not None and gain is None and not (column.unit or column.scaled):
