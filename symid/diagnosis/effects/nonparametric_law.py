@@ -10,6 +10,7 @@ from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 
 _KNOTS = {"position": 48, "velocity": 24, "acceleration": 24}  # along the range of the quantity
+_PIECES = 8  # of a log, in which functions are combined
 _RANK = 1e-3  # singular value, relative to the largest, of functions that depend on others
 
 
@@ -22,13 +23,7 @@ class NonparametricLaw(JointEffect):
         self.amplitudes = tuple(f"{kind}{k}" for kind in kinds for k in range(_KNOTS[of]))
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
-        if self.of == "position":
-            hats, direction = self._hats(prediction, joint.q), np.sign(joint.v)
-            functions = np.concatenate([hats, hats * direction, hats * joint.v])
-        else:
-            signed = joint.v if self.of == "velocity" else joint.a
-            hats = self._hats(prediction, np.abs(signed))
-            functions = np.concatenate([hats, hats * np.sign(signed)])
+        functions = self._functions(prediction, joint)
         # Inertia and friction of the axis are such functions too. They are taken out, or a large mass and its opposite
         # here would fit with the small difference of how the two are computed.
         of_axis = np.stack([joint.a, joint.v, np.sign(joint.v)])
@@ -39,6 +34,14 @@ class NonparametricLaw(JointEffect):
             functions[i] -= share @ of_axis
         combined = _independent(functions, inside)
         return np.concatenate([sampled(prediction, function, joint=joint) for function in combined])
+
+    def _functions(self, prediction: Prediction, joint: Joint) -> FloatArray:
+        if self.of == "position":
+            hats, direction = self._hats(prediction, joint.q), np.sign(joint.v)
+            return np.concatenate([hats, hats * direction, hats * joint.v])
+        signed = joint.v if self.of == "velocity" else joint.a
+        hats = self._hats(prediction, np.abs(signed))
+        return np.concatenate([hats, hats * np.sign(signed)])
 
     def _hats(self, prediction: Prediction, x: FloatArray) -> FloatArray:
         """Functions of a quantity on the fine grid that are 1 at a knot and 0 at the others, of shape (n_knots, n)."""
@@ -51,7 +54,12 @@ class NonparametricLaw(JointEffect):
 
 
 def _independent(functions: FloatArray, inside: slice) -> FloatArray:
-    """Combinations of functions that are orthogonal within the log; zero in place of dependent ones."""
-    left, sizes, _ = np.linalg.svd(np.asarray(np.linalg.qr(functions[:, inside].T, mode="r")).T)
+    """The functions, replaced by combinations that are orthogonal within the log; zero in place of dependent ones."""
+    # in pieces (TSQR), as all functions over a long log are large
+    pieces = np.array_split(functions[:, inside], _PIECES, axis=1)
+    triangles = np.concatenate([np.linalg.qr(piece.T, mode="r") for piece in pieces])
+    left, sizes, _ = np.linalg.svd(np.asarray(np.linalg.qr(triangles, mode="r")).T)
     weights = np.divide(1.0, sizes, out=np.zeros_like(sizes), where=sizes > _RANK * sizes[0])
-    return np.asarray((left * weights).T @ functions)
+    for piece in np.array_split(functions, _PIECES, axis=1):
+        piece[:] = (left * weights).T @ piece
+    return functions

@@ -153,7 +153,7 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
     moves = moves if free is None else moves & free
     flat = flat[moves]
     scale = norms_or_one(flat, axis=1)
-    flat = flat / scale[:, None]
+    flat /= scale[:, None]
     normal, gradient = flat @ flat.T, flat @ error
     try:
         undamped = np.linalg.lstsq(flat.T, error, rcond=RANK)[0] / scale

@@ -19,7 +19,7 @@ import numpy as np
 from symid.arrays import FloatArray, norms_or_one
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.effects.nonparametric_law import NonparametricLaw
-from symid.diagnosis.fitting.cross_validation import deviation
+from symid.diagnosis.fitting.cross_validation import deviation, log_likelihood
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import RANK, fitted
 from symid.diagnosis.fitting.state import with_effects
@@ -61,25 +61,35 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
     if item.effect.name in _FIRST_TERMS:
         return LackOfFit()
 
-    def with_law(*placed: Placed) -> Fit | None:
-        """The model with other effects, fitted from its values; None if that fails."""
+    def with_law(*placed: Placed) -> FloatArray | None:
+        """Squares of the blocks left out by the model with other effects, fitted from its values; None if that fails.
+
+        The fit itself is not kept: its columns are large.
+        """
         try:
             with np.errstate(over="ignore", invalid="ignore"):
-                return fitted(
-                    with_effects(whole.state, whole.weighting, placed), whole.weighting, _ITERATIONS
-                )
+                state = with_effects(whole.state, whole.weighting, placed)
+                return fitted(state, whole.weighting, _ITERATIONS).blocks.squares
         except (SettingError, np.linalg.LinAlgError, OverflowError):
             return None
 
-    law, found = item, whole
+    def predicted(squares: FloatArray) -> float:
+        return log_likelihood(squares, whole.n_rows)
+
+    def left(squares: FloatArray) -> float:
+        """Cross-validated mean square in multiples of the noise of the model, mean of the outputs."""
+        noise = whole.state.prediction.noise_through(whole.weighting.density)
+        return float(np.mean(squares.sum(axis=1) / int(whole.weighting.kept.sum()) / noise))
+
+    before = whole.blocks.squares
+    law, found = item, before
     for tried in (law for law in _laws(item, whole) if _may_gain(law, whole)):
-        fit = with_law(*others, tried)
-        if fit is not None and fit.predicted > found.predicted:
-            law, found = tried, fit
-    doubt = deviation(whole.blocks.squares, found.blocks.squares, whole.n_rows)
-    noise = whole.state.prediction.noise_through(whole.weighting.density)
-    own, least = _square(whole, noise), _square(found, noise)
-    gain = found.predicted - whole.predicted
+        squares = with_law(*others, tried)
+        if squares is not None and predicted(squares) > predicted(found):
+            law, found = tried, squares
+    doubt = deviation(before, found, whole.n_rows)
+    own, least = left(before), left(found)
+    gain = predicted(found) - predicted(before)
     if gain <= max(THRESHOLDS.least_penalised_gain, doubt) or least >= own:
         return LackOfFit()
     floor = min(1.0, least)  # what the law leaves is noise as far as it is below the stated level
@@ -87,7 +97,7 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
     if without is None or both is None:
         return LackOfFit()
     # Where much else is missing, a law may explain more of that. The effect is then as good beside the law.
-    kept, alone = least - _square(both, noise), max(_square(without, noise) - own, np.finfo(float).tiny)
+    kept, alone = least - left(both), max(left(without) - own, np.finfo(float).tiny)
     share = (least - floor) / (own - floor)
     assert isinstance(law.effect, NonparametricLaw)
     return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in * alone else LackOfFit()
@@ -96,8 +106,10 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
 def _may_gain(law: Placed, whole: Fit) -> bool:
     """Whether a law beside all effects gains more than as many free values do in noise, by projection."""
     weighting, prediction = whole.weighting, whole.state.prediction
-    rows = weighting.rows(law.effect.columns(prediction, law.at, law.shape))
-    columns = np.concatenate([whole.known_columns, weighting.known(rows, whole.state.beginning)])
+    own = law.effect.columns(prediction, law.at, law.shape)
+    columns = np.concatenate(
+        [whole.known_columns, weighting.known(weighting.rows(own), whole.state.beginning)]
+    )
     columns /= norms_or_one(columns, axis=1)[:, None]
     onto = columns @ whole.error
     closed = float(onto @ np.linalg.pinv(columns @ columns.T, rcond=RANK, hermitian=True) @ onto) / whole.cost
@@ -113,9 +125,3 @@ def _laws(item: Placed, fit: Fit) -> Iterator[Placed]:
         for law in _LAWS:
             if fit.n_rows >= _ROWS_PER_VALUE * len(law.amplitudes):
                 yield Placed(law, place, (), (0.0,) * len(law.amplitudes))
-
-
-def _square(fit: Fit, noise: FloatArray) -> float:
-    """Cross-validated mean square, mean of the outputs; `noise` is that of one model for all."""
-    squares = fit.blocks.squares.sum(axis=1) / int(fit.weighting.kept.sum())
-    return float(np.mean(squares / noise))
