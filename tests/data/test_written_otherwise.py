@@ -139,3 +139,19 @@ def test_a_share_in_cells_is_in_percent(tmp_path: Path) -> None:
     table = open_table(file, layout_found(file))
     assert [(c.quantity, c.unit) for c in foreign_columns(table)][2] == ("percent", "%")
     assert table.read([2])[0] == pytest.approx(F, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("values", "bits"),
+    [
+        (np.round(3000 * np.sin(60 * T)) % 65536, 16),
+        (np.round(30 * np.sin(60 * T)) % 256, 8),
+        (np.round(127 + 120 * np.sin(60 * T)), 0),  # an unsigned number
+        (np.round(40_000 * np.sin(60 * T)) % 65536, 0),  # a counter that overflows
+        (np.where(np.sin(60 * T) > 0, 250.0, 2.0), 0),  # a switched one
+    ],
+)
+def test_signed_numbers_that_were_read_as_unsigned_are_doubted(values: np.ndarray, bits: int) -> None:
+    doubt = described_column("torque", values).doubt
+    assert (f"signed numbers of {bits} bits" in doubt) == bool(bits)
+    assert bool(doubt) == bool(bits)

@@ -33,8 +33,10 @@ _TRAILING: Final = re.compile(
     r"мм/с|мм|мкм|м/с|мс|кН|Нм|град|рад|об/мин|А|В|Н|с|м)"
 )
 _SIGN_BITS: Final = (10, 11, 15)
+_REGISTERS: Final = (8, 16, 32)  # bits
 _MOST_OF_BIT, _CHANGES = 0.75, 3
-"""Largest magnitude as a share of the sign bit's value, and fewest changes of sign, to take the bit as a sign."""
+"""Largest magnitude as a share of the sign bit's value, and fewest changes of sign, to take the bit as a sign; more
+values than these make a part of the numbers."""
 _NUMBERED: Final = "it numbers the samples"
 _COUNTED: Final = "it rises by 1: numbers of samples, or ms"
 _PER_CENT: Final = re.compile(r"(?P<size>\d+[.,]?\d*)?\s*%")
@@ -176,8 +178,10 @@ def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
 
 
 def _sign_and_magnitude(values: FloatArray) -> str:
-    """Remark on a register whose values seem to be sign and magnitude, as those of bus servos are.
+    """Remark on a register whose values seem to be sign and magnitude, as those of bus servos are, or unsigned.
 
+    >>> _sign_and_magnitude(np.array([0, 12, 250, 65530, 65236, 65531, 65535, 3]))
+    '0 to 250 and 65236 to 65535 look like signed numbers of 16 bits, read as unsigned: write negative numbers'
     >>> load = np.tile([0, 12, 250, 387, 25, 0, 1061, 1299, 1361, 1111], 3)
     >>> _sign_and_magnitude(load)
     '0 to 387 and 1024 to 1361 look like sign and magnitude with the sign in bit 10: write negative numbers'
@@ -186,6 +190,16 @@ def _sign_and_magnitude(values: FloatArray) -> str:
     """
     if np.any(values % 1 != 0) or values.min() < 0:
         return ""
+    for whole in (2**bits for bits in _REGISTERS):
+        negative = values >= whole / 2
+        parts = [np.unique(values[own]) for own in (~negative, negative)]
+        middle = np.any((values > whole / 4) & (values < 3 * whole / 4))
+        if values.max() < whole and not middle and min(part.size for part in parts) > _CHANGES:
+            spans = " and ".join(f"{part[0]:.0f} to {part[-1]:.0f}" for part in parts)
+            bits = whole.bit_length() - 1
+            return (
+                f"{spans} look like signed numbers of {bits} bits, read as unsigned: write negative numbers"
+            )
     for bit in _SIGN_BITS:
         sign = values >= 2**bit
         sizes = np.where(sign, values - 2**bit, values)
