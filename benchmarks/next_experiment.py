@@ -77,7 +77,7 @@ def chosen(pair: Rivals, record: Record, right: int) -> int:
     for model in pair.models:
         starts = (applied(model, record)[0], applied(truth, record, placed=model.placed)[0])
         fits = (fitted(start.weighted(weighting), weighting, _ITERATIONS) for start in starts)
-        errors.append(min(fit.mean_square for fit in fits))
+        errors.append(min(fit.cost for fit in fits))
     return int(np.argmin(errors))
 
 

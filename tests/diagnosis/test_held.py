@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from symid import Log, Preparation, diagnose, identify, load_axis
+from symid import ActuatorLag, Log, Preparation, diagnose, identify, load_axis
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
@@ -18,13 +18,22 @@ VALUES = {"Mm": 80.0, "Fvm": 80.0, "Fsm": 40.0, "Kt": 8e6, "Ft": 900.0, "Ml": 16
 
 
 @pytest.mark.parametrize(
-    ("held", "mass", "shown"), [(None, 80.0, True), (True, 80.0, False), (None, 92.0, False)]
+    ("held", "lag", "wrong", "shown"),
+    [
+        (None, 0.0, {}, True),
+        (True, 0.0, {}, False),
+        (None, 0.0, {"Mm": 92.0}, False),
+        (None, 1e-3, {"Kt": 7.6e6}, False),
+    ],
 )
-def test_nominal_values_that_need_only_a_hold_show_it(held: bool | None, mass: float, shown: bool) -> None:
+def test_nominal_values_that_need_only_a_hold_show_it(
+    held: bool | None, lag: float, wrong: dict[str, float], shown: bool
+) -> None:
     reference = trapezoids(0.1, [0.2, 0.3], acceleration=4.0, jerk=100.0, dwell=0.1, sampling_period=1e-3)
-    log = simulate(SCREW, VALUES, reference, tuned_cascade(plant_of(SCREW, VALUES), "qm"), seed=1).log
+    screw = SCREW.with_effect(ActuatorLag(lag)) if lag else SCREW
+    log = simulate(screw, VALUES, reference, tuned_cascade(plant_of(SCREW, VALUES), "qm"), seed=1).log
     data = data_of(SCREW, (joined([log]), None), Recorded({}, held))
-    state, weighting = first_state(data.record, VALUES | {"Mm": mass})
+    state, weighting = first_state(data.record, VALUES | wrong)
     assert nominal_shows_hold(Fit(state, weighting), fitted_axis(state, weighting)) is shown
 
 

@@ -65,7 +65,7 @@ def test_what_takes_nearly_all_of_a_rest_near_the_noise_counts(
             SimpleNamespace(
                 squares=np.array([square]),
                 mean_square=square,
-                squares_by_noise_of=lambda _, own=square: np.array([own]),
+                squares_as_weighted_by=lambda _, own=square: np.array([own]),
             ),
         )
         for square in (1e5, before, after)

@@ -100,12 +100,9 @@ class ForceConstantRippleEffect(DriveEffect):
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         joint = _joint_of(prediction, place)
-
-        def changes() -> ComplexArray:
-            waves = np.stack(ripple(joint, shape[0]))
-            return prediction.record.from_grid(_force_course(prediction, place) * waves)
-
-        return self._force(prediction, place, *joint.memory.of((self, place), shape, changes))
+        waves = joint.memory.of((self, place), shape, lambda: np.stack(ripple(joint, shape[0])))
+        changes = prediction.record.from_grid(_force_course(prediction, place) * waves)
+        return self._force(prediction, place, *changes)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return "1", "1", str(length_unit(prediction.axis.drives[drive_at(prediction, place)].at))
@@ -266,9 +263,9 @@ def _joint_of(prediction: Prediction, place: str) -> Joint:
 
 
 def _force_course(prediction: Prediction, place: str) -> FloatArray:
-    """Logged force of a drive on the fine grid, within the log."""
+    """Force of a drive after its lag on the fine grid, within the log."""
     record = prediction.record
-    return np.asarray(record.fine(record.measured[drive_at(prediction, place)]) * record.in_log)
+    return np.asarray(record.fine(prediction.acting[drive_at(prediction, place)]) * record.in_log)
 
 
 def _reading(prediction: Prediction, signal: str) -> Joint:

@@ -213,27 +213,27 @@ class Separation:
 
 def separation(rivals: Rivals, right: int, noisy: Record, quiet: Record) -> Separation:
     """Separation of two causes by readings with cause `right` (0 or 1), with and without noise."""
-    weighting = applied(rivals.models[right], noisy)[1]
+    truth, weighting = applied(rivals.models[right], noisy)
     exact = applied(rivals.models[right], quiet)[0]
     own = fitted(exact.weighted(weighting), weighting, _ITERATIONS)
     other = rivals.models[1 - right]
     starts = (applied(other, quiet)[0], applied(exact, quiet, placed=other.placed)[0])
     fits = [fitted(start.weighted(weighting), weighting, _ITERATIONS) for start in starts]
-    nearest = min(fits, key=lambda fit: fit.mean_square)
+    nearest = min(fits, key=lambda fit: fit.cost)
     kept, n = weighting.kept, _rows(weighting)
     apart = (nearest.left - own.left)[:, kept]
-    (wrong, of_wrong), (correct, of_correct) = (_with_noise(fit, noisy) for fit in (nearest, own))
+    floor = truth.prediction.noise_through(weighting.density)[:, None]
+    (wrong, of_wrong), (correct, of_correct) = (_with_noise(fit, noisy, floor) for fit in (nearest, own))
     gain = 0.5 * n * math.log(np.mean((wrong + of_wrong)[:, kept]) / np.mean((correct + of_correct)[:, kept]))
     uneven = 0.25 * n * float(np.var((of_wrong - of_correct)[:, kept]))
     return Separation(gain, math.sqrt(n * float(np.mean(apart**2)) + uneven))
 
 
-def _with_noise(quiet: Fit, noisy: Record) -> tuple[FloatArray, FloatArray]:
-    """Squared residuals of a model fitted to noiseless readings, and those of the noise alone, as in `Fit.squares`."""
+def _with_noise(quiet: Fit, noisy: Record, floor: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Squared residuals of a model fitted to noiseless readings, and those of the noise alone, relative to a floor."""
     weighting = quiet.weighting
     state = applied(quiet.state, noisy)[0].weighted(weighting)
     noise = Fit(state, weighting).left - quiet.left
-    floor = state.prediction.noise_through(weighting.density)[:, None]
     return quiet.left**2 / floor, noise**2 / floor
 
 
@@ -251,7 +251,7 @@ def _linear(model: State, truth: State, weighting: Weighting) -> float:
 def _fitted(model: State, truth: State, weighting: Weighting) -> float:
     """Logarithm of the ratio of the mean squares of both, fitted to readings with noise."""
     model_left, truth_left = (
-        fitted(state, weighting, _ITERATIONS).mean_square for state in (model, truth.weighted(weighting))
+        fitted(state, weighting, _ITERATIONS).cost for state in (model, truth.weighted(weighting))
     )
     return math.log(model_left / truth_left)
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, add_outer, norms_or_one
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
+from symid.diagnosis.prediction.force_path import ForcePath
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
@@ -30,6 +31,18 @@ def changes_by_others(prediction: Prediction, placed: Iterable[Placed]) -> Compl
         if not (item.effect.is_of_command or isinstance(item.effect, others))
     )
     return sum(changes, start=np.zeros_like(prediction.outputs))
+
+
+def passed_on(prediction: Prediction, placed: Iterable[Placed], outputs: ComplexArray) -> ComplexArray:
+    """Outputs, or small changes of them, after delays and lags, of shape (..., n_outputs, n_bins)."""
+    changes = (item.effect.passed_on(prediction, item, outputs) for item in placed)
+    return sum((change for change in changes if change is not None), start=outputs)
+
+
+def of_commands(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
+    """Change of the outputs by gains and limits of the drives, of shape (n_outputs, n_bins)."""
+    changes = (item.change(prediction) for item in placed if item.effect.is_of_command)
+    return sum(changes, start=np.zeros_like(prediction.record.measured))
 
 
 def next_prediction(
@@ -77,7 +90,17 @@ def next_prediction(
         integrated_terms=hidden,
         follows=before.follows,
         changes=changes_by_others(before, placed) if implicit else None,
+        path=_path(before, placed),
     )
+
+
+def _path(prediction: Prediction, placed: Iterable[Placed]) -> ForcePath | None:
+    """The path of the drives' forces with these effects; None without effects of drives and without late readings."""
+    found = [i for i in placed if i.effect.is_of_command or isinstance(i.effect, TransferEffect)]
+    if not found:
+        return None
+    response = passed_on(prediction, found, np.ones_like(prediction.record.measured))
+    return ForcePath(response, of_commands(prediction, found))
 
 
 def _integrand(term: ScaledLaw) -> Pointwise:

@@ -123,10 +123,15 @@ class Fit:
         rows = self.error.reshape(len(self.state.rows), -1)
         return np.asarray(np.mean(rows**2, axis=1) / floor)
 
-    def squares_by_noise_of(self, other: Fit) -> FloatArray:
-        """`squares` in multiples of the noise of another model, whose values pass the noise of the position on."""
-        own, of_other = (fit.state.prediction.noise_through(self.weighting.density) for fit in (self, other))
-        return np.asarray(self.squares * own / of_other)
+    def squares_as_weighted_by(self, other: Fit) -> FloatArray:
+        """`squares` with the weights of another model, in multiples of its noise.
+
+        Where values pass on more of the noise of the position, or where errors are allowed for, weights differ.
+        """
+        weighting = other.weighting
+        same = self if weighting is self.weighting else Fit(self.state.weighted(weighting), weighting)
+        own, of_other = (fit.state.prediction.noise_through(weighting.density) for fit in (self, other))
+        return np.asarray(same.squares * own / of_other)
 
     @property
     def mean_square(self) -> float:

@@ -11,7 +11,8 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, add_outer, least_squares
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
-from symid.diagnosis.fitting.state import State, as_read, free_forces, passed_on, predicted
+from symid.diagnosis.fitting.acting_forces import passed_on
+from symid.diagnosis.fitting.state import State, as_read, free_forces, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import pulse_spectra

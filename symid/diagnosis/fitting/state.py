@@ -16,7 +16,13 @@ import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import FreeForce, Placed, Shape, declared_effects
-from symid.diagnosis.fitting.acting_forces import changes_by_others, law_to_integrate, next_prediction
+from symid.diagnosis.fitting.acting_forces import (
+    changes_by_others,
+    law_to_integrate,
+    next_prediction,
+    of_commands,
+    passed_on,
+)
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, weighting_of
@@ -214,18 +220,9 @@ def predicted(
 def output_errors(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
     """Measured less predicted outputs with effects, of shape (n_outputs, n_bins)."""
     outputs = passed_on(prediction, placed, as_read(prediction, placed))
-    for item in placed:
-        if item.effect.is_of_command:
-            outputs = outputs + item.change(prediction)
-    return prediction.record.measured - outputs
+    return prediction.record.measured - outputs - of_commands(prediction, placed)
 
 
 def as_read(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
     """Outputs with errors of the readings and changes of masses in them, before delays and lags."""
     return prediction.outputs + changes_by_others(prediction, placed)
-
-
-def passed_on(prediction: Prediction, placed: Iterable[Placed], outputs: ComplexArray) -> ComplexArray:
-    """Outputs, or small changes of them, after delays and lags, of shape (..., n_outputs, n_bins)."""
-    changes = (item.effect.passed_on(prediction, item, outputs) for item in placed)
-    return sum((change for change in changes if change is not None), start=outputs)

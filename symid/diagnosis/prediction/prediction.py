@@ -10,11 +10,12 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, add_outer
 from symid.axis import Axis, Spring
+from symid.diagnosis.prediction.force_path import ForcePath
 from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.prediction.response import Impedance, Response, noise_weights, response_of
+from symid.diagnosis.prediction.response import Impedance, Response, as_measured, noise_weights, response_of
 from symid.simulation import Plant
 from symid.simulation.plant import direction_of
 
@@ -37,6 +38,7 @@ class Prediction:
     impedances: tuple[Impedance, ...] = ()  # further ones on the axis
     # errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty
     levels: tuple[float, ...] = ()
+    path: ForcePath | None = None  # of the logged forces, with effects of drives
     # entries of `Record.hidden_terms` that are integrated with the hidden motion
     integrated_terms: tuple[tuple[int, int], ...] = ()
     # whether the motion at which integrated laws act is drawn to the measured force, see `hidden_motion`
@@ -55,17 +57,23 @@ class Prediction:
     @cached_property
     def density(self) -> FloatArray:
         """Weights of the outputs over frequency, of shape (n_outputs, n_bins)."""
-        return noise_weights(self.record, self.response, self.levels)
+        return noise_weights(self.record, self.response, self.levels, self.path)
 
     @cached_property
     def noise_density(self) -> FloatArray:
         """Weights of the outputs over frequency that allow for noise only."""
-        return noise_weights(self.record, self.response) if self.levels else self.density
+        return noise_weights(self.record, self.response, (), self.path) if self.levels else self.density
 
     def noise_through(self, density: FloatArray) -> FloatArray:
         """Mean square that noise alone leaves in the rows of each output under given weights, shape (n_outputs,)."""
         taper = self.record.taper**2
         return np.asarray((density / self.noise_density) ** 2 @ taper / np.sum(taper))
+
+    @property
+    def acting(self) -> ComplexArray:
+        """Forces of the drives after gains, limits, lags and delays, from the logged ones; shape (n_drives, n_bins)."""
+        measured = self.record.measured
+        return (measured if self.path is None else self.path.acting(measured))[: self.record.n_drives]
 
     @cached_property
     def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
@@ -238,6 +246,7 @@ def prediction_of(
     integrated_terms: tuple[tuple[int, int], ...] = (),
     follows: bool = False,
     changes: ComplexArray | None = None,
+    path: ForcePath | None = None,
 ) -> Prediction:
     """The axis under a record at physical parameters, SI.
 
@@ -245,6 +254,7 @@ def prediction_of(
     response and impedances of the prediction `like` are reused. Effects add `forces` on the bodies, of shape (n_bins,
     n_bodies), `impedances`, and laws `integrated` with the hidden motion by direction; `integrated_terms` are the
     declared terms among them, see `Prediction`. The motion at which these act `follows` the measured force, or not.
+    Gains, limits, delays and lags of the drives are in the `path` of their forces.
     """
     if before is not None and before.integrated_terms != integrated_terms:
         before = replace(before, integrated_terms=integrated_terms)
@@ -255,11 +265,10 @@ def prediction_of(
         response, impedances = like.response, like.impedances
     else:
         response = response_of(record, parameters, impedances)
-    n = len(response.plant.bodies)
+    plant, of_integrated = response.plant, None
+    n = len(plant.bodies)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
-    of_integrated = None
     if integrated:
-        plant = response.plant
         acting = of_effects if before is None else of_effects + before.law_forces_of(plant)
         moved, observed, pushes = integrated_motion(record, plant, acting, integrated, follows=follows)
         of_integrated = np.zeros_like(of_effects)
@@ -268,7 +277,7 @@ def prediction_of(
     else:
         acting = of_effects if before is None else of_effects + before.law_forces
         moved = response.displacements(record.motions, acting)
-        observed = _as_measured(record, response, moved)
+        observed = as_measured(record, response, moved)
     return Prediction(
         record,
         parameters,
@@ -279,19 +288,8 @@ def prediction_of(
         of_integrated=of_integrated,
         impedances=tuple(impedances),
         levels=levels,
+        path=path,
         integrated_terms=integrated_terms if integrated else (),
         follows=follows,
         changes=changes,
     )
-
-
-def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:
-    """Displacements of the bodies, corrected to the readings of further position sensors."""
-    sensors = response.plant.sensors
-    positions = [i for i, name in enumerate(record.signals) if sensors[name][1] == 0]
-    further = [i for i in positions if i >= record.n_drives]
-    if not further:
-        return displacements
-    rows = np.stack([sensors[record.signals[i]][0] for i in positions])
-    read = np.concatenate([record.motions, record.measured[further]])
-    return np.asarray(displacements + np.linalg.pinv(rows) @ (read - rows @ displacements))

@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.prediction.force_path import ForcePath
 from symid.diagnosis.prediction.record import Record
 from symid.last_values import LastValues
 from symid.simulation import Plant
@@ -161,17 +162,33 @@ def _inverse(matrix: ComplexArray) -> ComplexArray:
     return inverse
 
 
-def noise_weights(record: Record, response: Response, levels: Sequence[float] = ()) -> FloatArray:
+def noise_weights(
+    record: Record, response: Response, levels: Sequence[float] = (), path: ForcePath | None = None
+) -> FloatArray:
     """Weights that whiten noise to unit variance in the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
 
     S = level^2 sigma^2 + |G|^2 sigma_q^2: the noise of the output, and the noise of each driven position through its G.
     A level above 1 allows for errors of the model besides the noise. With coarse readings sigma has spectral lines.
+    Delays and lags on the `path` of the forces follow G.
     """
     n = record.n_drives
     own = record.noise_of_outputs * (np.array(levels) if len(levels) else 1.0)
     spread = own[:, None] ** 2 * record.noise_spread[n:]
-    for gain, sigma, lines in zip(
+    for of_position, sigma, lines in zip(
         response.of_positions, record.noise_of_motions, record.noise_spread[:n], strict=True
     ):
+        gain = of_position if path is None else of_position * path.response
         spread = spread + (gain.real**2 + gain.imag**2) * sigma**2 * lines
     return np.asarray(1 / np.sqrt(spread * 2 * record.n_bins / record.n_extended * record.freedom))
+
+
+def as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:
+    """Displacements of the bodies, corrected to the readings of further position sensors."""
+    sensors = response.plant.sensors
+    positions = [i for i, name in enumerate(record.signals) if sensors[name][1] == 0]
+    further = [i for i in positions if i >= record.n_drives]
+    if not further:
+        return displacements
+    rows = np.stack([sensors[record.signals[i]][0] for i in positions])
+    read = np.concatenate([record.motions, record.measured[further]])
+    return np.asarray(displacements + np.linalg.pinv(rows) @ (read - rows @ displacements))

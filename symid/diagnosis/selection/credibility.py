@@ -56,7 +56,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
 def _explains_all(fit: Fit, found: Fit) -> bool:
     """Whether an effect takes away nearly all that exceeds noise, of an error of more than noise."""
     # By the noise of the model before: a heavier axis passes more noise on and would seem to leave less.
-    left = float(np.mean(found.squares_by_noise_of(fit)))
+    left = float(np.mean(found.squares_as_weighted_by(fit)))
     before = fit.mean_square
     return before > THRESHOLDS.fit_of_noise and left - 1 < THRESHOLDS.explains_all * (before - 1)
 

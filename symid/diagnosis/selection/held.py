@@ -39,7 +39,8 @@ def nominal_shows_hold(begun: Fit, base: Fit) -> bool:
     """Whether nominal values leave as little as re-identified ones once every force acts half a sample late.
 
     Re-identified values may take up half a sample, the damping of a spring for instance. Where the nominal ones, of
-    which none is fitted, need nothing but the hold, it is the hold.
+    which none is fitted, need nothing but the hold, it is the hold. Where the hold takes little of what they leave,
+    something else is missing too.
     """
     if any(item.effect.name in LATE_FORCES for item in begun.state.placed):
         return False
@@ -50,7 +51,9 @@ def nominal_shows_hold(begun: Fit, base: Fit) -> bool:
     good = (
         THRESHOLDS.nominal_is_good**2 * Fit(base.state.weighted(begun.weighting), begun.weighting).mean_square
     )
-    return Fit(state, begun.weighting).mean_square < good < begun.mean_square
+    left = Fit(state, begun.weighting).mean_square
+    explains = left - 1 < THRESHOLDS.far_less * (begun.mean_square - 1)
+    return explains and left < good < begun.mean_square
 
 
 def is_held(fit: Fit) -> bool:

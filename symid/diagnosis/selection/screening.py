@@ -9,9 +9,9 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_alike
+from symid.diagnosis.fitting.acting_forces import passed_on
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.state import passed_on
 from symid.diagnosis.prediction.autoregression import Autoregression, autoregression, unweighted
 from symid.diagnosis.thresholds import THRESHOLDS
 

@@ -160,7 +160,7 @@ def fits_of(base: Fit, steps: Sequence[SelectionStep]) -> list[Fit]:
 
 def takes(before: Fit, after: Fit, first: Fit) -> bool:
     """Whether an effect besides others removes enough error; `first` is the model that all effects explain."""
-    most = float(np.max(before.squares - after.squares_by_noise_of(before))) / before.squares.size
+    most = float(np.max(before.squares - after.squares_as_weighted_by(before))) / before.squares.size
     of_first, of_rest = _taken(before, after, first), _taken(before, after, before)
     if is_clear(before):
         counts = of_rest > THRESHOLDS.least_of_rest
@@ -197,5 +197,5 @@ def _taken(before: Fit, after: Fit, first: Fit) -> float:
 
     In multiples of the noise, the error of one output may be thousands of times that of another and would hide it.
     """
-    taken = before.squares - after.squares_by_noise_of(before)
+    taken = before.squares - after.squares_as_weighted_by(before)
     return float(max(np.mean(taken / first.squares), np.mean(taken) / first.mean_square))
