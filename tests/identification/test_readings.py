@@ -93,7 +93,7 @@ def test_a_scale_that_nothing_determines_is_named() -> None:
     axis = celled((scaled,))
     found = symid.identify(axis, logged(axis))
     assert found.status == "no_physical_parameters"
-    assert "give what is known with `fixed`" in found.message
+    assert ", cq, however the axis moves: give one with `fixed`" in found.message
 
 
 @pytest.mark.parametrize(("wrong", "noise"), [(1.0, 1.0), (1.0, 3.0), (0.5, 1.0), (2.0, 0.3)])
