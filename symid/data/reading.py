@@ -142,7 +142,8 @@ def _read(
             faults.append(f"column {table.headers[source.position]!r} {column}")
     if faults:
         raise LogError("; ".join(faults))
-    if not table.clocks and values[TIME].size > 1 and np.all(np.diff(values[TIME]) < 0):
+    time = values[TIME]
+    if not table.clocks and time.size > 1 and np.isfinite(time).all() and np.all(time[1:] < time[:-1]):
         values = {signal: x[::-1] for signal, x in values.items()}
         notes.append("the last row comes first: the rows were turned round")
     for signal in optional & values.keys() if whole else ():

@@ -19,6 +19,7 @@ _WITHIN: Final = 0.02
 _TURN: Final = 2.0 * math.pi
 
 
+@np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range
 def continued(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, str]:
     """A position without the jumps of its counter, and a note; as it is, and no note, where a jump is none of those.
 
