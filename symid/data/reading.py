@@ -12,7 +12,7 @@ from symid.arrays import FloatArray
 from symid.data.columns import TIME, Source, references_of
 from symid.data.filters.resampling import Rate, known_samples, resampled
 from symid.data.log import Log
-from symid.data.quality.checks import inspect_steps, inspect_values
+from symid.data.quality.checks import inspect_finite, inspect_steps, inspect_values
 from symid.data.quality.clock import inspect_clock, require_seconds
 from symid.data.quality.lost_samples import restored
 from symid.data.quality.overflow import continued
@@ -96,6 +96,9 @@ def _require_sound(
     faults: list[str] = []
     for name in positions_of(expected, signals):
         time, x, _ = known_samples(clocks[name], signals[name])
+        if wrong := inspect_finite(time, {name: x}):
+            faults += wrong
+            continue
         steps = np.diff(time)
         gaps = (np.flatnonzero(steps > 1.5 * np.median(steps)) + 1).tolist() if steps.size else []
         for t, part in zip(np.split(time, gaps), np.split(x, gaps), strict=True):

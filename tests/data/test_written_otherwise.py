@@ -155,3 +155,15 @@ def test_signed_numbers_that_were_read_as_unsigned_are_doubted(values: np.ndarra
     doubt = described_column("torque", values).doubt
     assert (f"signed numbers of {bits} bits" in doubt) == bool(bits)
     assert bool(doubt) == bool(bits)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("resample", [None, "own"])
+def test_numbers_near_the_end_of_the_range_are_one_fault(tmp_path: Path, resample: str | None) -> None:
+    rows = [
+        f"{t:.3f},{1e308 * (-1) ** k if k in (30, 31) else q:.9g},{f}"
+        for k, (t, q, f) in enumerate(zip(T, Q, F, strict=True))
+    ]
+    (tmp_path / "log.csv").write_text("\n".join(["t,q,F", *rows]))
+    with pytest.raises(LogError, match=r"'q' (jumps|has a value)"):
+        read_log(tmp_path / "log.csv", expected=EXPECTED, resample=resample)

@@ -72,6 +72,7 @@ def constant_fault(name: str, lowest: float, highest: float) -> str | None:
     return None
 
 
+@np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range
 def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: int = 0) -> tuple[str, ...]:
     """Faults of positions that jump: rows are missing, the unit changes, a value is wrong, or a counter overflows.
 
