@@ -127,6 +127,9 @@ class Thresholds:
     half_sample: float = 0.12
     # factor on its error to which an effect must lower that of data that took no part in the fit
     falls: float = 0.995
+    # factor on the strength of the effect found first from which on another is the stronger one whatever share of the
+    # gap it removes alone (a drawn worldly case: 4.4)
+    clearly_stronger: float = 3.0
     strength_hz: float = (
         100.0  # band of the force by whose error effects are ranked, Hz: drives are controlled in it
     )

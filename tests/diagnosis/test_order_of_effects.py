@@ -1,6 +1,7 @@
 """The strongest effect is named first, and a change of mass lets hidden bodies go on."""
 
 import sys
+from types import SimpleNamespace
 
 import hand_made
 import numpy as np
@@ -53,6 +54,32 @@ def test_the_strongest_of_the_validation_log_is_first(monkeypatch: pytest.Monkey
     assert found() == ["quadratic_drag", "cogging"]
     monkeypatch.setattr(held_out_module, "brought_first", lambda steps, at: steps)
     assert found() == ["cogging", "quadratic_drag"]  # by what errs in the log for identification
+
+
+@pytest.mark.parametrize(
+    ("strengths", "share", "first"),
+    [([1.0, 2.0], 0.6, 1), ([1.0, 2.0], 0.2, 0), ([1.0, 4.0], 0.2, 1), ([1.0, 0.9], 0.6, 0)],
+)
+def test_what_removes_little_alone_is_first_only_if_it_is_clearly_stronger(
+    monkeypatch: pytest.MonkeyPatch, strengths: list[float], share: float, first: int
+) -> None:
+    """A slow wander of the record hid a Stribeck friction of 12 N in the gap, where a lag of 0.7 ms showed."""
+
+    def comparison(share_alone: float) -> SimpleNamespace:
+        ranked = SimpleNamespace(strengths=np.array(strengths))
+        removed = SimpleNamespace(share=share_alone)
+        return SimpleNamespace(
+            validated=2, relative_error=0.3, with_effects=lambda _: ranked, removed=lambda *_: removed
+        )
+
+    def step(name: str) -> SimpleNamespace:
+        best = SimpleNamespace(effect=SimpleNamespace(name=name))
+        return SimpleNamespace(accepts=True, best=best)
+
+    steps = (step("actuator_lag"), step("stribeck_friction"))
+    monkeypatch.setattr(held_out_module, "brought_first", lambda found, at: [found[at], found[1 - at]])
+    found, _ = strongest_first(steps, comparison(0.7), lambda _: comparison(share))
+    assert found[0] is steps[first]
 
 
 def test_strength_is_the_force_that_no_parameter_stands_for() -> None:

@@ -33,7 +33,8 @@ def strongest_first(
     """The effect that alone would leave the largest error of the force as the first, see `strengths`.
 
     Logs excite effects differently, and an effect that is found first takes over what it has in common with others. One
-    that removes less than half of the largest share shows only beside the others and is not the first.
+    that removes less than half of the largest share shows only beside the others and is not the first, unless it is
+    clearly stronger: where the record wanders, the gap hardly counts low frequencies.
     """
     found = accepted_of(steps)[: comparison.validated]
     if len(found) < 2:
@@ -42,7 +43,8 @@ def strongest_first(
     least = THRESHOLDS.stands_in * max(shares)
     if found[0].best.effect.name == LATE_READING and shares[0] >= least:
         return steps, comparison
-    for at in np.argsort(-comparison.with_effects(len(found)).strengths, kind="stable"):
+    strengths = comparison.with_effects(len(found)).strengths
+    for at in np.argsort(-strengths, kind="stable"):
         if at == 0 and shares[0] >= least:
             break
         ordered = brought_first(found, int(at))
@@ -50,6 +52,7 @@ def strongest_first(
         # A second fit leaves a little more or less of the noise, which is most of what a good model leaves.
         most = comparison.relative_error**2
         as_good = other.relative_error**2 < max(THRESHOLDS.as_good * most, most + THRESHOLDS.hardly_more_left)
-        if as_good and other.validated > 0 and other.removed(1, 2).share >= least:
+        clearly = strengths[at] > THRESHOLDS.clearly_stronger * strengths[0]
+        if as_good and other.validated > 0 and (clearly or other.removed(1, 2).share >= least):
             return ordered, other
     return steps, comparison
