@@ -16,8 +16,8 @@ from symid.units import Unit, to_si
 MINIMUM_SAMPLES: Final = 25
 """Fewest samples of a log: one more than the decimation filter continues a signal at its ends."""
 
-PLAUSIBLE_PERIODS: Final = (2e-5, 0.05)
-"""Lowest and highest plausible sampling period of a machine, s: 50 kHz to 20 Hz."""
+PLAUSIBLE_PERIODS: Final = (1.9e-5, 0.052)
+"""Lowest and highest plausible sampling period of a machine, s: 50 kHz to 20 Hz, both with a margin for jitter."""
 
 CLOCK_DIFFERENCE: Final = 0.002  # relative; real clocks differ by 0.0001, changed settings by more
 _LARGEST_TIME: Final = 1e12  # s, 30 000 years: a larger number is damaged

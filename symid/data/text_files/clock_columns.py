@@ -50,8 +50,8 @@ def rises_unevenly(values: FloatArray) -> bool:
 def step_of_clock(times: FloatArray, named: Sequence[str] = ()) -> tuple[float, str | None]:
     """Usual step of times, and the first unit in which it is a plausible sampling period; `named` ones come first.
 
-    >>> [step_of_clock(step * np.arange(9), named) for step, named in ((1.0, []), (1.0, ["us"]), (50.0, ["us"]))]
-    [(1.0, 'ms'), (1.0, 'ms'), (50.0, 'us')]
+    >>> [step_of_clock(step * np.arange(9), named) for step, named in ((1.0, []), (1.0, ["us"]), (20.0, ["us"]))]
+    [(1.0, 'ms'), (1.0, 'ms'), (20.0, 'us')]
     """
     step = float(np.median(np.diff(times))) if times.size > 1 else 0.0
     low, high = PLAUSIBLE_PERIODS
