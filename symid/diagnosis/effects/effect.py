@@ -107,6 +107,10 @@ class Effect(ABC):
         """Whether it acts on the command of the drive, before any delay or lag."""
         return False
 
+    def varies_with_parameters(self, prediction: Prediction, place: str) -> bool:
+        """Whether its change of the outputs depends strongly on the physical parameters, other than through a force."""
+        return False
+
     def passed_on(self, prediction: Prediction, placed: Placed, outputs: ComplexArray) -> ComplexArray | None:
         """Response to small changes of the predicted outputs, (..., n_outputs, n_bins); None without response."""
         return None

@@ -77,6 +77,10 @@ class PayloadChangeEffect(Effect):
         smaller, larger = sorted((before, before + placed.shape[0]))
         return larger < _MOST_OF_OTHER * smaller
 
+    def varies_with_parameters(self, prediction: Prediction, place: str) -> bool:
+        """A hidden body resonates otherwise from the change on: what it does before must not count after it."""
+        return prediction.record.is_predicted(prediction.bodies[place].direction)
+
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
         # A load that is gripped at rest sets a vertical axis moving.
         begins = record.fine_time[1:][np.diff(record.moving.astype(np.int8)) > 0]

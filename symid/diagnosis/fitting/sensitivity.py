@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -33,7 +33,12 @@ def prediction_jacobian(state: State) -> ComplexArray:
         return _by_differences(state)
     prediction, placed = state.prediction, state.placed
     values = (_by_values(prediction, placed, item) for item in placed)
-    return np.concatenate([_by_parameters(prediction, placed), *values])
+    if any(item.effect.varies_with_parameters(prediction, item.at) for item in placed):
+        _, here = predicted(state, prediction.parameters, placed)
+        of_parameters = _by_hidden_parameters(state, here, _RELATIVE_STEP, nearby=False)
+    else:
+        of_parameters = _by_parameters(prediction, placed)
+    return np.concatenate([of_parameters, *values])
 
 
 def initial_motion_jacobian(state: State) -> ComplexArray | None:
@@ -117,30 +122,39 @@ def _columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> 
     return columns if item.effect.is_of_command else passed_on(prediction, placed, columns)
 
 
+def _by_hidden_parameters(state: State, here: ComplexArray, share: float, *, nearby: bool) -> ComplexArray:
+    """Derivatives by the physical parameters, by differences where they act on hidden motion.
+
+    `here` are the errors at the state's own values, evaluated as those after a step: each evaluation iterates an
+    implicit force further. The step is a `share` of the value.
+    """
+    prediction, parameters, placed = state.prediction, state.prediction.parameters, state.placed
+    columns, plant = _by_parameters(prediction, placed), prediction.response.plant
+    for k, name in enumerate(prediction.record.dynamics.parameters):
+        step = share * (abs(parameters[name]) or 1.0)
+        moved = dict(parameters) | {name: parameters[name] + step}
+        if acts_on_hidden(plant, prediction.record.dynamics.at(moved), prediction.driven_rows[0]):
+            columns[k] = (here - predicted(state, moved, placed, nearby=nearby)[1]) / step
+    return columns
+
+
 def _by_differences(state: State) -> ComplexArray:
     """Derivatives by finite differences where hidden motion is integrated: sticking has no frequency response."""
     prediction, parameters, placed = state.prediction, state.prediction.parameters, state.placed
-    # Both sides of a difference start from the same state, as each evaluation iterates an implicit force further.
+    # Both sides of a difference start from the same state.
     _, here = predicted(state, parameters, placed, nearby=True)
 
-    def column(step: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> ComplexArray:
+    def column(step: float, placed: tuple[Placed, ...]) -> ComplexArray:
         _, errors = predicted(state, parameters, placed, nearby=True)
         return np.asarray((here - errors) / step)
 
-    columns = list(_by_parameters(prediction, placed))
-    for k, name in enumerate(prediction.record.dynamics.parameters):
-        step = _INTEGRATED_STEP * (abs(parameters[name]) or 1.0)
-        moved = dict(parameters) | {name: parameters[name] + step}
-        if acts_on_hidden(
-            prediction.response.plant, prediction.record.dynamics.at(moved), prediction.driven_rows[0]
-        ):
-            columns[k] = column(step, moved, placed)
+    columns = list(_by_hidden_parameters(state, here, _INTEGRATED_STEP, nearby=True))
     for at, item in enumerate(placed):
         if not _moves_hidden(prediction, placed, item):
             columns.extend(_by_values(prediction, placed, item))
             continue
         for step, other in _moved(item, _INTEGRATED_STEP):
-            columns.append(column(step, parameters, (*placed[:at], other, *placed[at + 1 :])))
+            columns.append(column(step, (*placed[:at], other, *placed[at + 1 :])))
     return np.stack(columns)
 
 

@@ -1,0 +1,57 @@
+"""A hidden load that becomes heavier resonates otherwise from then on, which its derivatives must say."""
+
+import numpy as np
+import pytest
+
+from symid import PayloadChange, load_axis
+from symid.diagnosis import LIBRARY
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.gauss_newton import converged
+from symid.diagnosis.fitting.sensitivity import prediction_jacobian
+from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
+from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.joined_logs import joined
+from symid.diagnosis.prediction.weighting import Weighting
+from symid.simulation import multisine, plant_of, simulate, tuned_cascade
+
+SCREW = load_axis("ballscrew_2m1s").with_signal("qm", noise=3e-8).with_signal("Fm", noise=2.0)
+VALUES = {"Mm": 124.0, "Fvm": 71.0, "Fsm": 36.0, "Kt": 6.9e6, "Ft": 620.0, "Ml": 135.0, "Fvl": 180.0}
+CHANGE, MOMENT = 47.0, 2.0
+
+
+@pytest.fixture(scope="module")
+def loaded() -> tuple[State, Weighting]:
+    """The screw with the change, at values that are some percent off."""
+    (body,) = (body for body in SCREW.bodies if body.name == "load")
+    machine = SCREW.with_effect(PayloadChange(body, CHANGE, time=MOMENT))
+    shaking = multisine(
+        np.arange(2.0, 60.0), 2.0, sampling_period=5e-4, quantity="acceleration", seconds=4.0, fade=0.2
+    )
+    log = simulate(machine, VALUES, shaking, tuned_cascade(plant_of(SCREW, VALUES), "qm"), seed=1).log
+    wrong = VALUES | {"Kt": 6.8e6, "Ml": 138.0, "Mm": 122.5}
+    state, weighting = first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, wrong)
+    effect = next(effect for effect in LIBRARY if effect.name == "payload_change")
+    return with_effects(state, weighting, (Placed(effect, "load", (42.0, MOMENT), (1.0,)),)), weighting
+
+
+def test_derivatives_by_stiffness_and_mass_hold_what_the_change_takes_back(
+    loaded: tuple[State, Weighting],
+) -> None:
+    """They were those of a load that rings at its first resonance throughout the log, 100 times as large."""
+    state, weighting = loaded
+    columns = weighting.known(weighting.rows(prediction_jacobian(state)), state.beginning)
+    for k, (name, value) in enumerate(state.prediction.parameters.items()):
+        step = 1e-5 * value
+        here, there = (
+            evaluated(state, weighting, dict(state.prediction.parameters) | {name: x}, state.placed).rows
+            for x in (value, value + step)
+        )
+        difference = weighting.known((here - there) / step, state.beginning)
+        assert np.linalg.norm(columns[k] - difference) < 0.02 * np.linalg.norm(difference), name
+
+
+def test_the_fit_converges_to_the_masses(loaded: tuple[State, Weighting]) -> None:
+    state, weighting = loaded
+    fit = converged(state, weighting)
+    assert fit.parameters["Ml"] == pytest.approx(VALUES["Ml"], rel=1e-3)
+    assert fit.state.placed[0].shape[0] == pytest.approx(CHANGE, rel=1e-3)
