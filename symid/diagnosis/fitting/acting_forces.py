@@ -33,18 +33,6 @@ def changes_by_others(prediction: Prediction, placed: Iterable[Placed]) -> Compl
     return sum(changes, start=np.zeros_like(prediction.outputs))
 
 
-def passed_on(prediction: Prediction, placed: Iterable[Placed], outputs: ComplexArray) -> ComplexArray:
-    """Outputs, or small changes of them, after delays and lags, of shape (..., n_outputs, n_bins)."""
-    changes = (item.effect.passed_on(prediction, item, outputs) for item in placed)
-    return sum((change for change in changes if change is not None), start=outputs)
-
-
-def of_commands(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
-    """Change of the outputs by gains and limits of the drives, of shape (n_outputs, n_bins)."""
-    changes = (item.change(prediction) for item in placed if item.effect.is_of_command)
-    return sum(changes, start=np.zeros_like(prediction.record.measured))
-
-
 def next_prediction(
     before: Prediction, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool
 ) -> Prediction:
@@ -99,8 +87,14 @@ def _path(prediction: Prediction, placed: Iterable[Placed]) -> ForcePath | None:
     found = [i for i in placed if i.effect.is_of_command or isinstance(i.effect, TransferEffect)]
     if not found:
         return None
-    response = passed_on(prediction, found, np.ones_like(prediction.record.measured))
-    return ForcePath(response, of_commands(prediction, found))
+    response, withheld = (make(prediction.record.measured) for make in (np.ones_like, np.zeros_like))
+    unit = response.copy()
+    for item in found:
+        if item.effect.is_of_command:
+            withheld += item.change(prediction)
+        elif (late := item.effect.passed_on(prediction, item, unit)) is not None:
+            response += late
+    return ForcePath(response, withheld)
 
 
 def _integrand(term: ScaledLaw) -> Pointwise:

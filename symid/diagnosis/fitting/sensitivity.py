@@ -11,7 +11,6 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, add_outer, least_squares
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
-from symid.diagnosis.fitting.acting_forces import passed_on
 from symid.diagnosis.fitting.state import State, as_read, free_forces, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
@@ -119,7 +118,7 @@ def _columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> 
         unit = replace(item, amplitudes=(1.0,))
         return item.effect.passed_on(prediction, unit, as_read(prediction, placed))[None]
     columns = item.effect.columns(prediction, item.at, item.shape)
-    return columns if item.effect.is_of_command else passed_on(prediction, placed, columns)
+    return columns if item.effect.is_of_command else prediction.passed_on(columns)
 
 
 def _by_hidden_parameters(state: State, here: ComplexArray, share: float, *, nearby: bool) -> ComplexArray:
@@ -178,7 +177,7 @@ def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexA
     """Derivatives by the physical parameters, on which the contributions of effects depend too."""
     misread = [e for item in placed if (e := item.effect.misreading(prediction, item)) is not None]
     columns = parameter_columns(prediction, np.sum(misread, axis=0) if misread else None)
-    return passed_on(prediction, placed, columns)
+    return prediction.passed_on(columns)
 
 
 def _shape_columns(

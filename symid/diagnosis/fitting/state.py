@@ -16,13 +16,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import FreeForce, Placed, Shape, declared_effects
-from symid.diagnosis.fitting.acting_forces import (
-    changes_by_others,
-    law_to_integrate,
-    next_prediction,
-    of_commands,
-    passed_on,
-)
+from symid.diagnosis.fitting.acting_forces import changes_by_others, law_to_integrate, next_prediction
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, weighting_of
@@ -101,14 +95,14 @@ class State:
     @property
     def hidden(self) -> tuple[ComplexArray, ...]:
         """Outputs for forces on hidden motion, after delays and lags."""
-        return tuple(passed_on(self.prediction, self.placed, outputs) for outputs in self.prediction.hidden)
+        return tuple(map(self.prediction.passed_on, self.prediction.hidden))
 
     @cached_property
     def beginning(self) -> FloatArray:
         """Contribution of an unknown state at the beginning of the log to the rows, (n_starts, n_outputs, n_rows)."""
         response = self.prediction.response
         free = (
-            passed_on(self.prediction, self.placed, spectrum * response.of_force(direction))
+            self.prediction.passed_on(spectrum * response.of_force(direction))
             for direction, spectrum in free_forces(self.prediction, self.placed)
         )
         return self.weighting.rows(starting_pulses(self.prediction.record, tuple(free)))
@@ -219,8 +213,8 @@ def predicted(
 
 def output_errors(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
     """Measured less predicted outputs with effects, of shape (n_outputs, n_bins)."""
-    outputs = passed_on(prediction, placed, as_read(prediction, placed))
-    return prediction.record.measured - outputs - of_commands(prediction, placed)
+    errors = prediction.record.measured - prediction.passed_on(as_read(prediction, placed))
+    return errors if prediction.path is None else errors - prediction.path.withheld
 
 
 def as_read(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:

@@ -75,6 +75,10 @@ class Prediction:
         measured = self.record.measured
         return (measured if self.path is None else self.path.acting(measured))[: self.record.n_drives]
 
+    def passed_on(self, outputs: ComplexArray) -> ComplexArray:
+        """Outputs, or small changes of them, after delays and lags, of shape (..., n_outputs, n_bins)."""
+        return outputs if self.path is None else np.asarray(self.path.response * outputs)
+
     @cached_property
     def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
         """Direction of each joint with nonlinear laws, and the spectra of their expressions."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_alike
-from symid.diagnosis.fitting.acting_forces import passed_on
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.prediction.autoregression import Autoregression, autoregression, unweighted
@@ -149,7 +148,7 @@ def _best_shape(
         some = shapes[first : first + many]
         columns = np.stack([effect.columns(prediction, place, shape) for shape in some])
         if not effect.is_of_command:
-            columns = passed_on(prediction, fit.state.placed, columns)
+            columns = prediction.passed_on(columns)
         rows = fit.weighting.rows(columns)
         plain, white = (p.gains(rows, fixed=effect.fixed) for p in projections)
         for shape, (gain, amplitudes), (white_gain, _) in zip(some, plain, white, strict=True):
