@@ -9,6 +9,7 @@ import pytest
 from benchmarks.effect_machines import (
     ELASTIC,
     KINDS,
+    LOAD,
     LOOP,
     MOTOR,
     RIGID,
@@ -33,6 +34,7 @@ from symid import (
     PreslidingFriction,
     Unbalance,
     ViscousFriction,
+    Weight,
     derive,
     load_axis,
     write_axis,
@@ -96,6 +98,14 @@ def test_a_flexible_mode_too(tmp_path: Path) -> None:
     alone = replace(ELASTIC, sensors=SENSORS)
     values = VALUES | {"M": 65.0, "K": 2e5}
     before, after = improved(RIGID, alone, VALUES | {"K": 2e5}, "flexible_mode", tmp_path, nominal=values)
+    assert after < 0.5 * before
+
+
+def test_a_part_of_a_hoisted_body_on_a_spring_keeps_its_weight(tmp_path: Path) -> None:
+    alone = replace(ELASTIC, sensors=SENSORS).with_effect(Weight(MOTOR), Weight(LOAD))
+    values = VALUES | {"M": 65.0, "K": 2e5}
+    hung = RIGID.with_effect(Weight(MOTOR))
+    before, after = improved(hung, alone, VALUES | {"K": 2e5}, "flexible_mode", tmp_path, nominal=values)
     assert after < 0.5 * before
 
 

@@ -9,7 +9,17 @@ from typing import TypeAlias
 import numpy as np
 
 from symid.arrays import ComplexArray
-from symid.axis import Axis, Between, Body, CoulombFriction, EncoderRipple, PreslidingFriction, Sensor, Spring
+from symid.axis import (
+    Axis,
+    Between,
+    Body,
+    CoulombFriction,
+    EncoderRipple,
+    PreslidingFriction,
+    Sensor,
+    Spring,
+    Weight,
+)
 from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of, with_parts
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.fitting.fit import masses_and_stiffnesses
@@ -203,7 +213,7 @@ def _left_out(prediction: Prediction, item: Placed) -> str:
 
 
 def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
-    """The axis with a part of a body's mass on a spring."""
+    """The axis with a part of a body's mass, and of its weight, on a spring."""
     (mass,), (frequency, ratio) = item.amplitudes, item.shape
     body = next(b for b in axis.free_bodies if b.name == item.at)
     own = 2 * math.pi * frequency
@@ -219,4 +229,5 @@ def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
         axis = axis.with_known({body.inertial: known[body.inertial] - mass})
     else:
         values[body.inertial] -= mass
-    return axis.with_effect(added, spring)
+    weights = (own for own in axis.elements if isinstance(own, Weight) and own.body == body)
+    return axis.with_effect(added, spring, *(replace(own, body=added) for own in weights))
