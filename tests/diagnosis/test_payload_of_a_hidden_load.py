@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symid import PayloadChange, load_axis
-from symid.diagnosis import LIBRARY
+from symid.diagnosis import LIBRARY, diagnose
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.gauss_newton import converged
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
@@ -12,7 +12,7 @@ from symid.diagnosis.fitting.state import State, evaluated, first_state, with_ef
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.simulation import multisine, plant_of, simulate, tuned_cascade
+from symid.simulation import multisine, plant_of, simulate, trapezoids, tuned_cascade
 
 SCREW = load_axis("ballscrew_2m1s").with_signal("qm", noise=3e-8).with_signal("Fm", noise=2.0)
 VALUES = {"Mm": 124.0, "Fvm": 71.0, "Fsm": 36.0, "Kt": 6.9e6, "Ft": 620.0, "Ml": 135.0, "Fvl": 180.0}
@@ -55,3 +55,18 @@ def test_the_fit_converges_to_the_masses(loaded: tuple[State, Weighting]) -> Non
     fit = converged(state, weighting)
     assert fit.parameters["Ml"] == pytest.approx(VALUES["Ml"], rel=1e-3)
     assert fit.state.placed[0].shape[0] == pytest.approx(CHANGE, rel=1e-3)
+
+
+def test_a_much_heavier_structure_is_found_where_most_of_the_log_follows_the_change() -> None:
+    """Re-identified values hold after the change, from which no small change of the mass leads back."""
+    axis = load_axis("direct_2m1s").with_signal("q2", noise=1e-7).with_signal("Fm", noise=3.0)
+    values = {"Ms": 2600.0, "Fvs": 36000.0, "Ks": 2.8e8, "Mm": 362.0, "Fvm": 70.0, "Fsm": 170.0}
+    (body,) = (body for body in axis.bodies if body.name == "structure")
+    machine = axis.with_effect(PayloadChange(body, 0.7 * values["Ms"], time=1.0))
+    steps = [0.2, 0.1, 0.15, 0.05, 0.3, 0.12] * 2
+    path = trapezoids(steps, 0.8, acceleration=5.0, jerk=300.0, dwell=0.1, sampling_period=1e-3)
+    log = simulate(machine, values, path, tuned_cascade(plant_of(axis, values), "q2"), seed=1).log
+    found = diagnose(axis, log, nominal={name: 1.07 * value for name, value in values.items()})
+    (effect,) = found.effects
+    assert (effect.effect, effect.at) == ("payload_change", "structure")
+    assert effect.parameters["dm"].value == pytest.approx(0.7 * values["Ms"], rel=0.03)

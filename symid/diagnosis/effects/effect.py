@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -22,6 +22,9 @@ Shape = tuple[float, ...]
 """Values of the shape parameters of an effect, in which its force is not linear."""
 Key = tuple[str, str]
 """Names of an effect and of its place."""
+
+Change = tuple[Mapping[str, float], Sequence[Shape]]
+"""Parameters before an effect begins that changes them during a log, and shapes that lead to the same values."""
 
 FreeForce = tuple[FloatArray, ComplexArray]
 """Direction over the bodies, and spectrum of a force along it for a pulse that sets hidden motion going."""
@@ -84,6 +87,10 @@ class Effect(ABC):
 
     def elsewhere(self, prediction: Prediction, placed: Placed) -> Iterable[Placed]:
         """The effect at places where linear screening does not find it, with values to begin with; none by default."""
+        return ()
+
+    def changes_to(self, prediction: Prediction, place: str) -> Iterable[Change]:
+        """Changes during the log to the parameters of a prediction; none by default."""
         return ()
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:

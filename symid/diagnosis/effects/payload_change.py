@@ -8,7 +8,15 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, least_squares
 from symid.axis import Weight
-from symid.diagnosis.effects.effect import Effect, MatchedFilter, Placed, Shape, best_peaks, joint_units
+from symid.diagnosis.effects.effect import (
+    Change,
+    Effect,
+    MatchedFilter,
+    Placed,
+    Shape,
+    best_peaks,
+    joint_units,
+)
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
@@ -18,6 +26,8 @@ from symid.units import Unit
 
 _TRIALS = 4
 _MASS_CHANGES = (-0.3, -0.1, -0.03, -0.01, 0.01, 0.03, 0.1, 0.3)
+_LARGE_CHANGES = (-0.45, -0.3, -0.15, 0.15, 0.3, 0.5, 0.8)
+"""Changes relative to the mass before them, after which the fitted mass may hold."""
 _USUAL_CHANGE = 0.1
 _MOST_OF_OTHER = 2.0
 _MOMENTS_TRIED = np.linspace(0.1, 0.9, 17)
@@ -76,6 +86,18 @@ class PayloadChangeEffect(Effect):
         before = float(direction @ prediction.response.plant.mass @ direction)
         smaller, larger = sorted((before, before + placed.shape[0]))
         return larger < _MOST_OF_OTHER * smaller
+
+    def changes_to(self, prediction: Prediction, place: str) -> Iterable[Change]:
+        """The fitted mass of a hidden body may be that after the change; the error is not linear in its mass."""
+        record, values = prediction.record, dict(prediction.parameters)
+        names = {body.name: body.inertial for body in prediction.axis.free_bodies}
+        name = names.get(place)
+        if name not in values or not record.is_predicted(prediction.bodies[place].direction):
+            return
+        for share in _LARGE_CHANGES:
+            before = values[name] / (1 + share)
+            changes = [(share * before, time) for time in _MOMENTS_TRIED * record.duration]
+            yield values | {name: before}, changes
 
     def varies_with_parameters(self, prediction: Prediction, place: str) -> bool:
         """A hidden body resonates otherwise from the change on: what it does before must not count after it."""

@@ -19,7 +19,7 @@ from symid.diagnosis.effects import Effect, JointEffect, Key, Placed
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import with_shapes_held
-from symid.diagnosis.fitting.state import State, first_state, with_effects
+from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
@@ -33,6 +33,8 @@ _SHARES = (1.0, 0.3, 0.1, 0.03)
 _MULTIPLES = (30.0, 10.0, 3.0)
 """Multiples of them with which a fit of integrated motion may begin too: a projection that knows nothing of the motion
 that the effect changes may be far too small as well."""
+_FELT = 0.97
+"""Multiple of the sum of squares below which a change during the log must begin."""
 _KEPT = 2
 """Number of starts of the grid that are fitted for each effect at each place."""
 
@@ -106,6 +108,34 @@ def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
             moved = replace(item, at=place, integrated=True)
             if moved != item and law_to_integrate(prediction, moved):
                 yield Start.with_values_of(other, fit, moved)
+
+
+def of_changes(fit: Fit, library: Sequence[Effect]) -> Iterator[Start]:
+    """Changes during the log after which the fitted values hold, at the best of some sizes and moments.
+
+    Values are fitted to the longer part of a log, which may follow the change.
+    """
+    if fit.mean_square < 1:
+        return
+    prediction = fit.state.prediction
+    present = {item.key for item in fit.state.placed}
+    for own in library:
+        for place in (at for at in own.places(prediction) if (own.name, at) not in present):
+            cost, start = min(_changes(fit, own, place), key=lambda one: one[0], default=(math.inf, None))
+            if start is not None and cost < _FELT * fit.cost:
+                yield start
+
+
+def _changes(fit: Fit, effect: Effect, place: str) -> Iterator[tuple[float, Start]]:
+    """Changes by an effect with the sum of squares that each leaves."""
+    weighting = fit.weighting
+    for parameters, shapes in effect.changes_to(fit.state.prediction, place):
+        state = evaluated(fit.state, weighting, parameters, fit.state.placed)
+        kept = state.released(weighting)
+        for change in (Placed(effect, place, shape, (1.0,)) for shape in shapes):
+            rows = weighting.rows(state.prediction.passed_on(change.change(state.prediction)))
+            left = weighting.known(state.rows - rows, state.beginning)
+            yield float(left @ left), Start(kept, weighting, change)
 
 
 def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:

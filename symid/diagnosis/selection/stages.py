@@ -10,7 +10,7 @@ from itertools import islice
 from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
+from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_changes, of_grid
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed
@@ -40,7 +40,7 @@ def stages(
     promising = _promising(found, fit)
     white = sorted(promising, key=lambda c: -c.white_penalised_gain)
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
-    yield _of_all_laws(fit, promising[:3])
+    yield [*_of_all_laws(fit, promising[:3]), *of_changes(fit, library)]
     yield _of_all_laws(fit, _distinct([*promising[3:6], *white[:3], *timing], promising[:3]))
     if not confirmed:  # the most promising candidates are not credible: others are tried
         yield [
