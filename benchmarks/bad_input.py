@@ -11,7 +11,6 @@ Usage: python -m benchmarks.bad_input [--examples 2000] [--seed 0]
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import sys
 import tempfile
@@ -23,6 +22,7 @@ from hypothesis import given
 from benchmarks.bad.cases import Case, cases
 from benchmarks.bad.outcome import good_folder, outcome_in_a_copy
 from benchmarks.commands import Outcome, drawn, table
+from benchmarks.options import parser_of
 
 
 def examined(examples: int, number: int) -> dict[Case, Outcome]:
@@ -57,12 +57,7 @@ def _place(outcome: Outcome) -> str:
 
 def main() -> int:
     """Print the table; failures are told as they are found."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--examples", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
+    options = parser_of(__doc__, examples=2000, seed=0).parse_args()
     begin = time.perf_counter()
     found = examined(options.examples, options.seed)
     failures = sum(outcome.is_failure for outcome in found.values())

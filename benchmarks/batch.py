@@ -14,7 +14,6 @@ Usage: python -m benchmarks.batch [--logs 1000] [--rounds 3]
 
 from __future__ import annotations
 
-import argparse
 import tempfile
 import time
 from collections.abc import Callable
@@ -31,6 +30,7 @@ from threadpoolctl import threadpool_limits
 
 import symid
 from benchmarks.identify_speed import JOBS, simulate_emps
+from benchmarks.options import parser_of
 
 SAMPLES = 40_000
 AIM_TWO_CORES, AIM_CLUSTER, AIM_SCRIPT, AIM_UNEXAMINED, AIM_PASSES = 1.9, 1.85, 2.0, 4.0, 2.0
@@ -121,10 +121,7 @@ def measured(paths: list[Path], rounds: int) -> dict[str, np.ndarray]:
 
 def main() -> None:
     """Run the benchmark and print its table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--logs", type=int, default=1000)
-    parser.add_argument("--rounds", type=int, default=3)
-    options = parser.parse_args()
+    options = parser_of(__doc__, logs=1000, rounds=3).parse_args()
     with tempfile.TemporaryDirectory() as name:
         paths = write_logs(Path(name), options.logs)
         seconds = measured(paths, options.rounds)

@@ -11,7 +11,6 @@ Usage: python -m benchmarks.batch_kills [--logs 1000]
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import os
 import signal
@@ -28,6 +27,7 @@ from distributed import LocalCluster
 
 import symid
 from benchmarks.batch import write_logs
+from benchmarks.options import parser_of
 from symid.fleet.journal import read_journal
 
 VOLATILE = ("seconds", "finished", "log")
@@ -87,9 +87,7 @@ def judged(name: str, table: pl.DataFrame, expected: pl.DataFrame) -> bool:
 
 def main() -> None:
     """Run the benchmark and print its table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--logs", type=int, default=1000)
-    options = parser.parse_args()
+    options = parser_of(__doc__, logs=1000).parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "logs").mkdir()

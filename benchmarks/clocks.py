@@ -10,7 +10,6 @@ Usage: python -m benchmarks.clocks [--logs 200] [--seed 1] [--drift SAMPLES]
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter
 from dataclasses import dataclass
 
@@ -18,6 +17,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks import tuning_grid
+from benchmarks.options import parser_of
 from symid import Log, identify, load_axis, load_generated
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -69,13 +69,7 @@ def drawn(rng: np.random.Generator, drift: float) -> Case:
 
 def main() -> None:
     """Run the benchmark and print a line for each log that counts, and the sums."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--logs", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--drift", type=float, default=0.0, help="samples of the controller, about")
-    chosen = parser.parse_args()
+    chosen = parser_of(__doc__, logs=200, seed=1, drift=0.0).parse_args()
     statuses: Counter[str] = Counter()
     named = noticed = unnamed_ok = 0
     with threadpool_limits(1):

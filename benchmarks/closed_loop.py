@@ -12,13 +12,13 @@ Usage: python -m benchmarks.closed_loop [--quick]
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Mapping
 
 import numpy as np
 
 import symid
+from benchmarks.options import parser_of
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.simulation import ClosedLoop, Trajectory, plant_of, simulate, trapezoids, tuned_cascade
 
@@ -64,9 +64,7 @@ def print_row(label: str, estimate: OutputErrorIdentification, seconds: float) -
 
 def main() -> None:
     """Print both noises with both references, from an unknown start."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--quick", action="store_true", help="one case")
-    quick = parser.parse_args().quick
+    quick = parser_of(__doc__, quick=False).parse_args().quick
     for noise in NOISES[: 1 if quick else None]:
         for exact in (True,) if quick else (True, False):
             begin = time.perf_counter()

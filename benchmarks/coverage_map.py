@@ -18,7 +18,6 @@ OPENBLAS_NUM_THREADS=1 halves the time, since the matrices are too small for thr
 
 from __future__ import annotations
 
-import argparse
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -41,6 +40,7 @@ from benchmarks.coverage_cases import (
     timing_cases,
     true_values,
 )
+from benchmarks.options import parser_of
 from symid.codegen import GeneratedModel
 from symid.identification import Identification
 from symid.instrumental import identify_by_instruments
@@ -260,10 +260,7 @@ def print_methods(runs: int) -> None:
 
 def main() -> None:
     """Print the map, the rows about timing, and the flexible axis with noisy encoders."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--runs", type=int, default=200)
-    parser.add_argument("--quick", action="store_true", help="Two rows of the map, one of timing.")
-    options = parser.parse_args()
+    options = parser_of(__doc__, runs=200, quick=False).parse_args()
     print(f"nominal 95 % intervals, {options.runs} draws a row; coverage in %, bias in standard deviations\n")
     print_map(measured_row(case, options.runs) for case in cases(options.quick))
     print_timing(options.quick, options.runs // 2)

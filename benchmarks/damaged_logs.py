@@ -12,7 +12,6 @@ Usage: python -m benchmarks.damaged_logs [--examples 5000] [--seed 0]
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import sys
 import time
@@ -21,6 +20,7 @@ from hypothesis import given
 
 from benchmarks.commands import Outcome, drawn, table
 from benchmarks.damage.outcome import Damage, damages, outcome_of
+from benchmarks.options import parser_of
 
 
 def examined(examples: int, number: int) -> dict[Damage, Outcome]:
@@ -42,11 +42,7 @@ def examined(examples: int, number: int) -> dict[Damage, Outcome]:
 
 def main() -> int:
     """Print the table and the failures."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--examples", type=int, default=5000)
-    parser.add_argument("--seed", type=int, default=0)
+    parser = parser_of(__doc__, examples=5000, seed=0)
     parser.add_argument("--repeat", metavar="DAMAGE", help="one log, with all that was said")
     given_ = parser.parse_args()
     if given_.repeat:

@@ -11,7 +11,6 @@ Usage: python -m benchmarks.drawn_experiments [--cases N] [--seed N] [--runs N]
 
 from __future__ import annotations
 
-import argparse
 import json
 import tempfile
 from collections.abc import Iterator
@@ -23,6 +22,7 @@ import numpy as np
 import polars as pl
 from scipy.interpolate import CubicSpline
 
+from benchmarks.options import parser_of
 from symid import Log, load_axis
 from symid.diagnosis import diagnose
 from symid.diagnosis.experiment.design import Experiment, limits_seen, next_experiment_of, rivals_of
@@ -141,13 +141,7 @@ def line(found: Outcome) -> str:
 
 def main() -> None:
     """Perform the experiments of all cases, and print the sum."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--cases", type=int, default=12)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--runs", type=int, default=10, help="of each experiment [10]")
-    given = parser.parse_args()
+    given = parser_of(__doc__, cases=12, seed=1, runs=10).parse_args()
     print(f"{'axis':15} {'effect':45} stated  right")
     performed = []
     for found in outcomes(given.cases, given.seed, given.runs):

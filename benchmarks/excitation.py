@@ -9,13 +9,13 @@ along the designed reference, relative to the expected one, with its parts: spre
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from benchmarks.options import parser_of
 from symid.axis import load_axis
 from symid.codegen import model_of
 from symid.excitation import Expectation, IdentificationTrial, design
@@ -122,9 +122,8 @@ def main(names: list[str], method: Literal["wls", "iv"], runs: int) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
+    parser = parser_of(__doc__, runs=40)
     parser.add_argument("axes", nargs="*", default=list(MACHINES), metavar="AXIS", help=", ".join(MACHINES))
     parser.add_argument("--method", choices=["wls", "iv"], default="wls")
-    parser.add_argument("--runs", type=int, default=40)
     options = parser.parse_args()
     main(options.axes, options.method, options.runs)

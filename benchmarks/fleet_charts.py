@@ -10,11 +10,11 @@ Usage: python -m benchmarks.fleet_charts [--draws 300]
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.options import parser_of
 from symid.fleet import TrendChange
 from symid.fleet.control_chart import control_chart
 from symid.fleet.spread import judge_spread, spread_between
@@ -74,9 +74,7 @@ def detection(kind: str, runs: int, size: float, draws: int, between: float = 2.
 
 def main() -> None:
     """Run the benchmark and print its tables."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--draws", type=int, default=300)
-    draws = parser.parse_args().draws
+    draws = parser_of(__doc__, draws=300).parse_args().draws
     print("nothing differs, nothing changes: false alarms in percent\n")
     print("runs   axis differs   chart changes   chart changes, between runs three times the promise")
     for runs in (8, 20, 60, 200):

@@ -10,7 +10,6 @@ Usage: python -m benchmarks.foreign_files [NAME ...] [--no-diagnosis]
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import io
 import json
@@ -52,6 +51,7 @@ from benchmarks.foreign_writers import (
     twincat_shared,
     two_files,
 )
+from benchmarks.options import parser_of
 from symid.cli import main as symid
 
 FILES: dict[str, tuple[str, Callable[[Path], None], str, str]] = {
@@ -130,9 +130,7 @@ def outcome(name: str, *, diagnosed: bool) -> str:
 
 def main() -> int:
     """Print a line for each file."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("names", nargs="*", default=list(FILES))
     parser.add_argument("--no-diagnosis", action="store_true")
     options = parser.parse_args()

@@ -12,7 +12,6 @@ Usage: python -m benchmarks.identify_speed [--samples 10000000] [--rounds 3]
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import resource
@@ -31,6 +30,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 import symid
+from benchmarks.options import parser_of
 
 RATE = 1000.0
 AXES = {"emps": ("q", "F"), "direct_2m1s": ("q2", "Fm")}
@@ -231,10 +231,7 @@ def main() -> None:
         job, axis, folder, settings = sys.argv[2:]
         child(job, axis, Path(folder), json.loads(settings))
         return
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--samples", type=int, default=10_000_000)
-    parser.add_argument("--rounds", type=int, default=3)
-    options = parser.parse_args()
+    options = parser_of(__doc__, samples=10_000_000, rounds=3).parse_args()
     print(
         f"{options.samples} samples, {THREADS} threads, median of {options.rounds} alternating rounds "
         "(1 thread, script: one)"

@@ -9,7 +9,6 @@ Usage: python -m benchmarks.in_motion [--logs 60] [--seed 1]
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -18,6 +17,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks.ok_promise import Outcome, outcome_of, show, summary, table
+from benchmarks.options import parser_of
 from benchmarks.promise.machines import (
     FORCE,
     RATES,
@@ -125,12 +125,7 @@ def outcomes_of(cases: Iterator[Case]) -> list[Outcome]:
 
 def main() -> None:
     """Run the benchmark and print its tables."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--logs", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=1)
-    chosen = parser.parse_args()
+    chosen = parser_of(__doc__, logs=60, seed=1).parse_args()
     with threadpool_limits(1):
         for outcomes in (outcomes_of(sines()), outcomes_of(drawn(chosen.logs, chosen.seed))):
             print(summary(outcomes))

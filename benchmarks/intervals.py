@@ -11,7 +11,6 @@ Usage: python -m benchmarks.intervals [--draws 60] [--seed 1] [--settings 0 1 ..
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter
 from dataclasses import dataclass, replace
 
@@ -19,6 +18,7 @@ import numpy as np
 from scipy.stats import binom
 from threadpoolctl import threadpool_limits
 
+from benchmarks.options import parser_of
 from benchmarks.promise.machines import Case, draw_machine, draw_noise, with_noise
 from symid import Log, identify, load_generated
 from symid.errors import SymidError
@@ -106,11 +106,7 @@ def summary(covered: np.ndarray, draws: int) -> str:
 
 def main() -> None:
     """Measure all settings and print how many intervals cover as often as they say."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--draws", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=1)
+    parser = parser_of(__doc__, draws=60, seed=1)
     parser.add_argument("--settings", type=int, nargs="+", default=range(len(SETTINGS)))
     chosen = parser.parse_args()
     coverages = []

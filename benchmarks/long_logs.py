@@ -10,12 +10,12 @@ Usage: python -m benchmarks.long_logs [--largest 1e7] [--whole 1e7] [--kind parq
 
 from __future__ import annotations
 
-import argparse
 import json
 import subprocess
 import sys
 import tempfile
 import time
+from argparse import SUPPRESS
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ import polars as pl
 
 import symid
 from benchmarks.identify_speed import RATE, FloatArray, simulate_emps
+from benchmarks.options import parser_of
 from symid.data import MEMORY
 from symid.identification import open_axis_log
 
@@ -106,15 +107,11 @@ def slope(samples: list[int], seconds: list[float]) -> float:
 
 def main() -> None:
     """Run the benchmark and print its table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--largest", type=float, default=1e7)
-    parser.add_argument(
-        "--whole", type=float, default=1e7, help="longest log that is identified in memory too"
-    )
+    parser = parser_of(__doc__, largest=1e7, whole=1e7)
     parser.add_argument("--kind", choices=["parquet", "csv"], default="parquet")
     parser.add_argument("--folder", help="where logs are written [a temporary folder]")
-    parser.add_argument("--identify", help=argparse.SUPPRESS)
-    parser.add_argument("--blocks", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--identify", help=SUPPRESS)
+    parser.add_argument("--blocks", action="store_true", help=SUPPRESS)
     given = parser.parse_args()
     if given.identify:
         print(json.dumps(identified(given.identify, given.blocks)))

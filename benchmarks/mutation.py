@@ -10,7 +10,6 @@ Usage: python -m benchmarks.mutation estimation [--mutants 60] [--seed 1]
 
 from __future__ import annotations
 
-import argparse
 import ast
 import copy
 import os
@@ -23,6 +22,8 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+
+from benchmarks.options import parser_of
 
 LINKED = ("models", "generated", "data", "docs", "examples", "benchmarks", "README.md", "CHANGELOG.md")
 COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = {
@@ -166,11 +167,8 @@ def copied(root: Path) -> None:
 
 def main() -> None:
     """Draw mutants, test each, and print the score and the survivors."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__, mutants=60, seed=1, patience=5.0)
     parser.add_argument("package", help="a folder of symid/ that has tests in tests/")
-    parser.add_argument("--mutants", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--patience", type=float, default=5.0)
     options = parser.parse_args()
     chosen, places_in_all = drawn(Path("symid") / options.package, options.mutants, options.seed)
     with tempfile.TemporaryDirectory() as name:

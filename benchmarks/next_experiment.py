@@ -7,12 +7,12 @@ fitted to the readings, and the one with the smaller error is chosen.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.options import parser_of
 from symid import Axis, load_axis
 from symid.diagnosis import Diagnosis, diagnose
 from symid.diagnosis.experiment.design import rivals_of
@@ -94,9 +94,7 @@ def rows(pair: Rivals, sizes: tuple[float, ...], runs: int) -> Iterator[Row]:
 
 def main() -> None:
     """Run the benchmark and print its table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=50, help="of each experiment with either cause [50]")
-    runs = parser.parse_args().runs
+    runs = parser_of(__doc__, runs=50).parse_args().runs
     _, pair = rivals()
     print(f"{' against '.join(effect for effect, _ in pair.keys)}, {2 * runs} runs each")
     for row in rows(pair, SIZES, runs):

@@ -10,7 +10,6 @@ Usage: python -m benchmarks.ok_promise [--logs 1000] [--first 0] [--seed 1] [--m
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections import Counter, defaultdict
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from benchmarks.options import parser_of
 from benchmarks.promise.faults import BY_NAME, damaged
 from benchmarks.promise.machines import Case, draw_case
 from symid import Log, load_axis, load_generated
@@ -138,18 +138,10 @@ def summary(outcomes: list[Outcome]) -> str:
 
 def main() -> None:
     """Run the benchmark and print its tables."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--logs", type=int, default=1000)
-    parser.add_argument("--first", type=int, default=0, help="number of the first log")
-    parser.add_argument("--seed", type=int, default=1)
+    parser = parser_of(__doc__, logs=1000, first=0, seed=1, show=False)
     parser.add_argument("--method", default="wls", choices=["wls", "oe"])
     parser.add_argument("--kind", default="both", choices=["undamaged", "damaged", "both"])
     parser.add_argument("--fault", default="", choices=sorted(BY_NAME), help="of all damaged logs")
-    parser.add_argument(
-        "--show", action="store_true", help="name every wrong result and every one that is not ok"
-    )
     chosen = parser.parse_args()
     with threadpool_limits(1):
         kinds = ("undamaged", "damaged") if chosen.kind == "both" else (chosen.kind,)

@@ -16,7 +16,6 @@ Usage: python -m benchmarks.output_error [--quick]
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -25,6 +24,7 @@ import numpy as np
 
 import symid
 from benchmarks.cramer_rao import cramer_rao
+from benchmarks.options import parser_of
 from benchmarks.output_error_bench import print_bench, row
 from benchmarks.paper_axis_logs import (
     LOUD,
@@ -229,11 +229,7 @@ def print_starts() -> None:
 
 def main() -> None:
     """Run the benchmark and print its parts."""
-    parser = argparse.ArgumentParser(description="Output error at low rates.")
-    parser.add_argument(
-        "--quick", action="store_true", help="the first row of (a), few draws, one row of (d)"
-    )
-    quick = parser.parse_args().quick
+    quick = parser_of(__doc__, quick=False).parse_args().quick
     began = time.monotonic()
     print_paper(quick)
     if not quick:

@@ -18,7 +18,6 @@ Usage: python -m benchmarks.paper_tables [--vary]
 
 from __future__ import annotations
 
-import argparse
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -26,6 +25,7 @@ from functools import cache
 
 import numpy as np
 
+from benchmarks.options import parser_of
 from benchmarks.paper_values import (
     CUTOFF,
     LAST_DIGITS,
@@ -270,12 +270,8 @@ What cannot be met, and why
 
 def main(arguments: list[str] | None = None) -> None:
     """Print all tables."""
-    parser = argparse.ArgumentParser(description="Tables 2 to 11 of the paper.")
-    parser.add_argument(
-        "--vary", action="store_true", help="change the choices, one at a time (several minutes)"
-    )
     parts: tuple[Callable[[], None], ...] = (print_chirp_tables, print_trapezoid_tables)
-    vary = parser.parse_args(arguments).vary
+    vary = parser_of(__doc__, vary=False).parse_args(arguments).vary
     for part in parts:
         part()
     print(WHY)

@@ -12,7 +12,6 @@ Usage: python -m benchmarks.peer_failures [--draws N]   (100 draws take some min
 
 from __future__ import annotations
 
-import argparse
 import math
 import time
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ import symid
 from benchmarks.blind.axes import Machine, draw_parameters, machine, with_row
 from benchmarks.blind.engine import CONTROL_HZ, LOG_TICKS, STRIBECK, loop
 from benchmarks.blind.motion import draw_multisine, velocity_profile
+from benchmarks.options import parser_of
 from symid.diagnosis import Diagnosis, diagnose
 
 CALM = 1.5
@@ -215,11 +215,7 @@ def print_timing(draws: int) -> None:
 
 def main() -> None:
     """Run the benchmark and print both results."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--draws", type=int, default=100, help="axes for the timing [100]")
-    draws = parser.parse_args().draws
+    draws = parser_of(__doc__, draws=100).parse_args().draws
     print_structure()
     print_timing(draws)
 

@@ -10,7 +10,6 @@ Usage: python -m benchmarks.random_axes [--examples N] [--seed N] [--bodies N]
 
 from __future__ import annotations
 
-import argparse
 import os
 import pickle
 import resource
@@ -20,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.options import parser_of
 from symid import (
     Acceleration,
     Axis,
@@ -280,12 +280,7 @@ def in_a_process(seed: int, n: int) -> tuple[str, str]:
 
 def main() -> None:
     """Count the outcomes of many axes, and name each that does not agree."""
-    parser = argparse.ArgumentParser(description=main.__doc__)
-    parser.add_argument("--examples", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--bodies", type=int, default=5, help="largest number of bodies")
-    parser.add_argument("--all", action="store_true", help="name each axis, also those that agree")
-    options = parser.parse_args()
+    options = parser_of(__doc__, examples=300, seed=0, bodies=5, all=False).parse_args()
     found: Counter[str] = Counter()
     for seed in range(options.seed, options.seed + options.examples):
         n = 2 + seed % (options.bodies - 1)

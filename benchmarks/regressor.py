@@ -5,7 +5,6 @@ Usage: python -m benchmarks.regressor [--samples 10000000] [--repetitions 9]
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Callable
 
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import symid
+from benchmarks.options import parser_of
 
 CASES = (("direct_2m1s", ("q2",)), ("direct_2m1s", ("q2", "ddq1")), ("emps", ("q",)))
 AIM = 1.5
@@ -40,10 +40,7 @@ def ratios(axis: str, measured: tuple[str, ...], samples: int, repetitions: int)
 
 def main() -> None:
     """Run the benchmark and print its table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--samples", type=int, default=10_000_000)
-    parser.add_argument("--repetitions", type=int, default=9)
-    options = parser.parse_args()
+    options = parser_of(__doc__, samples=10_000_000, repetitions=9).parse_args()
     print(f"{options.samples} samples, median of {options.repetitions} alternating repetitions")
     print(f"{'axis':14}{'measured':14}{'regressor ms':>13}{'copy ms':>9}{'ratio':>7}   aim {AIM:g}")
     for axis, measured in CASES:

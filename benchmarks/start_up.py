@@ -9,7 +9,6 @@ Usage: python -m benchmarks.start_up [--rounds 7]
 
 from __future__ import annotations
 
-import argparse
 import resource
 import subprocess
 import sys
@@ -22,6 +21,7 @@ import polars as pl
 
 from benchmarks.identify_speed import simulate_emps
 from benchmarks.installed import as_installed
+from benchmarks.options import parser_of
 
 SAMPLES = 10_000
 AIM = 0.5
@@ -55,9 +55,7 @@ def costs(command: list[str], environment: dict[str, str]) -> tuple[float, float
 
 def main() -> None:
     """Run the benchmark and print its table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=7)
-    options = parser.parse_args()
+    options = parser_of(__doc__, rounds=7).parse_args()
     with tempfile.TemporaryDirectory() as name:
         log = Path(name) / "log.csv"
         q, force = simulate_emps(SAMPLES, np.random.default_rng(0))

@@ -19,7 +19,6 @@ Usage: python -m benchmarks.tuning_grid [--quick]
 
 from __future__ import annotations
 
-import argparse
 import time
 import zlib
 from collections.abc import Iterator
@@ -27,6 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.options import parser_of
 from symid import Axis, Log, Preparation, load_axis, load_generated
 from symid.arrays import FloatArray
 from symid.identification.rows.bands import completed
@@ -184,11 +184,7 @@ def line(outcome: Outcome) -> str:
 
 def main(arguments: list[str] | None = None) -> None:
     """Print the grid and the share of the cells within 10 % of the best."""
-    parser = argparse.ArgumentParser(description="Tuned settings against the best ones.")
-    parser.add_argument("--first", type=int, default=0, help="number of the first cell")
-    parser.add_argument("--cells", type=int, default=24, help="how many cells")
-    parser.add_argument("--quick", action="store_true", help="one cell for each set of sensors")
-    given = parser.parse_args(arguments)
+    given = parser_of(__doc__, first=0, cells=24, quick=False).parse_args(arguments)
     chosen = cells(given.quick)[given.first :][: given.cells]
     print(
         "cutoff [Hz] / decimation; total errors in %\n"

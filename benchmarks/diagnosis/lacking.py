@@ -20,7 +20,8 @@ import numpy as np
 
 from benchmarks.diagnosis.drawn_effects import EFFECTS
 from benchmarks.diagnosis.drawn_machines import Machine, drawn_logs, drawn_machine, drawn_small
-from benchmarks.diagnosis.machines import CLEAR, false_effects, names, names_of, options
+from benchmarks.diagnosis.machines import CLEAR, false_effects, names, names_of
+from benchmarks.options import parser_of
 from symid import Axis, CoulombFriction, Log, PendulumWeight, ViscousFriction
 from symid.axis.axis import Element
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
@@ -123,9 +124,7 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[Row]:
 
 def main() -> None:
     """Print each case, then how many are right."""
-    parser = options(__doc__, 40)
-    parser.add_argument("--worldly", action="store_true")
-    given = parser.parse_args()
+    given = parser_of(__doc__, seed=1, cases=40, worldly=False).parse_args()
     found = []
     for row in rows(given.seed, given.cases, worldly=given.worldly):
         print(row.line, flush=True)

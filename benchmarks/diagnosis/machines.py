@@ -15,7 +15,6 @@ of it is right, too. Effects named with a probability of at least a half that ar
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count, islice
@@ -34,6 +33,7 @@ from benchmarks.diagnosis.drawn_machines import (
     wandering,
     winds_up,
 )
+from benchmarks.options import parser_of
 from symid import Log, SymidError
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
 
@@ -120,14 +120,6 @@ def names_of(effects: Iterable[FoundEffect]) -> str:
     return ", ".join(f"{one.effect} ({one.probability:.2f})" for one in effects)
 
 
-def options(text: str | None, cases: int) -> argparse.ArgumentParser:
-    """Command line of a benchmark of drawn cases, with a default of their number."""
-    parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--cases", type=int, default=cases)
-    return parser
-
-
 def is_right(wanted: Sequence[str], found: Diagnosis) -> bool:
     """Whether one of the effects wanted is named first, or is a stated tie; if none is, whether nothing is named."""
     if not wanted:
@@ -154,9 +146,7 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[str, bool,
 
 def main() -> None:
     """Print each case, then how many of each group are right."""
-    parser = options(__doc__, 60)
-    parser.add_argument("--worldly", action="store_true")
-    given = parser.parse_args()
+    given = parser_of(__doc__, seed=1, cases=60, worldly=False).parse_args()
     groups: dict[str, list[bool]] = {}
     named = 0
     for group, right, false, line in rows(given.seed, given.cases, worldly=given.worldly):

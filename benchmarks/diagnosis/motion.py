@@ -11,7 +11,6 @@ Usage: python -m benchmarks.diagnosis.motion [CASE ...] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 from collections.abc import Iterator
@@ -22,6 +21,7 @@ import numpy as np
 from scipy.io import loadmat
 
 from benchmarks.emps import SYMMETRIC
+from benchmarks.options import parser_of
 from symid import (
     Axis,
     Body,
@@ -128,9 +128,7 @@ def with_reference(log: Log, reference: np.ndarray) -> Log:
 
 def main() -> None:
     """Diagnose all cases, or those named, and print the motion of each."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("cases", nargs="*", help="names, or their beginnings [all]")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table")
     given = parser.parse_args()

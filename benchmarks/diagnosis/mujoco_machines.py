@@ -13,7 +13,6 @@ used: they lose momentum where a tendon damps two bodies.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -22,6 +21,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from benchmarks.options import parser_of
 from symid import (
     Axis,
     Between,
@@ -262,10 +262,7 @@ def _is_of_integrator(own: Any) -> bool:
 
 def main() -> None:
     """Draw, diagnose and count."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, default=4000)
-    parser.add_argument("--cases", type=int, default=20)
-    options = parser.parse_args()
+    options = parser_of(__doc__, seed=4000, cases=20).parse_args()
     right, false, spent = [], 0, []
     for number in range(options.cases):
         rng = np.random.default_rng([options.seed, number])

@@ -21,8 +21,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.diagnosis.machines import CLEAR, false_effects, names, names_of, options
+from benchmarks.diagnosis.machines import CLEAR, false_effects, names, names_of
 from benchmarks.diagnosis.other_cases import Case, drawn
+from benchmarks.options import parser_of
 from symid import Axis, SymidError
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
 
@@ -96,9 +97,7 @@ def main() -> None:
 
 def print_cases(description: str | None, judge: Callable[[Case, int], Row]) -> None:
     """Judge the drawn cases that the command line asks for, print each, then how many are right."""
-    parser = options(description, 40)
-    parser.add_argument("--short", action="store_true")
-    given = parser.parse_args()
+    given = parser_of(description, seed=1, cases=40, short=False).parse_args()
     rows = []
     for seed in range(given.seed, given.seed + given.cases):
         try:

@@ -15,7 +15,8 @@ from itertools import count, islice
 import numpy as np
 import scipy.signal
 
-from benchmarks.diagnosis.machines import Case, drawn, false_effects, names, names_of, options, sizes, sought
+from benchmarks.diagnosis.machines import Case, drawn, false_effects, names, names_of, sizes, sought
+from benchmarks.options import parser_of
 from symid import Log
 from symid.arrays import FloatArray
 from symid.diagnosis import diagnose
@@ -121,7 +122,7 @@ def clear_cases(first: int) -> Iterator[tuple[int, Case, tuple[str, ...]]]:
 
 def main() -> None:
     """Print each diagnosis, then the sums by recorder."""
-    given = options(__doc__, 15).parse_args()
+    given = parser_of(__doc__, seed=1, cases=15).parse_args()
     sums: dict[str, list[tuple[bool, int]]] = {name: [] for name in RECORDERS}
     for seed, case, wanted in islice(clear_cases(given.seed), given.cases):
         print(f"{seed} {case.machine.kind}, {', '.join(wanted) or 'no effect'}", flush=True)

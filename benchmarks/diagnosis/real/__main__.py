@@ -14,10 +14,12 @@ Usage: python -m benchmarks.diagnosis.real [CASE ...] [--repeated] [--isolated] 
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
+from argparse import SUPPRESS
 from pathlib import Path
+
+from benchmarks.options import parser_of
 
 from .case import Case
 from .machines import cases
@@ -28,18 +30,10 @@ from .table import print_case, print_script, print_table
 
 def main() -> None:
     """Diagnose all logs, or those named."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__, isolated=False, repeated=False)
     parser.add_argument("cases", nargs="*", help="names, or their beginnings [all]")
-    parser.add_argument(
-        "--isolated", action="store_true", help="a process for each case: its own peak memory"
-    )
-    parser.add_argument(
-        "--repeated", action="store_true", help="each case from five parts or versions of its logs instead"
-    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table")
-    parser.add_argument("--row", type=Path, help=argparse.SUPPRESS)  # of one case, for --isolated
+    parser.add_argument("--row", type=Path, help=SUPPRESS)  # of one case, for --isolated
     given = parser.parse_args()
     if given.isolated and given.repeated:
         parser.error("--isolated names a case by its name: give it without --repeated")
