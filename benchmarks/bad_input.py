@@ -9,8 +9,6 @@ counts by command and outcome, and every failure once for each place in the code
 Usage: python -m benchmarks.bad_input [--examples 2000] [--seed 0]
 """
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import tempfile

@@ -12,8 +12,6 @@ the clock.
 Usage: python -m benchmarks.batch [--logs 1000] [--rounds 3]
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from collections.abc import Callable

@@ -9,8 +9,6 @@ that the second command reused. The exit code is 1 if a log is lost, duplicated 
 Usage: python -m benchmarks.batch_kills [--logs 1000]
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

@@ -8,8 +8,6 @@ reported, and how often a log whose clock drifts by more than half a sample is o
 Usage: python -m benchmarks.clocks [--logs 200] [--seed 1] [--drift SAMPLES]
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass
 

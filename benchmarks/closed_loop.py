@@ -10,8 +10,6 @@ minutes.
 Usage: python -m benchmarks.closed_loop [--quick]
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 

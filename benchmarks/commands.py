@@ -1,7 +1,5 @@
 """Commands run in this process on drawn input, and a table of their outcomes; for `bad_input` and `damaged_logs`."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import traceback

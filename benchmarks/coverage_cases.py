@@ -1,7 +1,5 @@
 """Rows of `coverage_map`: settings, true logs, and logs with noise."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache

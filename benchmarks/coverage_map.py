@@ -16,8 +16,6 @@ Usage: python -m benchmarks.coverage_map [--runs 200] [--quick]
 OPENBLAS_NUM_THREADS=1 halves the time, since the matrices are too small for threads.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Least deviations of the parameters of the paper's axis by any estimator without bias, computed densely."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

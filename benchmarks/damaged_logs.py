@@ -10,8 +10,6 @@ Usage: python -m benchmarks.damaged_logs [--examples 5000] [--seed 0]
        python -m benchmarks.damaged_logs --repeat KIND:FORM:whole|blocks:EXTENT:SEED
 """
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import time

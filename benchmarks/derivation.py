@@ -9,8 +9,6 @@ folder; its processor time includes the start of Python. An axis is refused if e
 Usage: python -m benchmarks.derivation
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -9,8 +9,6 @@ acceleration and force of the log, by more than 2 %.
 Usage: python -m benchmarks.drawn_experiments [--cases N] [--seed N] [--runs N]
 """
 
-from __future__ import annotations
-
 import json
 import tempfile
 from collections.abc import Iterator

@@ -10,8 +10,6 @@ FMU, relative to the effect; what MuJoCo's format lacks; whether the schematic a
 Usage: python -m benchmarks.effect_elements [EFFECT ...]
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 import time

@@ -1,7 +1,5 @@
 """Elements of the effects of the library, each with its values in a machine, and logs of these machines."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any

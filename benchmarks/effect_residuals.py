@@ -1,7 +1,5 @@
 """What the re-identified model leaves of a log in which an effect is hidden."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cache
 

@@ -10,8 +10,6 @@ of the spring would absorb most of it.
 Usage: python -m benchmarks.effect_signatures [EFFECT ...] writes docs/effects/EFFECT.png
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

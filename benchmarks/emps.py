@@ -6,8 +6,6 @@ preparation filters the motion only, and the deviation of the residual uses the 
 Usage: python -m benchmarks.emps
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import symid

@@ -7,8 +7,6 @@ same limits and time. For each parameter it prints the rms error of identificati
 along the designed reference, relative to the expected one, with its parts: spread and mean.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal

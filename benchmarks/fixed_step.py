@@ -13,8 +13,6 @@ used here, for both tables, was chosen among nine because its errors of all para
 Usage: python -m benchmarks.fixed_step
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

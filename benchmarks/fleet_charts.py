@@ -8,8 +8,6 @@ the stated deviations of the runs differ up to threefold.
 Usage: python -m benchmarks.fleet_charts [--draws 300]
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

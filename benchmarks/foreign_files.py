@@ -8,8 +8,6 @@ verdict of the diagnosis, and what stopped it.
 Usage: python -m benchmarks.foreign_files [NAME ...] [--no-diagnosis]
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

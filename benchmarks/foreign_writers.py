@@ -1,7 +1,5 @@
 """One motion of a rigid axis as drives, scopes and robots write it, with their names, units and clocks."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import warnings

@@ -10,8 +10,6 @@ of processor time, which other work on the machine changes little.
 Usage: python -m benchmarks.identify_speed [--samples 10000000] [--rounds 3]
 """
 
-from __future__ import annotations
-
 import json
 import os
 import resource

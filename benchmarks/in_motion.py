@@ -7,8 +7,6 @@ in motion, at 0.25 to 10 kHz, of rigid and flexible axes.
 Usage: python -m benchmarks.in_motion [--logs 60] [--seed 1]
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The environment of processes whose start is measured."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -9,8 +9,6 @@ deviations.
 Usage: python -m benchmarks.intervals [--draws 60] [--seed 1] [--settings 0 1 ...]
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass, replace
 

@@ -8,8 +8,6 @@ symid takes, and the slope of log(seconds) over log(samples): 1 is linear.
 Usage: python -m benchmarks.long_logs [--largest 1e7] [--whole 1e7] [--kind parquet] [--folder FOLDER]
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -11,8 +11,6 @@ periods, and a nonlinear fit of both with their delays.
 Usage: python -m benchmarks.motor_bench
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

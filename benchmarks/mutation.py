@@ -8,8 +8,6 @@ them are equal to the original, or change only a speed or a message.
 Usage: python -m benchmarks.mutation estimation [--mutants 60] [--seed 1]
 """
 
-from __future__ import annotations
-
 import ast
 import copy
 import os

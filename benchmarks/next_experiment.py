@@ -5,8 +5,6 @@ strongest rival. Experiments of growing size are simulated with either cause and
 fitted to the readings, and the one with the smaller error is chosen.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ The data lie in `benchmarks/nist`; `exact_solution` recomputes their certified v
 Usage: python -m benchmarks.nist_strd
 """
 
-from __future__ import annotations
-
 import csv
 from dataclasses import dataclass
 from decimal import Decimal, localcontext

@@ -8,8 +8,6 @@ Usage: python -m benchmarks.ok_promise [--logs 1000] [--first 0] [--seed 1] [--m
                                        [--kind undamaged|damaged|both] [--fault NAME] [--show]
 """
 
-from __future__ import annotations
-
 import time
 from collections import Counter, defaultdict
 from dataclasses import dataclass, replace

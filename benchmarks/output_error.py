@@ -14,8 +14,6 @@ interval, as a drive might log it. (e) Rough starts.
 Usage: python -m benchmarks.output_error [--quick]
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

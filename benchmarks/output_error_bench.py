@@ -1,7 +1,5 @@
 """Part (d) of `output_error`: the real bench, every n-th sample kept."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 
 import numpy as np

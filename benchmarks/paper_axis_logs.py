@@ -1,7 +1,5 @@
 """Logs of the paper's axis under a loop at its own rate, with noise in the axis or in the record."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

@@ -16,8 +16,6 @@ The paper leaves open what follows; it is chosen once, in `Setup`, and `--vary` 
 Usage: python -m benchmarks.paper_tables [--vary]
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

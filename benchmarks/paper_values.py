@@ -1,7 +1,5 @@
 """Nominal values and printed tables of the paper."""
 
-from __future__ import annotations
-
 NOMINAL = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
 CUTOFF = 164.42
 METHODS = {1: ("q2",), 2: ("q2", "ddq1"), 3: ("q2", "ddq1", "ddq2")}

@@ -1,7 +1,5 @@
 """How the tables of the paper depend on the choices that it leaves open (`paper_tables --vary`)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

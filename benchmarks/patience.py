@@ -1,7 +1,5 @@
 """A time limit for code that may hang; for `bad_input` and `damaged_logs`."""
 
-from __future__ import annotations
-
 import contextlib
 import signal
 from collections.abc import Iterator

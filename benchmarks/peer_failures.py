@@ -10,8 +10,6 @@ values, controller, motion, and 4 kHz for the first.
 Usage: python -m benchmarks.peer_failures [--draws N]   (100 draws take some minutes)
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass

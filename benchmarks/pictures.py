@@ -6,8 +6,6 @@ pulses (the case emps-viscous of `benchmarks.diagnosis.real`).
 Usage: python -m benchmarks.pictures writes docs/pictures/diagnosis_page.png
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import tempfile

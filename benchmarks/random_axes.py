@@ -8,8 +8,6 @@ the derived model times its minimal parameters must give its output. Each axis i
 Usage: python -m benchmarks.random_axes [--examples N] [--seed N] [--bodies N]
 """
 
-from __future__ import annotations
-
 import os
 import pickle
 import resource

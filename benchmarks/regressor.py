@@ -3,8 +3,6 @@
 Usage: python -m benchmarks.regressor [--samples 10000000] [--repetitions 9]
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

@@ -10,8 +10,6 @@ follow.
 Usage: python -m benchmarks.simulation
 """
 
-from __future__ import annotations
-
 import importlib.util
 import resource
 import subprocess

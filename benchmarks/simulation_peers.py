@@ -4,8 +4,6 @@ Written by hand from the equations of motion, without symid. `python -m benchmar
 simulates the loop in that file by MuJoCo, as a process whose time includes the start-up.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ read and compute. The runs alternate; processor times and wall-clock times are m
 Usage: python -m benchmarks.start_up [--rounds 7]
 """
 
-from __future__ import annotations
-
 import resource
 import subprocess
 import sys

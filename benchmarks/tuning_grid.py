@@ -17,8 +17,6 @@ between its samples; the noise is that of the record, the controller does not fe
 Usage: python -m benchmarks.tuning_grid [--quick]
 """
 
-from __future__ import annotations
-
 import time
 import zlib
 from collections.abc import Iterator

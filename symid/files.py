@@ -4,8 +4,6 @@ A writer fills a file beside the one that is wanted and then renames it: a full 
 there before.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import json

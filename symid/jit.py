@@ -1,7 +1,5 @@
 """Loops over samples, compiled by numba and kept on disk, where there is a place for them."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Cache of the last values of functions that are asked again for the same arguments."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar

@@ -1,7 +1,5 @@
 """Parameters in a JSON file: those of `symid identify` or `symid diagnose`, or names with values."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple

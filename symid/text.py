@@ -1,7 +1,5 @@
 """Text to print: that of foreign origin made safe, such as names of files and columns; counts and names in words."""
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections.abc import Collection, Sequence

@@ -1,7 +1,5 @@
 """A real browser as tests use it: Chromium without a window, spoken to through its own protocol."""
 
-from __future__ import annotations
-
 import base64
 import json
 import os

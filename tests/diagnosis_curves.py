@@ -1,7 +1,5 @@
 """Curves of a made-up machine, and errors, maps and spectra computed from them."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Diagnoses of the paper's axis as they could be: curves of a made-up machine, and tables that fit them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

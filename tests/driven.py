@@ -1,7 +1,5 @@
 """Axes in simulations: under a given force, by the equation of motion, under a controller that is asked each time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

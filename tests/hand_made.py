@@ -1,7 +1,5 @@
 """Logs of one mass written by hand: motion as a sum of sines, so that every derivative and every force is exact."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Drawn cases: a valid command with a few of its options, JSON fields, columns or lines made strange."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import io

@@ -1,7 +1,5 @@
 """A folder of good files, and what becomes of it and of the command when something is strange."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

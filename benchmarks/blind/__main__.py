@@ -7,8 +7,6 @@ python -m benchmarks.blind score /a/new/folder --json score.json
 Cases nearer to machines as they are: draw /another/folder --cases 45 --worldly, then as above.
 """
 
-from __future__ import annotations
-
 import json
 import secrets
 from pathlib import Path

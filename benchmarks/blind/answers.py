@@ -1,7 +1,5 @@
 """The diagnosis of each case in a separate process, in a folder with the two logs and the nominal values only."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

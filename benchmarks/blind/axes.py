@@ -1,7 +1,5 @@
 """The three axes: their bodies and joints, parameters drawn as in real machines, controllers that suit them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A case: axis, hidden effect, motions and noise drawn; simulated; the effect sized to a gap-to-noise ratio."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from contextlib import suppress

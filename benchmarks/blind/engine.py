@@ -7,8 +7,6 @@ whatever force that takes, up to the level, and slides with a fixed sign until i
 The controller works at 16 kHz, its force is held. Only `loop` is compiled by itself; what it calls is inlined by numba.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

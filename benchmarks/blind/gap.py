@@ -14,8 +14,6 @@ The gap-to-noise ratio of a case, from the motions of its validation log as they
    rms over the same samples is the in-band noise. With two equations the larger ratio counts.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Reference motions: S-curves at several speeds, reversals, dwells, creeping moves; a multisine on the force."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .engine import CONTROL_HZ

@@ -1,7 +1,5 @@
 """Which cases a set holds: every kind at every place of every axis in turn, and the groups without one effect."""
 
-from __future__ import annotations
-
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context

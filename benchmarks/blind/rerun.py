@@ -11,8 +11,6 @@ of the plain axis leave it at least, if they are estimated from the force of the
 Usage: python -m benchmarks.blind rerun FOLDER
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections import defaultdict

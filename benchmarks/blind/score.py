@@ -11,8 +11,6 @@ Worldly cases: right is the strongest effect, first or among the stated ties of 
 `draw.removed`: what the strongest effect and the true small ones that were named remove.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass
 from itertools import pairwise

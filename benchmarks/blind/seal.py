@@ -1,7 +1,5 @@
 """Labels closed up before a diagnosis runs and opened after it: compressed JSON with a nonce, named by its hash."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import json

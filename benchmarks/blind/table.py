@@ -1,7 +1,5 @@
 """The score as text and as a record."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

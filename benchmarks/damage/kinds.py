@@ -3,8 +3,6 @@
 Each takes the good columns, a generator of random numbers, and the extent of the damage between 0 and 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The good log that is damaged: a rigid axis with known parameters."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Kinds of damage of the bytes of a file, of the text of a CSV file, and of the types of its columns."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

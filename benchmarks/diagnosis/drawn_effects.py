@@ -1,7 +1,5 @@
 """Effects of a size that suits a machine, as elements of its axis."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Machines drawn at random, and logs of them under their controllers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ machine, both its Coulomb and its viscous friction, or nothing. Cases are judged
 lacking is to be named first, or tied, or after the lateness that the recorder made.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -9,8 +9,6 @@ the noise. An answer is right if the law is reported first, or as a stated tie; 
 of its deviations. Effects that are reported with a probability of at least a half but do not exist are counted.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -13,8 +13,6 @@ counts is then the effect that alone costs most, from twice the error without an
 of it is right, too. Effects named with a probability of at least a half that are not there are counted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count, islice

@@ -9,8 +9,6 @@ of the simulated one from it with the nominal, the re-identified and the explain
 Usage: python -m benchmarks.diagnosis.motion [CASE ...] [--json FILE]
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Iterator

@@ -11,8 +11,6 @@ false. Delays below a sample do not count: MuJoCo's integrator acts half a step 
 used: they lose momentum where a tendon damps two bodies.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Cases of `benchmarks.diagnosis.others`: machines drawn at random, their logs, and models that lack a law."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

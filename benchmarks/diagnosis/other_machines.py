@@ -6,8 +6,6 @@ step of 1/`FINE` of a sample of the controller. A recorder keeps every n-th samp
 is used.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

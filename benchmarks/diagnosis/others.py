@@ -13,8 +13,6 @@ its deviations. Effects that the machine does not have are counted: first ones o
 least a half.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ stated tie, or after the lateness that the recorder made; without an effect noth
 probability of at least a half that are neither the effect nor the recorder's lateness are counted as false.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import count, islice

@@ -1,7 +1,5 @@
 """Faults of recorders in a log: one of random kind and extent."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

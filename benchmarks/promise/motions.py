@@ -1,7 +1,5 @@
 """Reference motions in closed form: position, velocity and acceleration at any time, from trapezoids to multisines."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Elements of the drive that no regressor contains: between the force that is sent and the force that acts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar

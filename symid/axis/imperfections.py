@@ -4,8 +4,6 @@ An imperfection is an element like any other: it is declared, simulated, and wri
 numbers of the declaration, since no regressor holds them: derivation and least squares pass it over.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Axes by name, by file, or as given: each axis file defines `axis`."""
 
-from __future__ import annotations
-
 import os
 import runpy
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Units of displacements, forces and parameters, which follow from the bodies and the drives."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from symid.axis.elements import Body, Damper, Drive, Ground, Joint, PendulumWeight, Spring

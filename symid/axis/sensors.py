@@ -1,7 +1,5 @@
 """Sensors of an axis. A kind is one class here: its name in `__all__` is a name of `symid`."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, field

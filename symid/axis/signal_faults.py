@@ -1,7 +1,5 @@
 """Faults of the types in a declaration, and of its drives, sensors and imperfections of their signals."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from symid.axis.drive_imperfections import DriveImperfection

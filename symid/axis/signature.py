@@ -1,7 +1,5 @@
 """Hash of a declaration, the same in every process."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass

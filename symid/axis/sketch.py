@@ -1,7 +1,5 @@
 """The family nM-kS, n masses in a row joined by k springs, and a first declaration to edit, with comments beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from symid.axis.axis import Axis, Element

@@ -1,7 +1,5 @@
 """Faults of a declaration, all of them, each as one sentence that names the element, the rule and the cure."""
 
-from __future__ import annotations
-
 import keyword
 import re
 from collections import Counter

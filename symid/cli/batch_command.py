@@ -1,7 +1,5 @@
 """`symid batch`: many logs, one row each."""
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The command line: a module NAME_command for each command, loaded when it is called."""
 
-from __future__ import annotations
-
 import errno
 import os
 import sys

@@ -1,7 +1,5 @@
 """`symid compare`: two results side by side."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 

@@ -1,7 +1,5 @@
 """`symid demo`: the main job on a shipped real log."""
 
-from __future__ import annotations
-
 import click
 from click import option
 

@@ -1,7 +1,5 @@
 """`symid diagnose`: why simulation and machine differ."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """`symid excite`: the reference for a first identification, within limits that the simulated axis keeps."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """`symid export`: an identified axis for other programs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path

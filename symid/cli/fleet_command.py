@@ -1,7 +1,5 @@
 """`symid fleet`: review of the results of a batch."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`symid generate`: regressors from declarations."""
 
-from __future__ import annotations
-
 import sys
 
 import click

@@ -1,7 +1,5 @@
 """`symid import`: a look at a foreign log."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Options for prior knowledge of the parameters: values, bounds, priors."""
 
-from __future__ import annotations
-
 import csv
 import math
 import re

@@ -1,7 +1,5 @@
 """Options that several commands share: the logs, and their preparation."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from typing import Any

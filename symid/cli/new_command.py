@@ -1,7 +1,5 @@
 """`symid new`: a commented axis file to edit."""
 
-from __future__ import annotations
-
 from keyword import iskeyword
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Options shared by several commands, and the parsing and checks of their values."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping

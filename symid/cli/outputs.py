@@ -1,7 +1,5 @@
 """Output files of commands, checked before any work is done: recordings and inputs are never overwritten."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """`symid show`: what follows from a declaration."""
 
-from __future__ import annotations
-
 import click
 
 from symid.axis import load_axis

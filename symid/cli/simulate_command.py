@@ -1,7 +1,5 @@
 """`symid simulate`: a log of an axis under its controller."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Messages on the terminal, with settings written as options, whatever the stream is; progress of long work."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

@@ -1,7 +1,5 @@
 """`symid tune`: cutoff frequency and sampling period of an axis and its sensors."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import Any

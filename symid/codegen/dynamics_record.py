@@ -1,7 +1,5 @@
 """Forward dynamics of an axis as numbers and NumPy code, for simulation without sympy."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

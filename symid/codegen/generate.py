@@ -1,7 +1,5 @@
 """`generate`: from axis files to generated modules, where the symbolic packages end and the numeric ones begin."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Generated models of an axis: loaded from the folder `generated/`, or derived on demand."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Jumps of friction in a minimal model: the velocities at which they occur, and friction that acts like a drive."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from itertools import product
 from typing import NamedTuple

@@ -5,8 +5,6 @@ subexpressions are written once: the minimal parameters of a chain share almost 
 axis with eight masses become a few hundred operations.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Text of a generated module: a plain NumPy file that needs neither symid nor sympy."""
 
-from __future__ import annotations
-
 import json
 import textwrap
 from collections.abc import Collection, Iterator, Sequence

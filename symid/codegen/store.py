@@ -1,7 +1,5 @@
 """Files of the folder `generated/`, and which are current; with those of forward dynamics simulating needs no sympy."""
 
-from __future__ import annotations
-
 import difflib
 import hashlib
 import json

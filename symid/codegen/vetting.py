@@ -4,8 +4,6 @@ The hash detects edited or damaged modules. It is not a secret: whoever edits a 
 Even then only arithmetic runs, because every statement is checked before any is executed.
 """
 
-from __future__ import annotations
-
 import ast
 import builtins
 import hashlib

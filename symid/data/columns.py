@@ -1,7 +1,5 @@
 """Mapping of the columns of a file to signals, with the factors that make them SI."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Data frames of pandas, polars and pyarrow, and columns by name, as the tables that files are read as."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables of named columns, read as a whole or in slices of rows, and the memory that they may take."""
 
-from __future__ import annotations
-
 import io
 import math
 import os

@@ -1,7 +1,5 @@
 """Tables as CSV and Parquet files, written as a whole or not at all."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Mapping

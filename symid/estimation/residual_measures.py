@@ -1,7 +1,5 @@
 """Measures of a residual: the fit in per cent, and means in bins of position or velocity."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,8 +5,6 @@ For each candidate the axis is simulated, checked against its limits and identif
 systematic errors are detected as well.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """The trial of a reference: the axis is simulated, kept within its limits, and identified."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

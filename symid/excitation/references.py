@@ -1,7 +1,5 @@
 """Candidate references: moves, chirps and multisines of one duration, each as large as the limits allow."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Expressions of the law language in C99."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any

@@ -4,8 +4,6 @@ Earlier values are stored in a ring buffer and interpolated linearly: of a readi
 integral, whose change over a step gives the mean force that arrives in the step.
 """
 
-from __future__ import annotations
-
 import math
 
 from symid.export.c_code import c_name

@@ -1,7 +1,5 @@
 """C statements for the motion of an axis: the derivative of its state, and the readings of its sensors."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable, Iterable
 

@@ -3,8 +3,6 @@
 Plain functions of numbers and arrays, without allocation and static state, which need the mathematical library only.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import textwrap

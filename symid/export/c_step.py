@@ -6,8 +6,6 @@ this range keeps the joint at rest, it is that one. Projected Gauss-Seidel itera
 the first sweep is exact.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import sympy as sp

@@ -3,8 +3,6 @@
 M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), see `symid.symbolic.forward_terms`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Result of an export: its files, and the parts of the axis that they do not model."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 

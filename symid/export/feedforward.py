@@ -6,8 +6,6 @@ and q the displacement along which the drive acts. Then
     F = r M r q(2) + r C r q(1) + r K r q - r c + sum_j (d_j r) f_j(d_j r q, d_j r q(1)).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import sympy as sp

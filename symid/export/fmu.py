@@ -1,7 +1,5 @@
 """An axis as a functional mock-up unit: FMI 2.0 or 3.0 for co-simulation, compiled from the exported C."""
 
-from __future__ import annotations
-
 import platform
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Imperfections of an axis as expressions: in its drives, in time, with memory."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """An axis in the terms of multibody simulators: inertias, and simple properties along combinations of joints."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias

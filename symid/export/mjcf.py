@@ -4,8 +4,6 @@ Every free body has one slide along x or one hinge about x. A force in the joint
 joint; a force between bodies, or on a geared body, becomes a fixed tendon, a linear combination of joints.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from xml.sax.saxutils import quoteattr

@@ -1,7 +1,5 @@
 """Identified parameters with their units and covariance, as a record for JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

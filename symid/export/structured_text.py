@@ -1,7 +1,5 @@
 """Feed-forward and friction compensation of an axis as a function block in IEC 61131-3 Structured Text."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Collection, Iterator, Mapping

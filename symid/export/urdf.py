@@ -3,8 +3,6 @@
 URDF has no springs, drives or sensors; these become losses.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 

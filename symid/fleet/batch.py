@@ -1,7 +1,5 @@
 """`identify_batch`: many logs identified into a table with one row per log, and its summary."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections import Counter, defaultdict

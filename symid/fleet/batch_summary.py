@@ -1,7 +1,5 @@
 """Summary of a batch: statuses, statistics of the parameters, logs that failed, effects found."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import asdict
 from typing import Any

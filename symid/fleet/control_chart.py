@@ -11,8 +11,6 @@ then from the residuals within the segments, by Paule and Mandel's equation. One
 median of five neighbours are outliers, which the search for changes ignores; three successive runs may be a step.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -10,8 +10,6 @@ A_k = W'S^2 W of log k, their sum A, and the corrected covariance C_k of log k a
 since logs are independent. Cost and memory are linear in the number of logs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Triangular factors of logs as text in a table of results, and joint estimates from such a table."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Callable, Sequence
 

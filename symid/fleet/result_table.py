@@ -1,7 +1,5 @@
 """The table of results: its columns, its units, and the files that hold it."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Iterable, Sequence

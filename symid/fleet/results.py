@@ -1,7 +1,5 @@
 """The table of results of a batch: one row per log, with columns for its parameters."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections import Counter, defaultdict

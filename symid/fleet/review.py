@@ -1,7 +1,5 @@
 """Review of a fleet from a table of results: by axis, by parameter, and over all axes."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

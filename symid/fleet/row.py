@@ -1,7 +1,5 @@
 """A row of the results: its columns, times and error messages."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from datetime import UTC, datetime

@@ -4,8 +4,6 @@ Each takes a function and tasks, and yields each task once with its result, in a
 killed its process twice is None.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import signal

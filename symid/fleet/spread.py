@@ -12,8 +12,6 @@ which Q is a quantile of its distribution are its confidence limits (Q-profile, 
 together by Holm's step-down procedure (1979), which is valid for any dependence between them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The work on one log in any process: from a path to a row. No content of a log raises."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import hashlib

@@ -4,8 +4,6 @@ An alarm of the operating system ends a worker that takes too long; no computati
 interpreter, can prevent that. Systems without alarms (Windows) only have the check of the parent process.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import os

@@ -1,7 +1,5 @@
 """All thresholds of a status and all factors of intervals, each with its unit, its reason and its source."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

@@ -6,8 +6,6 @@ smallest printed deviations where these are large. Too low a cutoff hides what d
 lets noise into W.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

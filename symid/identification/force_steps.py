@@ -7,8 +7,6 @@ unit of force makes at once. D depends on the parameters: it is found with them,
 the value just after the jump, which lacks D (F(t - T/2) - F[k]).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

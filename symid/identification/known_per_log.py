@@ -6,8 +6,6 @@ sum (X_g - X_g(theta))' C_g^-1 (X_g - X_g(theta)). A single log determines masse
 constant only; two known payloads determine that constant.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace

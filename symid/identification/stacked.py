@@ -1,7 +1,5 @@
 """The minimal parameters of groups of logs with different known values, as one map of the parameters they share."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

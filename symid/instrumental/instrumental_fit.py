@@ -1,7 +1,5 @@
 """The estimate by instrumental variables from rows and instruments, and how strong these are."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

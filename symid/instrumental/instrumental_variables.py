@@ -7,8 +7,6 @@ consistent: it avoids the errors-in-variables bias of least squares (A. Janot, P
 Control Systems Technology 22(1), 2014).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial

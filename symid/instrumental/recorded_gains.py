@@ -1,7 +1,5 @@
 """Controller gains read from a log that was recorded under a cascade."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 

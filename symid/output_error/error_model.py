@@ -1,7 +1,5 @@
 """Assumptions of the comparison of a log with its axis: course of the force between samples, and controller."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Status and notes of an identification by maximum likelihood."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

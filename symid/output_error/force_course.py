@@ -1,7 +1,5 @@
 """Course of the forces of a log between its samples."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

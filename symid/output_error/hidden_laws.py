@@ -4,8 +4,6 @@ No regressor has a column for such a law: it cannot be eliminated. Output error 
 takes names and maps from the model of the axis without these laws; their parameters are minimal ones themselves.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple

@@ -4,8 +4,6 @@ Unlike `scipy.optimize.least_squares` it takes a step for each parameter's diffe
 undefined: such a step is shortened.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ innovations are least. Starts are tried with the modes of the axis at several fr
 a mode above it has an alias below that fits a sampled log as well.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

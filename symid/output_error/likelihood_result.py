@@ -1,7 +1,5 @@
 """Result of an identification by maximum likelihood."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """`identify_output_error`: from logs of an axis to its parameters by maximum likelihood on the sampled axis."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

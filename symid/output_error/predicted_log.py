@@ -1,7 +1,5 @@
 """Prediction of a log by identified parameters."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

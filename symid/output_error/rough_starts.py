@@ -1,7 +1,5 @@
 """Start parameters of an iterative estimation without good nominal ones."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

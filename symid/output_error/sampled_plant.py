@@ -9,8 +9,6 @@ x are displacements and velocities, f the forces (drives, laws by joint, constan
 sample k, and f0 their values at the sample, which accelerometers and force sensors see.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Each kind of result as text, in a notebook, as a figure and as a page."""
 
-from __future__ import annotations
-
 import io
 import textwrap
 from collections.abc import Iterable

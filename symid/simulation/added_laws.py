@@ -1,7 +1,5 @@
 """Forward dynamics of an axis with added laws, from stored dynamics: this avoids loading sympy, which takes 0.5 s."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any

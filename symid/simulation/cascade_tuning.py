@@ -1,7 +1,5 @@
 """Cascades tuned to the mass that each drive moves."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

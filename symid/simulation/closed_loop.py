@@ -1,7 +1,5 @@
 """Simulation of an axis under its controller; the result is a log as a drive would record it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

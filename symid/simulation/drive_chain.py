@@ -1,7 +1,5 @@
 """The chain from the commanded force to the acting one: gain, limit, lag, delay."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """An axis at rest: displacements and drive forces at which all forces balance."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import compress
 

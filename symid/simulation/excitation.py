@@ -4,8 +4,6 @@ All begin and end at rest unless their documentation states otherwise, and raise
 cannot stay within the limits of the axis. `Trajectory.then` joins trajectories.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Literal

@@ -1,7 +1,5 @@
 """The frequency response of an axis, identified and measured, and its band for uncertain parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

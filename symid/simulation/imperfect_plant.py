@@ -1,7 +1,5 @@
 """Plants with imperfections: laws that depend on time, on a memory, or on the drive force."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace

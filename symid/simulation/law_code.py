@@ -1,7 +1,5 @@
 """The formula of a law as NumPy code and as a function, from its text alone, without computer algebra."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Callable

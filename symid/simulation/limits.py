@@ -1,7 +1,5 @@
 """Sampling of trajectories, their fades, limits of a commanded motion, and advice on how to keep them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """Bodies without mass in the equation of motion: balances of springs and dampers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import compress
 

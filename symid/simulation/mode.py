@@ -4,8 +4,6 @@ With the joints S stuck, D x(1) = 0 for their directions D. The forces that hold
 lambda = (D M^-1 D')^-1 D M^-1 (w - C x(1) - K x), w being all other forces, and the motion is linear again.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Periodic references with power at chosen frequencies only."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from fractions import Fraction

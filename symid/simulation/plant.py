@@ -4,8 +4,6 @@ M x(2) + C x(1) + K x = B F + c - sum_j d_j f_j(d_j x, d_j x(1)), x being the ab
 bodies, F the drive forces, d_j the direction of a joint and f_j the nonlinear laws in it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -4,8 +4,6 @@ Laws are known only at run time: code of a law would have to be compiled for eac
 data, so one compiled loop serves all laws; see `evaluation`.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 import operator

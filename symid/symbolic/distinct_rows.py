@@ -1,7 +1,5 @@
 """Combined rows whose parameters data determine: none contains every signal of another one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from random import Random
 from typing import Any, TypeAlias

@@ -8,8 +8,6 @@ paper's axis this gives [14]-[16] from q2, and [17]-[19] from q2 and ddq1.
 The derivative of a jump, such as that of sign(v), is taken as zero, as in the paper; each result states it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Law expressions as sympy expressions, and their total derivative by time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 from typing import Any

@@ -5,8 +5,6 @@ bodies, F the drive forces, d_j the direction of a joint and f_j the nonlinear l
 these terms as numbers, exports write them as expressions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias

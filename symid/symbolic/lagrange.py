@@ -5,8 +5,6 @@ nonlinear laws are inputs of the equations (`LawInput`), which are then polynomi
 everything else. `InverseDynamicModel.equations` writes the laws out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal

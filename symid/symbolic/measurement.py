@@ -5,8 +5,6 @@ the absolute displacements. Independent ones form a basis, positions first; a se
 the basis at a higher order serves for the higher derivatives, as in method 3 of the paper.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

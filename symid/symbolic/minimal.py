@@ -11,8 +11,6 @@ order of derivative, as [8] and [18]; any other lists the derivatives of the for
 order, as [15].
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import prod

@@ -5,8 +5,6 @@ is as sparse as the axis, so elimination is fast (a chain becomes a three-term r
 directly: its second equation is the balance of the structure alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -5,8 +5,6 @@ unknown after the other can be solved for (paper below [41]). `GenericPoint` dec
 the sensors determine it, and whether uniquely.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

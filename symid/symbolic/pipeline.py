@@ -1,7 +1,5 @@
 """The symbolic pipeline: from a declared axis to its minimal model and parameter map."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

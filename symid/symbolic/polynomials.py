@@ -9,8 +9,6 @@ minor is computed once. A chain, a tree or a loop of springs has few distinct mi
 result.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Hashable, Mapping, Sequence
 from functools import cache, reduce
 from math import prod

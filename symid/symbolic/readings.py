@@ -5,8 +5,6 @@ measured (`symid.symbolic.measurement`). Any other adds an equation to the balan
 too, the reading replaces it there: the balance is then free of the noise that a stiff spring makes of its deflection.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any

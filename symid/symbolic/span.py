@@ -1,7 +1,5 @@
 """Linear spans of sparse vectors over an exact field."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Mapping
 from typing import Any, NamedTuple
 

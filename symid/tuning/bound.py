@@ -1,7 +1,5 @@
 """The lowest frequency at which an error meets a bound: a scan, then Nelder-Mead on | error - bound |."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

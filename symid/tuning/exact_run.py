@@ -1,7 +1,5 @@
 """Noise-free run of an axis without imperfections, sampled at any rate, and the chirp that it follows by default."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial

@@ -1,7 +1,5 @@
 """Tuning on the total error from a log alone: its noise, its motion, and parameters identified from it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Errors caused by the low-pass filter alone: exact derivatives in the standard model, as in [35]."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ without noise, the noise of the log is added to it several times over, and each 
 error of the parameters that `identify` finds.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Total errors of identified parameters, from bias and noise: noise is drawn many times and added to clean data."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property

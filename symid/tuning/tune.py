@@ -1,7 +1,5 @@
 """`tune`: cutoff frequency and sampling period that keep the systematic errors below a bound, as [35]-[37]."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Names of units as drives, scopes and users write them, with their factors to SI."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """A case: an axis as declared to symid, beside its equations of motion written by hand."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

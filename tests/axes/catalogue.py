@@ -1,7 +1,5 @@
 """The catalogue: each axis as declared to symid, beside its equations of motion written by hand."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from axes.case import SCREW, Case

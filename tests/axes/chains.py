@@ -1,7 +1,5 @@
 """Chains nM-kS by hand: the plant of any number of masses, from 1M0S to 8M7S."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A gantry whose beam turns against its guides, written by hand in coordinates of the carriages, and what it hides."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

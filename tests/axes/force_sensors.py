@@ -1,7 +1,5 @@
 """A motor that pulls a load by a spring with a load cell in it, with its equations written by hand."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

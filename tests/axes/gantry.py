@@ -1,7 +1,5 @@
 """A gantry written by hand: two driven carriages, a beam between them, its yaw; matrices, ODE and its log."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

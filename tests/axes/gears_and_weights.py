@@ -1,7 +1,5 @@
 """Cases with gears, weights and pendulums."""
 
-from __future__ import annotations
-
 from axes.case import GRAVITY, INCLINE, PINION, Case
 from axes.plant import Sensor, coulomb, pendulum, plant
 from symid import (

@@ -1,7 +1,5 @@
 """Cases of the axes in models/."""
 
-from __future__ import annotations
-
 from axes.case import SCREW, Case
 from axes.plant import Sensor, coulomb, friction, plant
 from symid import (

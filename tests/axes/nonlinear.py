@@ -1,7 +1,5 @@
 """Cases with nonlinear laws."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from axes.case import Case

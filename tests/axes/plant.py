@@ -8,8 +8,6 @@ every higher derivative follows from the equation of motion differentiated. A je
 equation that holds along all trajectories must hold on it to rounding, without any error of integration.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import comb

@@ -1,7 +1,5 @@
 """Cases with several springs, redundant sensors or accelerometers alone."""
 
-from __future__ import annotations
-
 from axes.case import Case
 from axes.plant import Sensor, coulomb, plant
 from symid import (

@@ -1,7 +1,5 @@
 """Drawing, sealing and answering of benchmarks/blind."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The simulator of benchmarks/blind against solutions by hand, transfer functions, energy and momentum."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

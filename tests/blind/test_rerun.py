@@ -1,7 +1,5 @@
 """The re-run of benchmarks/blind: an axis that is written as it is moves as the independent simulator has it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

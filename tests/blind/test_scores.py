@@ -1,7 +1,5 @@
 """Scores of answers, computed by hand."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

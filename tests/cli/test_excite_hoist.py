@@ -1,7 +1,5 @@
 """`symid excite` of a hoist: its load rests in its rope at first, and all sensors with noise identify it."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`symid export`: what is written, and what is reported as lost."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """An axis with two drives on the command line: simulated, identified, in a batch; what takes one drive says so."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Text files whose numbers have marks of thousands, as spreadsheets write them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """References of two drives: their distance is a limit of the simulated axis, and what it makes known is found."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Exported units for co-simulation, run by FMPy one step after the other."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The exported C against numpy's generated modules, the simulation and the equations written by hand."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

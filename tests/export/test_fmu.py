@@ -1,7 +1,5 @@
 """The exported unit, run by FMPy, against the simulation."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

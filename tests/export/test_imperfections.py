@@ -1,7 +1,5 @@
 """What acts beyond the equations of motion, exported: compiled or loaded, and moved as the simulation moves it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import fmpy

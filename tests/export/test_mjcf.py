@@ -1,7 +1,5 @@
 """The exported MuJoCo model against the simulation: equal accelerations, and equal motion under the same force."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import mujoco

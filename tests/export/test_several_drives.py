@@ -1,7 +1,5 @@
 """A gantry with two drives in C, as a unit and in MuJoCo, against its hand-written matrices."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 from dataclasses import replace

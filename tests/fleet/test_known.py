@@ -1,7 +1,5 @@
 """What is known of parameters, in a batch: rows are those of each log alone with the same knowledge."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

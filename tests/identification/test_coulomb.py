@@ -1,7 +1,5 @@
 """Friction beside a drive, taken off its force: rows and their factors are linear in its level."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A delay that the axis declares of a sensor or a drive is taken off the log; what is passed over is reported."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """Deviations cover what effects that the model lacks may have done to the parameters."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Force that a controller makes of the encoder's noise is no fault of the recording."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Accelerometers under a held force, of an axis that is advanced by an own matrix exponential."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy

@@ -1,7 +1,5 @@
 """Priors of parameters that no log determines alone, beside normal posteriors by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A payload known in each of two logs tells the constant of the drive, beside hand calculations and the truth."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

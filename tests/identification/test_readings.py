@@ -1,7 +1,5 @@
 """Parameters from force sensors and scaled sensors, of simulated logs whose values are known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Several drives in one axis: equations and identification against a gantry written by hand (tests/axes/gantry.py)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Friction that reverses before the velocity, as where a motor sticks, widens the deviations."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid import Log

@@ -1,7 +1,5 @@
 """Output error of the simulated closed loop: a drive at 8 kHz, a log at 250 Hz."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A controller other than that of the log: its simulated loop moves the parameters, and the status says so."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

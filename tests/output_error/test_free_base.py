@@ -1,7 +1,5 @@
 """Output error where no sensor sees the place of a free base: a satellite under its reaction wheel."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy

@@ -1,7 +1,5 @@
 """Coulomb friction at a load that no sensor sees: found by simulating the closed loop, beside the truth."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

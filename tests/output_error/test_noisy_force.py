@@ -1,7 +1,5 @@
 """Noise in the record of a force shifts an estimate that takes it for a disturbance: the deviations hold the shift."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid import Log

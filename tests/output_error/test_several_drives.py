@@ -1,7 +1,5 @@
 """Output error and instruments with two drives, on logs of hand-written matrices and controllers."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Output error from sensors of speed alone, which do not tell where a free axis is."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

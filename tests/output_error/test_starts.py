@@ -1,7 +1,5 @@
 """Starts of a maximum-likelihood search: behind a ball screw, and where no log can determine the parameters."""
 
-from __future__ import annotations
-
 from math import pi
 
 import pytest

@@ -1,7 +1,5 @@
 """Plots of a page: the numbers behind them are those of hand-made machines."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bokeh.plotting import figure

@@ -1,7 +1,5 @@
 """Figures of an identification: what they show is checked against the record and against transfer functions."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The schematic: everything that is declared is drawn once, nothing lies on a label, and both backgrounds work."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Blocks of samples against single ones, recursions against their definition, readings against closed forms."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Tuned cascades: stability and modulus margin of the sampled loop around matrices written by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

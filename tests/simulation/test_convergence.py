@@ -1,7 +1,5 @@
 """Laws of a user in a simulation, and the parts of a step against other solvers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from driven import driven

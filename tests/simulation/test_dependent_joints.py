@@ -1,7 +1,5 @@
 """Friction in joints that depend on each other, beside the same friction declared in as few joints as there are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A start at rest in equilibrium, beside deflections and holding forces by hand."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Springs in series with a massless node, beside series stiffness by hand and an own integration."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

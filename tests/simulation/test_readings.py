@@ -1,7 +1,5 @@
 """What force sensors and scaled sensors read in a simulation, against equations written by hand and integrated."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A controller for each drive: against a loop with hand-written matrices, and an ODE with friction."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two joints that stick, slip and reverse in every few samples, beside an event-located solve_ivp."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

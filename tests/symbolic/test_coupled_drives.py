@@ -1,7 +1,5 @@
 """Bodies that several others move: a rigid beam on two carriages, and two motors with crossed belts, by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

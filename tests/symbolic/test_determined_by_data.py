@@ -1,7 +1,5 @@
 """Equations whose parameters data determine: the regressor has full rank in motions of an ODE written by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Regressors with force sensors, gains and offsets, against steady vibrations of equations written by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from axes.force_sensors import DRIVE, ELEMENTS, LOAD, MOTOR, SHAFT, VALUES, celled, phasors

@@ -1,7 +1,5 @@
 """The weight of a table on a ball screw: geared to the motor, against the balance written by hand."""
 
-from __future__ import annotations
-
 from math import pi
 
 import mujoco

@@ -12,8 +12,6 @@ nominal values that are 15 % off: whether an answer hangs on the part of a log t
 Usage: python -m benchmarks.diagnosis.real [CASE ...] [--repeated] [--isolated] [--json FILE]
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from argparse import SUPPRESS

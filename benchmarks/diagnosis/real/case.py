@@ -1,7 +1,5 @@
 """A case: an incomplete model, logs of the machine, and published facts about it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

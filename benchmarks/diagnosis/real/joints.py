@@ -1,7 +1,5 @@
 """The cases of single joints of other machines: a robot, a servo, a motor that turns slowly, a shoulder, a lift."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from symid import (

@@ -1,7 +1,5 @@
 """Correctness of answers, and absurd ones: values that no machine has, however small the error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -4,8 +4,6 @@ The other joints change inertia and weight of each, so that no law of the joint 
 is published of these joints; what a plain script finds on the logs of the training holds on the one held out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from symid import Axis, OffsetForce

@@ -8,8 +8,6 @@ mode are found by a search, the load of a load-dependent friction by repetition.
 log that was held out, after the same filter.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

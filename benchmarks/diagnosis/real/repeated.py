@@ -3,8 +3,6 @@
 An answer that holds on the machine holds on each of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

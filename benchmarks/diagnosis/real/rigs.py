@@ -1,7 +1,5 @@
 """The cases of three rigs built for identification: EMPS, two motors on a coupling, a pendulum."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import symid

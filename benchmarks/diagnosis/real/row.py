@@ -1,7 +1,5 @@
 """Result of one case: the answer and that of the plain script, their correctness, time and memory."""
 
-from __future__ import annotations
-
 import json
 import resource
 import subprocess

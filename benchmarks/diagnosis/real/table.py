@@ -1,7 +1,5 @@
 """Printed results: all of a case, and the final table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 

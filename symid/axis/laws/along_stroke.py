@@ -1,7 +1,5 @@
 """Forces and friction that vary along the stroke: stiffness, cogging, position-dependent friction."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Constant forces: an offset of the drive, a preload."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

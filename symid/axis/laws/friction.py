@@ -1,7 +1,5 @@
 """Friction as a function of velocity: viscous, Coulomb, Stribeck, drag, and differences between directions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

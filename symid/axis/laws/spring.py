@@ -1,7 +1,5 @@
 """Laws of springs, with the deflection q."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -3,8 +3,6 @@
 It does what `scipy.signal.welch` does by default, whose import takes as long as the diagnosis of a rigid axis.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Central differences: derivatives of sampled signals, and the gain and bandwidth that differencing leaves."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache, reduce
 from typing import Final

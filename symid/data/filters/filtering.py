@@ -5,8 +5,6 @@ odd padding of three times the filter order, and kept samples counted so that th
 Signals are vectors, or matrices of one signal per row: time runs along the last axis.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

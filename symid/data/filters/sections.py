@@ -4,8 +4,6 @@ scipy.signal does the same, but its import takes half of the start-up time of a 
 used.
 """
 
-from __future__ import annotations
-
 import importlib.machinery
 import importlib.util
 import math

@@ -6,8 +6,6 @@ whole signal gives, to rounding. Pieces stay in the cache, need no memory of the
 computed by several threads at a time.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Arrays by name: MATLAB files with structs of Simulink and dSPACE, version 7.3 as HDF5; files of NumPy."""
 
-from __future__ import annotations
-
 import math
 import struct
 import warnings

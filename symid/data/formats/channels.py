@@ -1,7 +1,5 @@
 """Columns of formats that hold arrays by name, or channels that each have a clock."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

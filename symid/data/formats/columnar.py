@@ -1,7 +1,5 @@
 """Parquet and Feather files: only the columns and rows asked for are read."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

@@ -1,7 +1,5 @@
 """Text files compressed by gzip, bzip2, xz or zip."""
 
-from __future__ import annotations
-
 import bz2
 import gzip
 import lzma

@@ -1,7 +1,5 @@
 """Sheets of Excel and OpenDocument: the first one of a file that holds columns of numbers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import polars as pl

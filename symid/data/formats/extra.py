@@ -1,7 +1,5 @@
 """Libraries of the extra ``symid[files]``, loaded where a file needs one."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path

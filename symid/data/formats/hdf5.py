@@ -1,7 +1,5 @@
 """HDF5 files, those of MATLAB 7.3 among them: each vector is a column, read when it is asked for."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

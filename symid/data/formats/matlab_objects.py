@@ -1,7 +1,5 @@
 """Objects in MATLAB files: time series, the datasets of Simulink that hold them, tables and timetables."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace

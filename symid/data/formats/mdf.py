@@ -1,7 +1,5 @@
 """MDF files of measurement systems (ASAM, versions 3 and 4), read by asammdf in a separate process."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from pathlib import Path
 

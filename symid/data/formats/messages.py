@@ -1,7 +1,5 @@
 """MCAP files and bags of ROS: each number in their messages is a sample of a signal, named by topic and fields."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Text in which each channel, or each group of channels, follows its own column of times."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

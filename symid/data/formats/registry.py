@@ -5,8 +5,6 @@ raises; a fault of one column is returned in its place, as a sentence, so that a
 columns together.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -5,8 +5,6 @@ sample time. The name of a property stands above each column of times, and its v
 writes the names of its properties in the first column, and the values beside it, below ``trace_values``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, Literal

@@ -3,8 +3,6 @@
 ``python -m MODULE FILE OUT.npz MEMORY`` writes the channels of FILE for the process that asked, by `answer`.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -4,8 +4,6 @@ The serial plotter of Arduino takes lines such as ``t:120,pos:3.5``; its monitor
 each.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Times in two columns, whole seconds and the rest, as robots, system calls and controllers write them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """TDMS files of LabVIEW and DIAdem."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager

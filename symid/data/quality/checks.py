@@ -1,7 +1,5 @@
 """Checks of the values of a log: missing and constant channels, and positions that jump."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

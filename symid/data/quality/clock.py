@@ -1,7 +1,5 @@
 """The clock of a log: one sampling period from the written times, and their deviations from it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

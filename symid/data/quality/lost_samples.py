@@ -1,7 +1,5 @@
 """Samples that a recorder lost and filled with 0 or the last value, and their restoration from those beside them."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 
 import numpy as np

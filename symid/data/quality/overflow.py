@@ -1,7 +1,5 @@
 """Positions whose counter, or whose angle, begins again at the end of its range, and their continuation."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

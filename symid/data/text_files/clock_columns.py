@@ -1,7 +1,5 @@
 """Columns of numbers that rise as the times or the numbers of samples do, and the unit of their steps."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Words and units by which columns of foreign files are named, in the languages of drives and scopes."""
 
-from __future__ import annotations
-
 from typing import Final, Literal
 
 Quantity = Literal[

@@ -1,7 +1,5 @@
 """Guesses about the columns of a foreign log: quantity, unit and part, each with its reason."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

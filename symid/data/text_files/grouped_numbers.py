@@ -4,8 +4,6 @@ One column has one decimal mark. It is the mark that stands last in a number wit
 stand before three digits.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

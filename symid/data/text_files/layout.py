@@ -1,7 +1,5 @@
 """Layout of a CSV file, guessed from its beginning: encoding, separator, decimal mark, lines above the header."""
 
-from __future__ import annotations
-
 import codecs
 import io
 import re

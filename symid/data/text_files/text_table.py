@@ -1,7 +1,5 @@
 """Lines of a text file as a table: where its values begin, which line names them, and which one holds their units."""
 
-from __future__ import annotations
-
 import csv
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """Moments written as text, such as 2026-11-21T10:00:00.001, as seconds."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from typing import Final

@@ -7,8 +7,6 @@ the logs, so that every unmodelled effect counts as noise from block to block (K
 73, 1986).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

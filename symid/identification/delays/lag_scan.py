@@ -5,8 +5,6 @@ number of rows, the sums W'W, W'y and y'y of all lags at once are correlations, 
 The estimate's residual follows for each lag from its own normal equations: no start, no linearisation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial

@@ -8,8 +8,6 @@ shift. The last step's regression gives the deviation of tau as that of any para
 the residual.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -14,8 +14,6 @@ moved every parameter:
 The changes do not correct the parameters: which effect it is, a diagnosis finds out. They widen the deviations.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 

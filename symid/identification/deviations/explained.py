@@ -1,7 +1,5 @@
 """Rows of an estimate by instruments as its checks need them: the part that the instruments explain."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

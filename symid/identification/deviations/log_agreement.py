@@ -5,8 +5,6 @@ without a trace in the residual where that log knows most. The estimate of each 
 others, weighted by the inverse of their variances.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

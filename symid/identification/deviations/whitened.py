@@ -4,8 +4,6 @@ With T of the rank analysis, the weighted rows S W T of all logs have orthonorma
 S (y - W X), is orthogonal to them. In these coordinates tests of parts against the whole need no scales.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """A force that hardly changes while the axis moves: friction alone can make up for all of it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

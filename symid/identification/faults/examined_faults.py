@@ -1,7 +1,5 @@
 """Statements on all faults that contradict an estimate: of channels, of parts of the logs, of the structure."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ natural frequencies are the zeros of det A. The determinant is sampled on a circ
 its polynomial follows by a Fourier transform.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

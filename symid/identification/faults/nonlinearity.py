@@ -7,8 +7,6 @@ force, prepared as the force is, models the missing part. In the same way, a smo
 its second derivative.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

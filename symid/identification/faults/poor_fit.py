@@ -4,8 +4,6 @@ The residual over the whole log is a mean: a clipped sensor, or a tenth of the l
 parameters but hardly raises the mean. Both are visible in the part of the log where they occur.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -5,8 +5,6 @@ that is exactly 0 between two that are far from it, a sample that repeats the la
 steps of exactly the same largest size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 

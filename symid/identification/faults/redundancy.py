@@ -1,7 +1,5 @@
 """Consistency of redundant sensors, such as an accelerometer and the second derivative of a position."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ difference is zero. A mean over n samples has the first difference (x[k] - x[k -
 as noise recur n samples later with the opposite sign.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ A prior is a measurement of its parameter: with the means of as few priors as th
 minimal parameters, the map has a single solution, whose covariance holds the variances of these priors.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

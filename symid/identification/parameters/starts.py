@@ -5,8 +5,6 @@ product is linear in the logarithms of its factors, and that of a sum of product
 geometric programming, Optimization and Engineering 8, 2007), so that logarithms are matched from far away.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 

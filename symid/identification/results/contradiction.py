@@ -1,7 +1,5 @@
 """Contradictions between prior knowledge and the log, and the effect of bounds and priors."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Consequences of timing and bias for a result: a status if they invalidate it, else a note."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

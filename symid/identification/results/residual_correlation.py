@@ -1,7 +1,5 @@
 """Auto-correlation of a residual, and its cross-correlation with the prediction."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Status of an identification: reasons why it is incomplete, with cures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Literal
 

@@ -5,8 +5,6 @@ if it were the force: the columns that hold the force, and the output. Rows with
 triangular factor, are combinations of all these.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Logs as blocks of one observation, and excerpts of long logs on which an estimate is examined."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property

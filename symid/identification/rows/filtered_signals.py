@@ -1,7 +1,5 @@
 """Recorded signals of a log, low-passed and moved in time for its rows."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, partial

@@ -6,8 +6,6 @@ low-pass and decimation are parts; the covariance of the noise of two columns at
 frequency of the product of their gains with the level.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """A model sampled along a log: signals filtered, differentiated, put into the regressor, and thinned to rows."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Preparation of a log for the estimation, and the differences that make rows of its signals."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Rows that enter an estimate, not near a standstill or spoiled by the ends, and the samples on which they depend."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import partial

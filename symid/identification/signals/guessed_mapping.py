@@ -1,7 +1,5 @@
 """Guess of the signals of an axis among the columns of a foreign file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType

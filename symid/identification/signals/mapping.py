@@ -1,7 +1,5 @@
 """Mapping of the columns of a foreign file to the signals of an axis, stored in a file after it was guessed once."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -137,11 +135,11 @@ def _listed(name: str, value: object) -> list[Any]:
 
 
 def _layout_of(value: object) -> Layout:
-    known = {one.name: one.type for one in fields(Layout)}
+    known: dict[str, Any] = {one.name: one.type for one in fields(Layout)}
     if not isinstance(value, dict) or not value.keys() <= known.keys():
         raise ValueError(f"layout is {shortened(value)}, it has {', '.join(known)}")
     for name, entry in value.items():
-        kind = {"int": int, "bool": bool}.get(str(known[name]), str)
+        kind = known[name]
         if not isinstance(entry, kind) or (isinstance(entry, bool) and kind is not bool):
             raise TypeError(f"{name} of the layout is {shortened(entry)}, {kind.__name__} is required")
     return Layout(**value)

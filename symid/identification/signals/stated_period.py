@@ -1,7 +1,5 @@
 """Sampling period that a text file states above its values."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

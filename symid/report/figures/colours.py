@@ -1,7 +1,5 @@
 """Colours of Okabe and Ito's set, distinguishable by colour-blind readers and in grey print."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures that notebooks display, files show and pages hold, and the scales of their diagrams."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

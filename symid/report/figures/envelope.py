@@ -1,7 +1,5 @@
 """Envelopes of long curves: fewer points than samples, and no peak is lost."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid.arrays import FloatArray

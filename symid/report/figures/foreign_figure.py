@@ -1,7 +1,5 @@
 """Figure of a foreign log: its columns over time, in the units of the file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

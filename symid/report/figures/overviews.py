@@ -1,7 +1,5 @@
 """Figures of a log, of a batch, of a diagnosis and of the correlations of a residual."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ The ground is at the left. Links of neighbours lie between them; links of a late
 it; links of bodies that are not neighbours run above. A sensor is an arrow from its reference to what it measures.
 """
 
-from __future__ import annotations
-
 import textwrap
 from dataclasses import dataclass
 from typing import Any

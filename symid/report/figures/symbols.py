@@ -1,7 +1,5 @@
 """Signs of mechanical elements, drawn along a line from one end to the other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Curves of a tuning: the error against cutoff and sampling frequency."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import matplotlib as mpl

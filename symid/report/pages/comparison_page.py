@@ -1,7 +1,5 @@
 """Two results side by side as one HTML file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

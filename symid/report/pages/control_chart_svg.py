@@ -1,7 +1,5 @@
 """Control charts and distributions as shapes of a page: drawn without JavaScript, coloured by the page's style."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A diagnosis as one self-contained HTML file."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """The review of a fleet as one HTML file: summary, axes with their charts, outliers, and a table of all logs."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import defaultdict

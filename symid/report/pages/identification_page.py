@@ -1,7 +1,5 @@
 """An identification as one HTML file: fit, parameters, residual and provenance."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path

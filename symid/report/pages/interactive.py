@@ -1,7 +1,5 @@
 """Plots of a diagnosis that can be zoomed: force, error and motion over time, error over motion and frequency, Bode."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Pages of reports: their files, their templates, and how they were made."""
 
-from __future__ import annotations
-
 import contextlib
 import gzip
 import hashlib

@@ -1,7 +1,5 @@
 """Bode diagrams of a diagnosed axis beside what the log shows, where the log excites the axis."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

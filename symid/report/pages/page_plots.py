@@ -3,8 +3,6 @@
 They are drawn in light colours; in the dark the style of the page turns them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Numbers behind the figures of a page as files that a link saves without a script."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The console and the tables of reports."""
 
-from __future__ import annotations
-
 import io
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A derived model as text and as a JSON record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Final
 

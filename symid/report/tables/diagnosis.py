@@ -1,7 +1,5 @@
 """A diagnosis as a JSON record and as tables."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import asdict

@@ -1,7 +1,5 @@
 """The summary of a batch and the review of a fleet: JSON record and tables."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from datetime import datetime

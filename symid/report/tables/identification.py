@@ -1,7 +1,5 @@
 """An identification, and one of groups of logs, as JSON records and as tables."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """The gap in the simulated motion as rows of a table and in a line."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Numbers as reports write them; a dash for a missing one."""
 
-from __future__ import annotations
-
 import math
 
 MISSING = "–"

@@ -1,7 +1,5 @@
 """An identification by maximum likelihood as a JSON record, of the form of `identification_record`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, Literal

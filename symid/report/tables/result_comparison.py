@@ -1,7 +1,5 @@
 """Comparison of two sets of parameters: differences and their significance."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

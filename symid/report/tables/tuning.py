@@ -1,7 +1,5 @@
 """A tuning as a JSON record and as tables."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
