@@ -21,18 +21,10 @@ FAILURES = ("traceback", "hang", "warning", "several lines", "wrong", "lost", "l
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a case.
+    """Result of a case."""
 
-    Parameters
-    ----------
-    verdict : str
-        "done", "refused" (one line, exit code 2), a status, or one of `FAILURES`.
-    detail : str
-        Messages of the command, or what it left.
-    """
-
-    verdict: str
-    detail: str
+    verdict: str  # "done", "refused" (one line, exit code 2), a status, or one of `FAILURES`
+    detail: str  # messages of the command, or what it left
 
     @property
     def is_failure(self) -> bool:

@@ -138,28 +138,15 @@ def print_structure() -> None:
 
 @dataclass(frozen=True)
 class Shift:
-    """One rigid log diagnosed.
+    """One rigid log diagnosed."""
 
-    Parameters
-    ----------
-    true : int
-        Samples by which the force acts after its record.
-    found : float
-        The same as found; 0 if no delay was.
-    effects : tuple of str
-        Effects that were accepted.
-    before, after : float
-        Error of the mass relative to the true one, re-identified and with what was found.
-    covered : bool
-        Whether the 95 % interval of the mass holds the true one in the end.
-    """
-
-    true: int
-    found: float
-    effects: tuple[str, ...]
+    true: int  # samples by which the force acts after its record
+    found: float  # the same as found; 0 if no delay was
+    effects: tuple[str, ...]  # effects that were accepted
+    # before, after: error of the mass relative to the true one, re-identified and with what was found
     before: float
     after: float
-    covered: bool
+    covered: bool  # whether the 95 % interval of the mass holds the true one in the end
 
 
 def draw(seed: int, samples: int) -> Shift:

@@ -107,20 +107,11 @@ _ROWS = "".join(f"{i / 100},{i % 9},{i % 7}\n" for i in range(300))
 
 @dataclass(frozen=True)
 class Case:
-    """A command and the changes of its files.
+    """A command and the changes of its files."""
 
-    Parameters
-    ----------
-    arguments : tuple of str
-        Of the command line.
-    file : str
-        File that is changed; empty for none.
-    change : str
-        Its new text; for a table of results ``COLUMN`` and a JSON value that all its cells get.
-    """
-
-    arguments: tuple[str, ...]
-    file: str = ""
+    arguments: tuple[str, ...]  # of the command line
+    file: str = ""  # file that is changed; empty for none
+    # its new text; for a table of results ``COLUMN`` and a JSON value that all its cells get
     change: str = ""
 
     def prepare(self, folder: Path) -> None:

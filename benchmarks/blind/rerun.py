@@ -36,23 +36,14 @@ AIM = 1.2
 
 @dataclass(frozen=True)
 class CaseController(Controller):
-    """The controller of `engine.loop`: position loop, PI velocity loop, low-pass on the velocity.
+    """The controller of `engine.loop`: position loop, PI velocity loop, low-pass on the velocity."""
 
-    Parameters
-    ----------
-    signal : str
-        Position that is controlled.
-    Kpp, Kpv, Kiv : float
-        Gains of the position loop, the velocity loop and its integral.
-    newest : float
-        Weight of the newest difference in the velocity.
-    """
-
-    signal: str
+    signal: str  # position that is controlled
+    # Kpp, Kpv, Kiv: gains of the position loop, the velocity loop and its integral
     Kpp: float
     Kpv: float
     Kiv: float
-    newest: float
+    newest: float  # weight of the newest difference in the velocity
 
     @property
     def signals(self) -> tuple[str, ...]:

@@ -28,27 +28,13 @@ DEVIATIONS = 6.0
 
 @dataclass(frozen=True, order=True)
 class Damage:
-    """A damaged log, as it can be made again.
+    """A damaged log, as it can be made again."""
 
-    Parameters
-    ----------
-    kind : str
-        One of `KINDS`.
-    form : str
-        csv, parquet or mat, where the kind does not say it.
-    blocks : bool
-        Whether the log is read in blocks.
-    extent : float
-        From 0 to 1.
-    seed : int
-        Of everything else.
-    """
-
-    kind: str
-    form: str
-    blocks: bool
-    extent: float
-    seed: int
+    kind: str  # one of `KINDS`
+    form: str  # csv, parquet or mat, where the kind does not say it
+    blocks: bool  # whether the log is read in blocks
+    extent: float  # from 0 to 1
+    seed: int  # of everything else
 
     @classmethod
     def parse(cls, text: str) -> Damage:

@@ -44,28 +44,15 @@ CASCADE = Cascade("q", position_gain=160.18, velocity_gain=243.45 * EMPS_GAIN, i
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A machine, two of its logs with their references, and its controller where that is known.
+    """A machine, two of its logs with their references, and its controller where that is known."""
 
-    Parameters
-    ----------
-    name : str
-        Short name for the command line.
-    axis : Axis
-        The model.
-    nominal : mapping of str to float
-        Values of the simulation.
-    training, held_out : Log
-        For identification, and for the motion.
-    controller : Cascade, optional
-        Published.
-    """
-
-    name: str
-    axis: Axis
-    nominal: dict[str, float]
+    name: str  # short name for the command line
+    axis: Axis  # the model
+    nominal: dict[str, float]  # values of the simulation
+    # training, held_out: for identification, and for the motion
     training: Log
     held_out: Log
-    controller: Cascade | None = None
+    controller: Cascade | None = None  # published
 
 
 def cases(names: list[str]) -> Iterator[Case]:

@@ -54,32 +54,18 @@ _SLOWEST_LOOP = 1000.0
 
 @dataclass(frozen=True)
 class Case:
-    """Logs of a machine, the complete axis, and a model without one of its laws.
+    """Logs of a machine, the complete axis, and a model without one of its laws."""
 
-    Parameters
-    ----------
-    kind, lacks : str
-        The machine, and what its model lacks; "none" if nothing.
-    there : tuple of str
-        Effects that the machine has beside those of the model.
-    value : float
-        Of what the model lacks.
-    logs : tuple of Log
-        One for identification, and perhaps one for validation.
-    complete, model : Axis
-        With all laws but the small effects, and without one.
-    nominal : mapping of str to float
-        Values of the complete axis that are given.
-    """
-
+    # kind, lacks: the machine, and what its model lacks; "none" if nothing
     kind: str
     lacks: str
-    there: tuple[str, ...]
-    value: float
-    logs: tuple[Log, ...]
+    there: tuple[str, ...]  # effects that the machine has beside those of the model
+    value: float  # of what the model lacks
+    logs: tuple[Log, ...]  # one for identification, and perhaps one for validation
+    # complete, model: with all laws but the small effects, and without one
     complete: Axis
     model: Axis
-    nominal: Mapping[str, float]
+    nominal: Mapping[str, float]  # values of the complete axis that are given
 
     @property
     def effect(self) -> str:

@@ -32,33 +32,20 @@ _WANDERS_HZ = 3.0
 
 @dataclass(frozen=True)
 class Loop:
-    """A controller and its converters.
+    """A controller and its converters."""
 
-    Parameters
-    ----------
-    rate : float
-        Samples of the controller per second.
-    stiffness, damping : float
-        Gains of position and speed.
-    resolution, force_step : float
-        Steps of encoder and force.
-    noise, wander : float
-        Deviation of the white and of the slow error of the force that is recorded.
-    delay : float
-        Time by which the force acts late, s.
-    limit : float
-        Largest force.
-    """
-
-    rate: float
+    rate: float  # samples of the controller per second
+    # stiffness, damping: gains of position and speed
     stiffness: float
     damping: float
+    # resolution, force_step: steps of encoder and force
     resolution: float
     force_step: float = 0.0
+    # noise, wander: deviation of the white and of the slow error of the force that is recorded
     noise: float = 0.0
     wander: float = 0.0
-    delay: float = 0.0
-    limit: float = np.inf
+    delay: float = 0.0  # time by which the force acts late, s
+    limit: float = np.inf  # largest force
 
 
 @dataclass(frozen=True)

@@ -27,22 +27,14 @@ _LATENESS = {"delay", "actuator_lag"}
 
 @dataclass(frozen=True)
 class Recorder:
-    """Changes of a recorder to the channels of a log.
+    """Changes of a recorder to the channels of a log."""
 
-    Parameters
-    ----------
-    change : callable
-        A channel from a channel and the samples that are lost.
-    of_force, of_positions : bool
-        What it is done to.
-    late : bool
-        Whether force and positions no longer belong together.
-    """
-
+    # a channel from a channel and the samples that are lost
     change: Callable[[FloatArray, FloatArray], FloatArray]
+    # of_force, of_positions: what it is done to
     of_force: bool = True
     of_positions: bool = True
-    late: bool = False
+    late: bool = False  # whether force and positions no longer belong together
 
     def log(self, log: Log) -> Log:
         """The log recorded."""

@@ -16,32 +16,15 @@ INCLINE = GRAVITY * math.sin(math.radians(25))
 
 @dataclass(frozen=True)
 class Case:
-    """An axis and all that is known of it without symid.
+    """An axis and all that is known of it without symid."""
 
-    Parameters
-    ----------
-    declared : Axis
-        What symid is given.
-    values : mapping of str to float
-        Physical parameters in the order in which they must be listed.
-    build : callable
-        Plant at some values.
-    sensors : mapping of str to Sensor
-        What each sensor reads of the plant's displacements.
-    shipped : bool
-        Whether the axis is one of models/.
-    refused : tuple of tuple of str
-        Sets of sensors from which a nonlinear law cannot be seen.
-    hidden : mapping of tuple of str to tuple of str
-        Parameters that leave no trace in the signals of a set of sensors.
-    """
-
-    declared: Axis
-    values: Mapping[str, float]
-    build: Callable[[Values], Plant]
-    sensors: Mapping[str, Sensor]
-    shipped: bool = False
-    refused: tuple[tuple[str, ...], ...] = ()
+    declared: Axis  # what symid is given
+    values: Mapping[str, float]  # physical parameters in the order in which they must be listed
+    build: Callable[[Values], Plant]  # plant at some values
+    sensors: Mapping[str, Sensor]  # what each sensor reads of the plant's displacements
+    shipped: bool = False  # whether the axis is one of models/
+    refused: tuple[tuple[str, ...], ...] = ()  # sets of sensors from which a nonlinear law cannot be seen
+    # parameters that leave no trace in the signals of a set of sensors
     hidden: Mapping[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
 
     @property

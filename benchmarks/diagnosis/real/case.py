@@ -18,45 +18,21 @@ Key = tuple[str, str]
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A diagnosis of a real log.
+    """A diagnosis of a real log."""
 
-    Parameters
-    ----------
-    name : str
-        Short name for the command line.
-    model : str
-        What the model holds.
-    published : str
-        What is known of the machine, and where from.
-    right : tuple of (str, str)
-        Published effects with their places: one of them must come first. Empty where nothing is published.
-    confirmed : tuple of (str, str)
-        Effects that are not published but that a plain script confirms on the held-out log.
-    axis : Axis
-        The model.
-    training : tuple of Recording
-        For identification.
-    held_out : Recording
-        For the gap.
-    nominal : mapping of str to float
-        Values of the simulation.
-    script : Script
-        What the plain script fits.
-    band_hz : float
-        Band in which the logs show the effect, for the plain script alone.
-    """
-
-    name: str
-    model: str
-    published: str
+    name: str  # short name for the command line
+    model: str  # what the model holds
+    published: str  # what is known of the machine, and where from
+    # published effects with their places, one of which must come first; empty where nothing is published
     right: tuple[Key, ...] = ()
+    # effects that are not published but that a plain script confirms on the held-out log
     confirmed: tuple[Key, ...] = ()
-    axis: Axis
-    training: tuple[Recording, ...]
-    held_out: Recording
-    nominal: Mapping[str, float]
-    script: Script
-    band_hz: float
+    axis: Axis  # the model
+    training: tuple[Recording, ...]  # for identification
+    held_out: Recording  # for the gap
+    nominal: Mapping[str, float]  # values of the simulation
+    script: Script  # what the plain script fits
+    band_hz: float  # band in which the logs show the effect, for the plain script alone
 
     @cached_property
     def logs(self) -> tuple[Log, ...]:

@@ -34,41 +34,23 @@ Shape = tuple[float, float]
 
 @dataclass(frozen=True)
 class Script:
-    """Model that the script fits.
+    """Model that the script fits."""
 
-    Parameters
-    ----------
-    force, position : str
-        Signals.
-    base : tuple of str
-        Columns of the model as the case declares it, see `columns_of`.
-    added : tuple of str
-        Columns of the one published effect that helps most; none where nothing is published.
-    """
-
+    # force, position: signals
     force: str
     position: str
-    base: tuple[str, ...]
+    base: tuple[str, ...]  # columns of the model as the case declares it, see `columns_of`
+    # columns of the one published effect that helps most; none where nothing is published
     added: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A recording in a band, with derivatives.
+    """A recording in a band, with derivatives."""
 
-    Parameters
-    ----------
-    recording : Recording
-        The run.
-    script : Script
-        Names the signals.
-    band : float
-        Hz.
-    """
-
-    recording: Recording
-    script: Script
-    band: float
+    recording: Recording  # the run
+    script: Script  # names the signals
+    band: float  # Hz
 
     def low_passed(self, x: FloatArray) -> FloatArray:
         """A signal in the band."""
@@ -154,21 +136,11 @@ def matrix(motion: Motion, names: Sequence[str], shape: Shape | None) -> tuple[l
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A fitted model.
+    """A fitted model."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        What it is made of.
-    values : dict of str to float
-        Of each column, SI.
-    shape : (float, float) or None
-        Of the mode or the load, if there is one.
-    """
-
-    names: tuple[str, ...]
-    values: Values
-    shape: Shape | None
+    names: tuple[str, ...]  # what it is made of
+    values: Values  # of each column, SI
+    shape: Shape | None  # of the mode or the load, if there is one
 
     def error(self, motion: Motion) -> FloatArray:
         """Measured less predicted force."""
@@ -222,23 +194,15 @@ class Error:
 
 @dataclass(frozen=True, eq=False)
 class Plain:
-    """Result of the script.
+    """Result of the script."""
 
-    Parameters
-    ----------
-    before, after : Error
-        Of the base model, and with the published effect.
-    base, best : Model
-        Both.
-    motion : Motion
-        The held-out log in the band.
-    """
-
+    # before, after: of the base model, and with the published effect
     before: Error
     after: Error
+    # base, best: both
     base: Model
     best: Model
-    motion: Motion
+    motion: Motion  # the held-out log in the band
 
     @property
     def removed(self) -> float:

@@ -32,22 +32,13 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Signals of one run in SI units, uniformly sampled.
+    """Signals of one run in SI units, uniformly sampled."""
 
-    Parameters
-    ----------
-    source : str
-        File within data/.
-    start, period : float
-        Time of the first sample, and between two, s.
-    signals : mapping of str to array of shape (n,)
-        Values of each signal.
-    """
-
-    source: str
+    source: str  # file within data/
+    # start, period: time of the first sample, and between two, s
     start: float
     period: float
-    signals: Mapping[str, FloatArray]
+    signals: Mapping[str, FloatArray]  # values of each signal
 
     def __getitem__(self, name: str) -> FloatArray:
         """Values of a signal."""
