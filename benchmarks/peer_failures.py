@@ -20,6 +20,7 @@ import symid
 from benchmarks.blind.axes import Machine, draw_parameters, machine, with_row
 from benchmarks.blind.engine import CONTROL_HZ, LOG_TICKS, STRIBECK, loop
 from benchmarks.blind.motion import draw_multisine, velocity_profile
+from benchmarks.draws import log_uniform
 from benchmarks.options import parser_of
 from symid.diagnosis import Diagnosis, diagnose
 
@@ -55,7 +56,7 @@ def moves(seconds: float, rng: np.random.Generator) -> np.ndarray:
     still = np.zeros(round(0.2 * CONTROL_HZ))
     parts, place = [still], 0.0
     while sum(part.size for part in parts) < (seconds - 1.0 - CALM) * CONTROL_HZ:
-        speed, goal = np.exp(rng.uniform(np.log(0.01), np.log(0.5))), rng.uniform(-0.15, 0.15)
+        speed, goal = log_uniform(rng, 0.01, 0.5), rng.uniform(-0.15, 0.15)
         distance = np.clip(goal - place, -1.2 * speed, 1.2 * speed)
         if abs(distance) > 0.003:
             parts += [

@@ -1,8 +1,11 @@
 """The three axes: their bodies and joints, parameters drawn as in real machines, controllers that suit them."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
+
+from benchmarks.draws import log_uniform
 
 from .engine import ROW
 
@@ -69,10 +72,7 @@ class Machine:
 
 def draw_parameters(axis: str, rng: np.random.Generator) -> dict[str, float]:
     """True values in SI units; springs by the frequency and damping ratio that they give."""
-
-    def between(low: float, high: float) -> float:
-        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
+    between = partial(log_uniform, rng)
     if axis == "rigid_1m":
         return {"M": between(50, 280), "Fv": between(80, 300), "Fs": between(20, 120)}
     if axis == "direct_2m1s":

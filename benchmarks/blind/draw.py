@@ -11,6 +11,8 @@ import numpy as np
 import polars as pl
 from scipy.signal import lfilter
 
+from benchmarks.draws import log_uniform
+
 from . import axes, engine, gap, laws, motion
 
 RATIOS = (2.0, 200.0)
@@ -57,9 +59,9 @@ def draw_setting(axis: str, sensors: tuple[str, ...], rng: np.random.Generator) 
         force = motion.draw_multisine(axis, sum(true[m] for m in moved), seconds, rng)
         motions[log] = np.vstack([path, force if log == "identification" else 0 * force])
     noise = {
-        "F": float(np.exp(rng.uniform(np.log(0.4), np.log(4)))),
-        "position": float(np.exp(rng.uniform(np.log(3e-8), np.log(2.5e-7)))),
-        "step": float(np.exp(rng.uniform(np.log(2e-8), np.log(2e-7)))),
+        "F": log_uniform(rng, 0.4, 4),
+        "position": log_uniform(rng, 3e-8, 2.5e-7),
+        "step": log_uniform(rng, 2e-8, 2e-7),
         "ddq1": float(rng.uniform(0.006, 0.015)),
     }
     lowpass, noisy = float(rng.uniform(0.1, 0.4)), bool(rng.random() < 1 / 3)

@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.draws import log_uniform
+
 from . import engine
 from .axes import KINDS, Machine, with_row
 from .engine import CONTROL_HZ, SUBSTEPS
@@ -43,10 +45,6 @@ class Law:
     shape: Draw
 
 
-def _log(rng: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
 def _turn(rng: np.random.Generator) -> float:
     return float(rng.uniform(0, 2 * np.pi))
 
@@ -59,47 +57,53 @@ def _none(rng: np.random.Generator) -> dict[str, float]:
 LAWS = {
     "viscous_friction": Law("Fv", 100.0, 1e5, _none),
     "coulomb_friction": Law("Fs", 20.0, 300, _none),
-    "stribeck_friction": Law("dF", 20.0, 100, lambda r: {"vs": _log(r, 0.006, 0.05)}),
+    "stribeck_friction": Law("dF", 20.0, 100, lambda r: {"vs": log_uniform(r, 0.006, 0.05)}),
     "asymmetric_friction": Law("difference", 20.0, 120, lambda r: {"side": float(r.choice([-1, 1]))}),
     "presliding_friction": Law("reach", 2e-5, 4e-4, _none),
     "load_dependent_friction": Law("mu", 0.02, 0.3, _none),
     "position_dependent_friction": Law(
-        "dF", 15.0, 100, lambda r: {"pitch": _log(r, 0.05, 0.4), "phase": _turn(r)}
+        "dF", 15.0, 100, lambda r: {"pitch": log_uniform(r, 0.05, 0.4), "phase": _turn(r)}
     ),
-    "friction_drift": Law("relative", 0.2, 2.0, lambda r: {"time": _log(r, 1.0, 8.0)}),
+    "friction_drift": Law("relative", 0.2, 2.0, lambda r: {"time": log_uniform(r, 1.0, 8.0)}),
     "quadratic_drag": Law("c", 100.0, 1e7, _none),
     "offset_force": Law("force", 10.0, 400, lambda r: {"side": float(r.choice([-1, 1]))}),
     "position_stiffness": Law("k", 100.0, 5000, _none),
-    "cogging": Law("force", 10.0, 200, lambda r: {"pitch": _log(r, 0.008, 0.06), "phase": _turn(r)}),
+    "cogging": Law("force", 10.0, 200, lambda r: {"pitch": log_uniform(r, 0.008, 0.06), "phase": _turn(r)}),
     "periodic_disturbance": Law(
-        "force", 10.0, 200, lambda r: {"frequency": _log(r, 0.6, 60), "phase": _turn(r)}
+        "force", 10.0, 200, lambda r: {"frequency": log_uniform(r, 0.6, 60), "phase": _turn(r)}
     ),
     "payload_change": Law("mass", 0.05, 0.7, lambda r: {"time": float(r.uniform(1.2, 4.8))}),
     "backlash": Law("gap", 5e-6, 4e-4, _none),
     "stiffness_nonlinearity": Law("bend", 0.05, 3.0, _none),
     "flexible_mode": Law(
-        "mass", 0.1, 0.6, lambda r: {"frequency": _log(r, 12, 60), "damping": _log(r, 0.01, 0.05)}
+        "mass",
+        0.1,
+        0.6,
+        lambda r: {"frequency": log_uniform(r, 12, 60), "damping": log_uniform(r, 0.01, 0.05)},
     ),
     "delay": Law("time", 2e-4, 4e-3, _none),
     "actuator_lag": Law("time", 2e-4, 4e-3, _none),
     "saturation": Law("cut", 0.1, 0.5, _none),
     "gain_nonlinearity": Law("bend", 0.03, 0.35, lambda r: {"cubic": float(r.random() < 0.5)}),
     "force_constant_ripple": Law(
-        "ripple", 0.02, 0.2, lambda r: {"pitch": _log(r, 0.008, 0.06), "phase": _turn(r)}
+        "ripple", 0.02, 0.2, lambda r: {"pitch": log_uniform(r, 0.008, 0.06), "phase": _turn(r)}
     ),
     "encoder_ripple": Law(
-        "amplitude", 3e-7, 3e-5, lambda r: {"pitch": _log(r, 0.002, 0.03), "phase": _turn(r)}
+        "amplitude", 3e-7, 3e-5, lambda r: {"pitch": log_uniform(r, 0.002, 0.03), "phase": _turn(r)}
     ),
 }
 FOREIGN = {
     "relay_chatter": Law(
-        "force", 10.0, 150, lambda r: {"seed": float(r.integers(1 << 31)), "rate": _log(r, 2, 20)}
+        "force", 10.0, 150, lambda r: {"seed": float(r.integers(1 << 31)), "rate": log_uniform(r, 2, 20)}
     ),
     "random_walk_force": Law(
-        "force", 10.0, 150, lambda r: {"seed": float(r.integers(1 << 31)), "rate": _log(r, 0.3, 3)}
+        "force", 10.0, 150, lambda r: {"seed": float(r.integers(1 << 31)), "rate": log_uniform(r, 0.3, 3)}
     ),
     "sticky_zone": Law(
-        "force", 20.0, 200, lambda r: {"place": float(r.uniform(-0.06, 0.06)), "half": _log(r, 0.01, 0.05)}
+        "force",
+        20.0,
+        200,
+        lambda r: {"place": float(r.uniform(-0.06, 0.06)), "half": log_uniform(r, 0.01, 0.05)},
     ),
     "coupled_inertia": Law("mass", 30.0, 200, lambda r: {"side": float(r.choice([-1, 1]))}),
     "cubic_stiffness": Law("force", 1e4, 5e5, _none),
@@ -166,12 +170,12 @@ def draw(effect: str, at: str, rng: np.random.Generator) -> Effect:
     numbers = {law.size: law.guess} | law.shape(rng)
     most, size = law.most * (10 if at == "structure" and effect not in _RELATIVE else 1), law.size
     if at == "structure":  # it moves by micrometres, and needs larger forces to be felt
-        numbers |= {"vs": _log(rng, 3e-4, 3e-3)} if effect == "stribeck_friction" else {}
+        numbers |= {"vs": log_uniform(rng, 3e-4, 3e-3)} if effect == "stribeck_friction" else {}
         numbers |= {"c": 1e6} if effect == "quadratic_drag" else {}
-        numbers |= {"frequency": _log(rng, 8, 80)} if effect == "periodic_disturbance" else {}
+        numbers |= {"frequency": log_uniform(rng, 8, 80)} if effect == "periodic_disturbance" else {}
     if effect == "presliding_friction" and at != "motor":  # the model has no Coulomb friction there
         reach = (2e-7, 2e-6) if at == "structure" else (1e-6, 3e-5)
-        numbers, size, most = {"level": 40.0, "reach": _log(rng, *reach)}, "level", 1000.0
+        numbers, size, most = {"level": 40.0, "reach": log_uniform(rng, *reach)}, "level", 1000.0
     return Effect(effect, at, size, numbers, most, foreign)
 
 

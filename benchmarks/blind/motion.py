@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from benchmarks.draws import log_uniform
+
 from .engine import CONTROL_HZ
 
 
@@ -22,7 +24,7 @@ def draw_reference(seconds: float, style: dict[str, float], rng: np.random.Gener
     while sum(part.size for part in parts) < ticks:
         pace = 2 if len(parts) == 5 else rng.choice(3, p=[0.35, 0.25, 0.4])  # the third is always a fast one
         slow, fast = [(0.008, 0.05), (0.1, 0.25), (0.25, style["speed"])][pace]
-        speed = float(np.exp(rng.uniform(np.log(slow), np.log(fast))))
+        speed = log_uniform(rng, slow, fast)
         goal = (
             rng.choice([-1, 1]) * style["stroke"]
             if rng.random() < 0.3

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.draws import log_uniform
+
 from . import draw, laws, seal
 from .axes import KINDS, draw_nominal
 
@@ -109,10 +111,6 @@ def _effects(
     return ()
 
 
-def _log_uniform(rng: np.random.Generator, bounds: tuple[float, float]) -> float:
-    return float(np.exp(rng.uniform(*np.log(bounds))))
-
-
 def _hidden(plan: Plan, setting: draw.Setting, rng: np.random.Generator) -> tuple[laws.Effect, ...]:
     """The effects of a case with their sizes, the strongest of a worldly one first."""
     if plan.group == "worldly":
@@ -120,9 +118,9 @@ def _hidden(plan: Plan, setting: draw.Setting, rng: np.random.Generator) -> tupl
     bounds, found = (15.0, 120.0) if plan.group == "two" else draw.RATIOS, []
     for effect, at in plan.effects:
         if plan.size:
-            found.append(laws.draw(effect, at, rng).sized(_log_uniform(rng, plan.size)))
+            found.append(laws.draw(effect, at, rng).sized(log_uniform(rng, *plan.size)))
             continue
-        target = _log_uniform(rng, bounds)
+        target = log_uniform(rng, *bounds)
         found.append(draw.sized(setting, laws.draw(effect, at, rng), target)[0])
     return tuple(found)
 
@@ -137,7 +135,7 @@ def _worldly(plan: Plan, setting: draw.Setting, rng: np.random.Generator) -> tup
             continue
         one = laws.draw(effect, at, rng)
         if not found:
-            one, strength = draw.sized(setting, one, _log_uniform(rng, STRONGEST), ratio=draw.force_ratio)
+            one, strength = draw.sized(setting, one, log_uniform(rng, *STRONGEST), ratio=draw.force_ratio)
             missing = _missing(setting, one)
             found += [one] if strength > STRONGEST[0] * 0.8 and np.isfinite(missing) else []
             continue

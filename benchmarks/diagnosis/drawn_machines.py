@@ -7,6 +7,7 @@ import numpy as np
 from scipy.signal import butter, sosfilt
 
 from benchmarks.diagnosis.drawn_effects import Scale, drawn_effect
+from benchmarks.draws import log_uniform
 from symid import Axis, Body, CoulombFriction, Drive, Log, Position, Spring, SymidError, ViscousFriction
 from symid.axis import Between, Geared, PendulumWeight
 from symid.axis.axis import Element
@@ -37,24 +38,22 @@ class Machine:
     scale: Scale
 
 
-def _between(rng: np.random.Generator, low: float, high: float) -> float:
-    """Uniform in the logarithm."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
 def _friction(
     body: Body, force: float, speed: float, rng: np.random.Generator
 ) -> tuple[tuple, dict[str, float]]:
     elements = ViscousFriction(body, "Fv"), CoulombFriction(body, "Fs")
-    return elements, {"Fv": force * _between(rng, 0.05, 0.4) / speed, "Fs": force * _between(rng, 0.1, 0.6)}
+    return elements, {
+        "Fv": force * log_uniform(rng, 0.05, 0.4) / speed,
+        "Fs": force * log_uniform(rng, 0.1, 0.6),
+    }
 
 
 def _machine(
     kind: str, rng: np.random.Generator, inertia: float, acceleration: float, resolution: float
 ) -> Machine:
     """A machine with a driven body of an inertia, and what its kind has besides."""
-    speed = acceleration * _between(rng, 0.06, 0.25)
-    travel = speed**2 / acceleration * _between(rng, 3, 8)
+    speed = acceleration * log_uniform(rng, 0.06, 0.25)
+    travel = speed**2 / acceleration * log_uniform(rng, 3, 8)
     if kind in ("pendulum", "robot joint") and travel > 3.0:
         travel, speed = 3.0, min(speed, float(np.sqrt(1.5 * acceleration)))
     body = Body("driven", mass="J") if kind == "slide" else Body("driven", inertia="J")
@@ -62,17 +61,17 @@ def _machine(
     sensors = [Position("q", body, resolution=resolution, noise=0.3 * resolution)]
     if kind == "ball screw":
         ratio = float(rng.choice([5e-3, 1e-2, 2e-2])) / (2 * np.pi)
-        values["M"] = inertia / ratio**2 * _between(rng, 0.2, 1.5)
+        values["M"] = inertia / ratio**2 * log_uniform(rng, 0.2, 1.5)
         elements.append(Body("table", mass="M", geared=Geared(to=body, ratio=ratio)))
         whole += values["M"] * ratio**2
     if kind == "elastic load":
-        load, w = Body("load", inertia="Jl"), 2 * np.pi * _between(rng, 20, 90)
-        values["Jl"] = inertia * _between(rng, 0.3, 3)
+        load, w = Body("load", inertia="Jl"), 2 * np.pi * log_uniform(rng, 20, 90)
+        values["Jl"] = inertia * log_uniform(rng, 0.3, 3)
         whole += values["Jl"]
         values["K"] = w**2 * inertia * values["Jl"] / whole
         values |= {
             "C": 0.04 * values["K"] / w,
-            "Fvl": whole * acceleration * _between(rng, 0.03, 0.2) / speed,
+            "Fvl": whole * acceleration * log_uniform(rng, 0.03, 0.2) / speed,
         }
         coupling = Spring("coupling", Between(first=body, second=load), stiffness="K", damping="C")
         elements += [coupling, load, ViscousFriction(load, "Fvl")]
@@ -81,9 +80,9 @@ def _machine(
     force = whole * acceleration
     if kind in ("pendulum", "robot joint"):
         elements.append(PendulumWeight(body, "mgl", 1.0))
-        values["mgl"] = force * _between(rng, 0.3, 2)
+        values["mgl"] = force * log_uniform(rng, 0.3, 2)
     laws, levels = _friction(body, force, speed, rng)
-    noise = force * _between(rng, 0.003, 0.03)
+    noise = force * log_uniform(rng, 0.003, 0.03)
     drive = Drive("F", body, held=True, noise=noise, resolution=0.3 * noise)
     axis = Axis("machine", elements=(*elements, *laws), drive=drive, sensors=tuple(sensors))
     scale = Scale(
@@ -101,10 +100,6 @@ def _machine(
     return Machine(kind, axis, values | levels, scale)
 
 
-def _turning(bits: tuple[int, ...], rng: np.random.Generator) -> float:
-    return float(2 * np.pi / 2 ** rng.choice(bits))
-
-
 KINDS = {
     "servo": ((1e-4, 5e-2), (100, 600), (12, 14, 17, 20)),
     "pendulum": ((1e-4, 5e-2), (8, 40), (12, 14, 17, 20)),
@@ -120,10 +115,9 @@ def drawn_machine(rng: np.random.Generator) -> Machine:
     """A machine of one of the kinds."""
     kind = str(rng.choice(list(KINDS)))
     inertias, accelerations, bits = KINDS[kind]
-    inertia, acceleration = _between(rng, *inertias), _between(rng, *accelerations)
-    return _machine(
-        kind, rng, inertia, acceleration, _turning(bits, rng) if bits else float(rng.choice(_SCALES))
-    )
+    inertia, acceleration = log_uniform(rng, *inertias), log_uniform(rng, *accelerations)
+    resolution = 2 * np.pi / 2 ** rng.choice(bits) if bits else rng.choice(_SCALES)
+    return _machine(kind, rng, inertia, acceleration, float(resolution))
 
 
 def drawn_small(
@@ -160,7 +154,7 @@ def drawn_run(machine: Machine, period: float, rng: np.random.Generator) -> tupl
 
 def drawn_wandering(rng: np.random.Generator) -> tuple[float, float]:
     """Size of a force noise that wanders, in multiples of the white noise, and the frequency up to which it does."""
-    return _between(rng, 0.05, 0.5), float(rng.uniform(2, 5))
+    return log_uniform(rng, 0.05, 0.5), float(rng.uniform(2, 5))
 
 
 def winds_up(machine: Machine, logs: Sequence[Log]) -> bool:

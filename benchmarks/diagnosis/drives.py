@@ -7,16 +7,14 @@ machine, both its Coulomb and its viscous friction, or nothing. Cases are judged
 lacking is to be named first, or tied, or after the lateness that the recorder made.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from benchmarks.diagnosis.other_cases import Case
 from benchmarks.diagnosis.others import Row, judged, print_cases
+from benchmarks.diagnosis.recorders import low_passed, updated_slowly
 from symid import Axis, CoulombFriction, Log, Position, Velocity, ViscousFriction
-from symid.arrays import FloatArray
 
 _FEWEST = 400
 """Fewest samples of a slow position."""
@@ -36,12 +34,12 @@ def recorded(case: Case, seed: int) -> tuple[Case, set[str], set[str]]:
     for log in case.logs:
         signals = dict(log.signals)
         for name in signals.keys() - {"F"} if slow else ():
-            signals[name] = _slow(signals[name], spacing, held=held)
+            signals[name] = updated_slowly(signals[name], spacing, held=held)
         if speed:
-            signals["q"] = _low_passed(np.diff(signals["q"], prepend=signals["q"][0]), 1 / _SPEED_FILTER)
+            signals["q"] = low_passed(np.diff(signals["q"], prepend=signals["q"][0]), 1 / _SPEED_FILTER)
             signals["q"] /= log.sampling_period
         if cutoff:
-            signals["F"] = _low_passed(signals["F"], cutoff)
+            signals["F"] = low_passed(signals["F"], cutoff)
         if rounded:
             step = 0.01 * float(np.ptp(signals["F"]))
             signals["F"] = np.round(signals["F"] / step) * step
@@ -54,27 +52,15 @@ def recorded(case: Case, seed: int) -> tuple[Case, set[str], set[str]]:
         model = model.without(*(own for own in frictions if own.at == model.bodies[0]))
         lacking = {"coulomb_friction", "viscous_friction"}
     there = tuple({*case.there, *late, *lacking})
-    nominal = _far_off(case.nominal, rng)
+    nominal = {
+        name: x * float(np.exp(rng.choice([-1, 1]) * rng.uniform(0.14, 0.4)))
+        for name, x in case.nominal.items()
+    }
     return (
         replace(case, there=there, logs=tuple(found), complete=complete, model=model, nominal=nominal),
         lacking,
         late,
     )
-
-
-def _far_off(values: Mapping[str, float], rng: np.random.Generator) -> dict[str, float]:
-    return {n: x * float(np.exp(rng.choice([-1, 1]) * rng.uniform(0.14, 0.4))) for n, x in values.items()}
-
-
-def _slow(x: FloatArray, spacing: int, *, held: bool) -> FloatArray:
-    at = np.arange(x.size)
-    return x[at // spacing * spacing] if held else np.interp(at, at[::spacing], x[::spacing])
-
-
-def _low_passed(x: FloatArray, cutoff: float) -> FloatArray:
-    """A signal behind a first-order filter; `cutoff` relative to the sampling frequency."""
-    pole = np.exp(-2 * np.pi * cutoff)
-    return np.asarray(scipy.signal.lfilter([1 - pole], [1, -pole], x, zi=[x[0] * pole])[0])
 
 
 def _reading_speed(axis: Axis) -> Axis:

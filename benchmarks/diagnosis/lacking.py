@@ -18,7 +18,7 @@ import numpy as np
 
 from benchmarks.diagnosis.drawn_effects import EFFECTS
 from benchmarks.diagnosis.drawn_machines import Machine, drawn_logs, drawn_machine, drawn_small
-from benchmarks.diagnosis.machines import CLEAR, false_effects, names, names_of
+from benchmarks.diagnosis.machines import CLEAR, false_effects, floors_left, names, names_of
 from benchmarks.options import parser_of
 from symid import Axis, CoulombFriction, Log, PendulumWeight, ViscousFriction
 from symid.axis.axis import Element
@@ -69,14 +69,6 @@ def _place(law: Element) -> object:
     return law.body if isinstance(law, PendulumWeight) else getattr(law, "at", None)
 
 
-def error(case: Case, axis: Axis) -> float:
-    """Error of an axis, re-identified, in multiples of the floor."""
-    log, other = case.logs
-    values = {name: x for name, x in case.machine.values.items() if name in axis.physical_parameters}
-    gap = diagnose(axis, log, validation=other, nominal=values, library=()).gap
-    return gap.reidentified.rms / gap.noise_floor.rms
-
-
 def is_close(case: Case, effects: tuple[FoundEffect, ...]) -> bool:
     """Whether the law is found with the machine's value, a weight with its size."""
     found = [list(own.parameters.values()) for own in effects if own.effect == case.lacks]
@@ -104,7 +96,9 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[Row]:
     cases = ((seed, case) for seed in count(first) if (case := drawn(seed, worldly=worldly)) is not None)
     for seed, case in islice(cases, number):
         found: Diagnosis = diagnose(case.model, case.logs[0], validation=case.logs[1], nominal=case.nominal)
-        complete, without = error(case, case.machine.axis), error(case, case.model)
+        complete, without = (
+            floors_left(axis, case.logs, case.machine.values) for axis in (case.machine.axis, case.model)
+        )
         clear = without > CLEAR * max(complete, 1.0)
         right = any(case.lacks in names(effect) for effect in found.effects[:1])
         close = is_close(case, found.effects)

@@ -13,7 +13,7 @@ counts is then the effect that alone costs most, from twice the error without an
 of it is right, too. Effects named with a probability of at least a half that are not there are counted.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count, islice
 
@@ -32,7 +32,7 @@ from benchmarks.diagnosis.drawn_machines import (
     winds_up,
 )
 from benchmarks.options import parser_of
-from symid import Log, SymidError
+from symid import Axis, Log, SymidError
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
 
 CLEAR = 2.0
@@ -88,11 +88,17 @@ def drawn(seed: int, *, worldly: bool = False) -> Case | None:
 
 def sizes(case: Case) -> tuple[float, ...]:
     """Error of the re-identified axis without effects and with each alone, in multiples of the floor."""
-    found = []
-    for log, other in (case.none, *case.alone):
-        gap = diagnose(case.machine.axis, log, validation=other, nominal=case.machine.values, library=()).gap
-        found.append(gap.reidentified.rms / gap.noise_floor.rms)
-    return tuple(found)
+    return tuple(
+        floors_left(case.machine.axis, logs, case.machine.values) for logs in (case.none, *case.alone)
+    )
+
+
+def floors_left(axis: Axis, logs: Sequence[Log], values: Mapping[str, float]) -> float:
+    """Error of an axis, re-identified, in multiples of the floor, on a second log if there is one."""
+    log, other = (*logs, None)[:2]
+    nominal = {name: values[name] for name in axis.physical_parameters}
+    gap = diagnose(axis, log, validation=other, nominal=nominal, library=()).gap
+    return gap.reidentified.rms / gap.noise_floor.rms
 
 
 def sought(case: Case, least: float, alone: Sequence[float]) -> tuple[str, ...]:

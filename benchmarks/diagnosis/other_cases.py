@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.diagnosis.other_machines import Loop, Recorder, run
+from benchmarks.draws import log_uniform
 from symid import Axis, Between, Body, CoulombFriction, Drive, Log, Position, Spring, ViscousFriction
 from symid.arrays import FloatArray
 from symid.axis import (
@@ -82,18 +83,13 @@ class _Size:
     force: float
 
 
-def _between(rng: np.random.Generator, low: float, high: float) -> float:
-    """Uniform in the logarithm."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
 def drawn(seed: int, *, short: bool = False) -> Case:
     """A case; `short` ones have at most 10 s at 250 Hz."""
     rng = np.random.default_rng(seed)
     kind = str(rng.choice(list(KINDS)))
     has, small, rates = KINDS[kind]
     rates = tuple(r for r in rates if not short or r <= _SLOW) or rates[:1]
-    rate, duration = float(rng.choice(rates)), _between(rng, 5, _SHORT if short else 60)
+    rate, duration = float(rng.choice(rates)), log_uniform(rng, 5, _SHORT if short else 60)
     duration = min(duration, _MOST_SAMPLES / rate)
     values, size = _machine(kind, rng)
     added = tuple(map(str, rng.permutation(small)[:3]))
@@ -124,19 +120,19 @@ def drawn(seed: int, *, short: bool = False) -> Case:
 
 def _machine(kind: str, rng: np.random.Generator) -> tuple[dict[str, float], _Size]:
     has, turns = KINDS[kind][0], kind in _TURNS
-    inertia = _between(rng, 1e-3, 1.0) if turns else _between(rng, 1, 100)
-    stroke = float(rng.uniform(0.5, 1.5)) if turns else _between(rng, 0.05, 0.5)
-    acceleration = _between(rng, 10, 60) if turns else _between(rng, 1, 10)
+    inertia = log_uniform(rng, 1e-3, 1.0) if turns else log_uniform(rng, 1, 100)
+    stroke = float(rng.uniform(0.5, 1.5)) if turns else log_uniform(rng, 0.05, 0.5)
+    acceleration = log_uniform(rng, 10, 60) if turns else log_uniform(rng, 1, 10)
     speed = float(np.sqrt(acceleration * stroke) * rng.uniform(0.3, 0.8))
     load = inertia * float(rng.uniform(0.3, 2)) if kind == "belt" else 0.0
     force = (inertia + load) * acceleration
     values = {
         "J": inertia,
-        "Fs": force * _between(rng, 0.1, 0.6),
-        "Fv": force * _between(rng, 0.1, 0.5) / speed,
+        "Fs": force * log_uniform(rng, 0.1, 0.6),
+        "Fv": force * log_uniform(rng, 0.1, 0.5) / speed,
     }
     drawn_values = {
-        "Gs": force * _between(rng, 0.2, 1.5),
+        "Gs": force * log_uniform(rng, 0.2, 1.5),
         "Gc": force * float(rng.uniform(-0.3, 0.3)),
         "F0": force * float(rng.uniform(0.2, 1.0)),
         "k": force * float(rng.uniform(0.2, 0.8)) / stroke,
@@ -192,7 +188,7 @@ def _loop(
     rng: np.random.Generator,
 ) -> Loop:
     inertia, bandwidth = values["J"] + values.get("Jl", 0.0), 2 * np.pi * float(rng.uniform(3, 8))
-    noise = size.force * _between(rng, 0.003, 0.02)
+    noise = size.force * log_uniform(rng, 0.003, 0.02)
     return Loop(
         rate,
         inertia * bandwidth**2,

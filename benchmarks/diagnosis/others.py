@@ -19,10 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.diagnosis.machines import CLEAR, false_effects, names, names_of
+from benchmarks.diagnosis.machines import CLEAR, false_effects, floors_left, names, names_of
 from benchmarks.diagnosis.other_cases import Case, drawn
 from benchmarks.options import parser_of
-from symid import Axis, SymidError
+from symid import SymidError
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
 
 _CLOSE, _DEVIATIONS = 0.15, 3.0
@@ -40,14 +40,6 @@ class Row:
     false: int
     first: tuple[tuple[float, bool], ...]
     line: str
-
-
-def square_left(case: Case, axis: Axis) -> float:
-    """Mean square that an axis, re-identified, leaves on held-out data, in multiples of the floor."""
-    log, other = (*case.logs, None)[:2]
-    values = {name: case.nominal[name] for name in axis.physical_parameters}
-    gap = diagnose(axis, log, validation=other, nominal=values, library=()).gap
-    return (gap.reidentified.rms / gap.noise_floor.rms) ** 2
 
 
 def is_close(case: Case, effects: tuple[FoundEffect, ...]) -> bool:
@@ -70,9 +62,9 @@ def judged(case: Case, seed: int, also: Collection[str] = (), aside: Collection[
     log, other = (*case.logs, None)[:2]
     nominal = {name: case.nominal[name] for name in case.model.physical_parameters}
     found: Diagnosis = diagnose(case.model, log, validation=other, nominal=nominal)
-    complete = square_left(case, case.complete)
-    without = square_left(case, case.model) if case.lacks != "none" else complete
-    counts = case.lacks != "none" and without > CLEAR * max(complete, CLEAR)
+    complete = floors_left(case.complete, case.logs, case.nominal)
+    without = floors_left(case.model, case.logs, case.nominal) if case.lacks != "none" else complete
+    counts = case.lacks != "none" and without**2 > CLEAR * max(complete**2, CLEAR)
     machines_own = [own for own in found.effects if own.effect not in aside]
     right = any(not names(first).isdisjoint({case.effect, *also}) for first in machines_own[:1])
     close = is_close(case, found.effects)
@@ -82,7 +74,7 @@ def judged(case: Case, seed: int, also: Collection[str] = (), aside: Collection[
     marks += [("VALUE", counts and right and not close), ("FALSE", bool(false))]
     line = (
         f"{seed:6} {case.kind:11} {log.sampling_frequency:5.0f} Hz {log.n_samples * log.sampling_period:3.0f} s, "
-        f"{len(case.logs)}, lacks {case.effect}, {without**0.5:.1f} floors, complete {complete**0.5:.1f} -> "
+        f"{len(case.logs)}, lacks {case.effect}, {without:.1f} floors, complete {complete:.1f} -> "
         f"{found.verdict:11} {names_of(found.effects)} {' '.join(mark for mark, applies in marks if applies)}"
     )
     return Row(counts, case.lacks == "none", right, close, false, first, line)

@@ -20,7 +20,7 @@ from symid.arrays import FloatArray
 from symid.diagnosis import diagnose
 
 _SLOW, _LATE, _STEPS = 4, 3, 1500
-_LAG, _FORCE_LAG = 10, 20
+_LAG, _FORCE_LAG = 1 / 10, 1 / 20
 """Cutoff frequencies of first-order filters, as parts of the sampling frequency."""
 _LATENESS = {"delay", "actuator_lag"}
 
@@ -46,13 +46,16 @@ class Recorder:
         return Log.from_arrays(signals, sampling_period=log.sampling_period)
 
 
-def _slow(x: FloatArray, lost: FloatArray) -> FloatArray:
-    return x[np.arange(x.size) // _SLOW * _SLOW]
-
-
-def _interpolated(x: FloatArray, lost: FloatArray) -> FloatArray:
+def updated_slowly(x: FloatArray, spacing: int, *, held: bool) -> FloatArray:
+    """A signal that is read at one of some samples, and held or interpolated at the others."""
     at = np.arange(x.size)
-    return np.interp(at, at[::_SLOW], x[::_SLOW])
+    return x[at // spacing * spacing] if held else np.interp(at, at[::spacing], x[::spacing])
+
+
+def low_passed(x: FloatArray, cutoff: float) -> FloatArray:
+    """A signal behind a first-order filter; `cutoff` relative to the sampling frequency."""
+    pole = np.exp(-2 * np.pi * cutoff)
+    return np.asarray(scipy.signal.lfilter([1 - pole], [1, -pole], x, zi=[x[0] * pole])[0])
 
 
 def _shifted(x: FloatArray, lost: FloatArray) -> FloatArray:
@@ -64,15 +67,6 @@ def _coarse(x: FloatArray, lost: FloatArray) -> FloatArray:
     return np.asarray(np.round(x / step) * step)
 
 
-def _filtered(part: int) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    pole = np.exp(-2 * np.pi / part)
-
-    def change(x: FloatArray, lost: FloatArray) -> FloatArray:
-        return np.asarray(scipy.signal.lfilter([1 - pole], [1, -pole], x, zi=[x[0] * pole])[0])
-
-    return change
-
-
 def _repeated(x: FloatArray, lost: FloatArray) -> FloatArray:
     return x[np.maximum.accumulate(np.where(lost < 0.03, 0, np.arange(x.size)))]
 
@@ -81,12 +75,12 @@ RECORDERS = {
     "sound": Recorder(lambda x, lost: x),
     "0.5 % of rows 0": Recorder(lambda x, lost: np.where(lost < 0.005, 0.0, x)),
     "3 % of rows repeated": Recorder(_repeated),
-    "slow position": Recorder(_slow, of_force=False),
-    "all interpolated": Recorder(_interpolated),
+    "slow position": Recorder(lambda x, lost: updated_slowly(x, _SLOW, held=True), of_force=False),
+    "all interpolated": Recorder(lambda x, lost: updated_slowly(x, _SLOW, held=False)),
     "coarse position": Recorder(_coarse, of_force=False),
     "late position": Recorder(_shifted, of_force=False, late=True),
-    "filtered position": Recorder(_filtered(_LAG), of_force=False, late=True),
-    "filtered force": Recorder(_filtered(_FORCE_LAG), of_positions=False, late=True),
+    "filtered position": Recorder(lambda x, lost: low_passed(x, _LAG), of_force=False, late=True),
+    "filtered force": Recorder(lambda x, lost: low_passed(x, _FORCE_LAG), of_positions=False, late=True),
 }
 """Of what is done: 4 samples for one, 3 samples late, 1500 steps in the travel, filters of first order."""
 

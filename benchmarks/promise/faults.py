@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from benchmarks.draws import log_uniform
 from benchmarks.promise.machines import Case
 
 
@@ -108,13 +109,13 @@ def int8_overflow(x, rng):
 
 
 def clock_drift(x, rng):
-    drift = rng.choice([-1, 1]) * np.exp(rng.uniform(np.log(1e-4), np.log(1e-2)))
+    drift = rng.choice([-1, 1]) * log_uniform(rng, 1e-4, 1e-2)
     k = np.arange(x.size, dtype=float)
     return f"{drift:.1e}", np.interp(k * (1 + drift), k, x)
 
 
 def lagged(x, rng):
-    samples = np.exp(rng.uniform(np.log(1.5), np.log(80)))
+    samples = log_uniform(rng, 1.5, 80)
     a = np.exp(-1 / samples)
     return f"{samples:.1f}", scipy.signal.lfilter([1 - a], [1, -a], x, zi=[a * x[0]])[0]
 
@@ -130,7 +131,7 @@ def moving_average(x, rng):
 
 
 def spikes(x, rng):
-    share = np.exp(rng.uniform(np.log(1e-4), np.log(0.02)))
+    share = log_uniform(rng, 1e-4, 0.02)
     size = np.max(np.abs(x)) * rng.uniform(1, 5)
     return f"{share:.1e}", x + size * (rng.random(x.size) < share) * rng.choice([-1, 1], x.size)
 
@@ -152,8 +153,8 @@ def gain_drift(x, rng):
 def part_gain(x, rng):
     """Another gain, 0.3 to 2.5, in a part of the log, 3 to 60 % of it."""
     share, gain = (
-        np.exp(rng.uniform(np.log(0.03), np.log(0.6))),
-        np.exp(rng.uniform(np.log(0.3), np.log(2.5))),
+        log_uniform(rng, 0.03, 0.6),
+        log_uniform(rng, 0.3, 2.5),
     )
     start = int(rng.uniform(0, 1 - share) * x.size)
     found = x.copy()
@@ -181,7 +182,7 @@ OF_POSITION = (
 def late(case: Case, rng: np.random.Generator) -> Case:
     """A signal is late or early by 1 ms to 1 s."""
     name = str(rng.choice(list(case.signals)))
-    seconds = rng.choice([-1, 1]) * np.exp(rng.uniform(np.log(1e-3), 0))
+    seconds = rng.choice([-1, 1]) * log_uniform(rng, 1e-3, 1)
     samples = int(np.sign(seconds) * max(1, round(abs(seconds) * case.rate)))
     return case.changed(f"late {name}", **{name: moved(case.signals[name], samples)})
 
@@ -210,7 +211,7 @@ def all_interpolated(case: Case, rng: np.random.Generator) -> Case:
     for name, x in case.signals.items():
         rough = x[::every]
         if not name.startswith("dd") and name != case.force:
-            noise = np.exp(rng.uniform(np.log(1e-8), np.log(5e-5)))
+            noise = log_uniform(rng, 1e-8, 5e-5)
             rough = rough + noise * rng.standard_normal(rough.size)
         changed[name] = np.interp(k, k[::every], rough)
     return case.changed("both interpolated", **changed)
@@ -247,7 +248,7 @@ def ac_coupled(case: Case, rng: np.random.Generator) -> Case:
 
 def _corner(low: float, high: float, case: Case, rng: np.random.Generator) -> float:
     """A corner frequency, evenly in the logarithm, below 0.45 of the rate."""
-    return min(float(np.exp(rng.uniform(np.log(low), np.log(high)))), 0.45 * case.rate)
+    return min(log_uniform(rng, low, high), 0.45 * case.rate)
 
 
 def of_force(case: Case, rng: np.random.Generator) -> Case:

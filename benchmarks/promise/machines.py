@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
+from benchmarks.draws import log_uniform
 from benchmarks.promise.motions import draw_motion
 
 SENSORS = {
@@ -75,10 +76,6 @@ def _oscillator(a, v, x_in, v_in, h, inertia, direct, damping, stiffness, ground
     return x, w
 
 
-def _between(low: float, high: float, rng: np.random.Generator) -> float:
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
 def draw_case(rng: np.random.Generator, axis: str | None = None) -> Case:
     """A random undamaged log."""
     axis = axis or str(rng.choice(list(SHARES), p=list(SHARES.values())))
@@ -93,7 +90,7 @@ def draw_machine(axis: str, measured: tuple[str, ...], rng: np.random.Generator)
     """The log of a random machine and motion, without noise."""
     rate = int(rng.choice(RATES))
     seconds = rng.uniform(4, 20)
-    mode = None if axis == "rigid_1m" else _between(12, min(110, rate / 8), rng)
+    mode = None if axis == "rigid_1m" else log_uniform(rng, 12, min(110, rate / 8))
     motion, kind = draw_motion(seconds, mode, rng)
     truth = draw_truth(axis, mode, motion, rng)
     clean = clean_signals(axis, rate, seconds, motion, truth, rng)
@@ -103,14 +100,14 @@ def draw_machine(axis: str, measured: tuple[str, ...], rng: np.random.Generator)
 
 def draw_truth(axis: str, mode_hz: float | None, motion, rng: np.random.Generator) -> dict[str, float]:
     """Masses, springs and frictions; frictions are 2 to 50 % of what the masses take."""
-    mass = _between(3, 3000, rng)
+    mass = log_uniform(rng, 3, 3000)
     _, v, a = motion(np.linspace(0, 4, 4001))
     inertial = mass * np.sqrt(np.mean(a**2))
-    viscous = _between(0.02, 0.5, rng) * inertial / np.sqrt(np.mean(v**2))
-    coulomb = _between(0.02, 0.5, rng) * inertial
+    viscous = log_uniform(rng, 0.02, 0.5) * inertial / np.sqrt(np.mean(v**2))
+    coulomb = log_uniform(rng, 0.02, 0.5) * inertial
     if axis == "rigid_1m":
         return {"M": mass, "Fv": viscous, "Fs": coulomb}
-    w, ratio, damping = 2 * np.pi * mode_hz, rng.uniform(0.4, 10), _between(0.004, 0.05, rng)
+    w, ratio, damping = 2 * np.pi * mode_hz, rng.uniform(0.4, 10), log_uniform(rng, 0.004, 0.05)
     other = mass * ratio
     if axis == "direct_2m1s":
         stiff = (mass + other) * w**2
@@ -167,10 +164,10 @@ def draw_noise(case: Case, name: str, rng: np.random.Generator) -> tuple[str, fl
     Encoders: 2 nm to 2 um, or steps of 5 nm to 1 um; force and accelerometers: 0.02 to 2 % of the rms signal.
     """
     if name == case.force or name.startswith("dd"):
-        return "white", _between(2e-4, 2e-2, rng) * np.sqrt(np.mean(case.signals[name] ** 2))
+        return "white", log_uniform(rng, 2e-4, 2e-2) * np.sqrt(np.mean(case.signals[name] ** 2))
     if rng.random() < 0.3:
-        return "steps", _between(5e-9, 1e-6, rng)
-    return "white", _between(2e-9, 2e-6, rng)
+        return "steps", log_uniform(rng, 5e-9, 1e-6)
+    return "white", log_uniform(rng, 2e-9, 2e-6)
 
 
 def with_noise(x: np.ndarray, noise: tuple[str, float], rng: np.random.Generator) -> np.ndarray:

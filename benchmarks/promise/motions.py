@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.draws import log_uniform
+
 Motion = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
 """From times in s to position in m, velocity and acceleration."""
 
@@ -57,7 +59,7 @@ def moves(seconds: float, speed: float, acceleration: float, rng: np.random.Gene
     every: list[Move] = []
     time, place = rng.uniform(0.05, 0.3), 0.0
     while time < seconds:
-        fast = speed * np.exp(rng.uniform(np.log(0.1), 0))
+        fast = speed * log_uniform(rng, 0.1, 1)
         steep = acceleration * rng.uniform(0.4, 1)
         sign = -np.sign(place) if place and rng.random() < 0.7 else rng.choice([-1, 1])
         cruise = rng.uniform(0.02, 0.4)
@@ -108,8 +110,8 @@ def together(*parts: Motion) -> Motion:
 def draw_motion(seconds: float, mode_hz: float | None, rng: np.random.Generator) -> tuple[Motion, str]:
     """Trapezoids, a multisine, or both; a flexible axis is excited beyond its mode mostly."""
     speed, acceleration = (
-        np.exp(rng.uniform(np.log(0.1), np.log(1.5))),
-        np.exp(rng.uniform(np.log(2), np.log(25))),
+        log_uniform(rng, 0.1, 1.5),
+        log_uniform(rng, 2, 25),
     )
     kind = str(
         rng.choice(["moves", "multisine", "both"], p=[0.4, 0.3, 0.3] if mode_hz is None else [0.2, 0.4, 0.4])
