@@ -1,6 +1,6 @@
 """Cases with gears, weights and pendulums."""
 
-from axes.case import GRAVITY, INCLINE, PINION, Case
+from axes.case import GRAVITY, INCLINE, PINION, SCREW, Case
 from axes.plant import Sensor, coulomb, pendulum, plant
 from symid import (
     GROUND,
@@ -232,3 +232,16 @@ def turning_bench_case() -> Case:
         ),
         {"dq1": Sensor((1, 0), 1), "dq2": Sensor((0, 1), 1)},
     )
+
+
+CASES = (
+    rigid_gear_case("reduction_gear", 0.2),
+    rigid_gear_case("reversing_gear", -SCREW),
+    rigid_gear_case("overdrive_gear", 2),
+    rack_and_pinion_case(),
+    vertical_2m1s_case(),
+    inclined_case(),
+    pendulum_case(),
+    flexible_pendulum_case(),
+    turning_bench_case(),
+)

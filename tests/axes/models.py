@@ -175,3 +175,15 @@ def geared_ballscrew_3m2s_case() -> Case:
         ),
         {"qs": Sensor((1, 0, 0)), "qt": Sensor((0, 1, 0)), "ddl": Sensor((0, 0, 1), 2)},
     )
+
+
+CASES = (
+    rigid_case(),
+    direct_2m1s_case(),
+    ballscrew_2m1s_case(),
+    direct_3m2s_case(),
+    emps_case(),
+    emps_asymmetric_case(),
+    motor_bench_case(),
+    geared_ballscrew_3m2s_case(),
+)

@@ -121,3 +121,6 @@ def ripple_and_drag_case() -> Case:
         ),
         {"q2": Sensor((-1, 1)), "ddq1": Sensor((1, 0), 2)},
     )
+
+
+CASES = (friction_in_the_spring_case(), hardening_spring_case(), ripple_and_drag_case())

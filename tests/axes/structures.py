@@ -233,3 +233,14 @@ def single_letters_case() -> Case:
         ),
         {"y": Sensor((1, 0)), "v": Sensor((0, 1))},
     )
+
+
+CASES = (
+    two_springs_case(),
+    triangle_case(),
+    both_ends_case(),
+    redundant_sensors_case(),
+    accelerometer_only_case(),
+    parallel_masses_case(),
+    single_letters_case(),
+)
