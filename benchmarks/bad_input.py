@@ -54,7 +54,6 @@ def _place(outcome: Outcome) -> str:
 
 
 def main() -> int:
-    """Print the table; failures are told as they are found."""
     options = parser_of(__doc__, examples=2000, seed=0).parse_args()
     begin = time.perf_counter()
     found = examined(options.examples, options.seed)

@@ -49,7 +49,6 @@ def write_logs(folder: Path, logs: int, samples: int = SAMPLES) -> list[Path]:
 def batch(
     paths: list[Path], jobs: int | None = None, scheduler: str | None = None, examine: bool = True
 ) -> None:
-    """Identify each log alone."""
     settings = symid.BatchSettings(examine=examine)
     done = symid.identify_batch("emps", paths, jobs=jobs, scheduler=scheduler, settings=settings)
     assert done.statuses.get("ok", 0) >= 0.9 * len(paths), done.statuses
@@ -76,7 +75,6 @@ def chosen(path: Path) -> dict[str, float | int]:
 
 
 def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callable[[list[Path]], float]]:
-    """Jobs that are compared, by name."""
     own, other = (
         stack.enter_context(ProcessPoolExecutor(1, mp_context=get_context("spawn"))) for _ in range(2)
     )
@@ -118,7 +116,6 @@ def measured(paths: list[Path], rounds: int) -> dict[str, np.ndarray]:
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     options = parser_of(__doc__, logs=1000, rounds=3).parse_args()
     with tempfile.TemporaryDirectory() as name:
         paths = write_logs(Path(name), options.logs)

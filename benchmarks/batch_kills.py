@@ -84,7 +84,6 @@ def judged(name: str, table: pl.DataFrame, expected: pl.DataFrame) -> bool:
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     options = parser_of(__doc__, logs=1000).parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

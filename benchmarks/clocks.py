@@ -66,7 +66,6 @@ def drawn(rng: np.random.Generator, drift: float) -> Case:
 
 
 def main() -> None:
-    """Run the benchmark and print a line for each log that counts, and the sums."""
     chosen = parser_of(__doc__, logs=200, seed=1, drift=0.0).parse_args()
     statuses: Counter[str] = Counter()
     named = noticed = unnamed_ok = 0

@@ -61,7 +61,6 @@ def print_row(label: str, estimate: OutputErrorIdentification, seconds: float) -
 
 
 def main() -> None:
-    """Print both noises with both references, from an unknown start."""
     quick = parser_of(__doc__, quick=False).parse_args().quick
     for noise in NOISES[: 1 if quick else None]:
         for exact in (True,) if quick else (True, False):

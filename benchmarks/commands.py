@@ -21,8 +21,6 @@ FAILURES = ("traceback", "hang", "warning", "several lines", "wrong", "lost", "l
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a case."""
-
     verdict: str  # "done", "refused" (one line, exit code 2), a status, or one of `FAILURES`
     detail: str  # messages of the command, or what it left
 

@@ -57,7 +57,6 @@ class Case:
 
 @cache
 def controller_of(axis: str) -> symid.simulation.Cascade:
-    """Cascade tuned to the true axis."""
     declared = symid.load_axis(axis)
     return tuned_cascade(plant_of(declared, VALUES[axis]), declared.sensors[0].signal)
 

@@ -61,7 +61,6 @@ class Draw:
 
 
 def wls(model: GeneratedModel, log: symid.Log, preparation: symid.Preparation, axis: str) -> Identification:
-    """Weighted least squares."""
     return symid.identify(model, log, preparation=preparation, nominal=VALUES[axis])
 
 
@@ -78,7 +77,6 @@ METHODS: Mapping[str, Callable[[GeneratedModel, symid.Log, symid.Preparation, st
 
 
 def identified(case: Case, log: symid.Log, preparation: symid.Preparation) -> Draw:
-    """Identify one log by the method of a case."""
     model = symid.load_generated(case.axis, case.measured)
     found = METHODS[case.method](model, log, preparation, case.axis)
     return draw_of(found)
@@ -134,7 +132,6 @@ class Row:
 
 
 def measured_row(case: Case, runs: int) -> Row:
-    """Draw noise and identify, many times."""
     random, truth = np.random.default_rng(20261121), true_values(case)
     once = np.unique(truth, return_index=True)[1]
     draws = [identified(case, noisy_log(case, random), preparation_of(case)) for _ in range(runs)]
@@ -231,7 +228,6 @@ def timing_row(case: Case, runs: int) -> tuple[float, FloatArray, FloatArray, Fl
 
 
 def print_timing(quick: bool, runs: int) -> None:
-    """Print the rows of logs with a moved force."""
     print(
         f"\n{'force moved by a sample':62}{'status':>8}{'rms, max':>14}{'coverage':>11}{'remedied':>10}{'unmoved':>9}"
     )
@@ -257,7 +253,6 @@ def print_methods(runs: int) -> None:
 
 
 def main() -> None:
-    """Print the map, the rows about timing, and the flexible axis with noisy encoders."""
     options = parser_of(__doc__, runs=200, quick=False).parse_args()
     print(f"nominal 95 % intervals, {options.runs} draws a row; coverage in %, bias in standard deviations\n")
     print_map(measured_row(case, options.runs) for case in cases(options.quick))

@@ -39,7 +39,6 @@ def examined(examples: int, number: int) -> dict[Damage, Outcome]:
 
 
 def main() -> int:
-    """Print the table and the failures."""
     parser = parser_of(__doc__, examples=5000, seed=0)
     parser.add_argument("--repeat", metavar="DAMAGE", help="one log, with all that was said")
     given_ = parser.parse_args()

@@ -135,7 +135,6 @@ def axis_files(folder: Path) -> dict[str, Path]:
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     with tempfile.TemporaryDirectory() as folder:
         print(f"{'axis':16}{'time':>8}{'peak':>9}{'text':>9}  limit")
         print(f"{'':16}{'s':>8}{'MB':>9}{'kB':>9}")

@@ -52,7 +52,6 @@ class Outcome:
 
 
 def outcomes(cases: int, seed: int, runs: int) -> Iterator[Outcome]:
-    """All cases of a seed."""
     with tempfile.TemporaryDirectory() as folder:
         for one in plan.plans(cases, seed, plan.Wish(group="single")):
             label = plan.draw_case(one, Path(folder))
@@ -99,7 +98,6 @@ def outcome(label: dict[str, Any], folder: Path, runs: int) -> Outcome:
 
 
 def log_of(file: Path) -> Log:
-    """A log of a case."""
     columns = pl.read_parquet(file)
     signals = {name: columns[name].to_numpy() for name in columns.columns if name != "t"}
     return Log.from_arrays(signals, sampling_period=1 / gap.RATE, source=file.stem)
@@ -126,7 +124,6 @@ def machine_of(label: dict[str, Any], path: Trajectory) -> tuple[draw.Setting, t
 
 
 def line(found: Outcome) -> str:
-    """One case in a line."""
     effects = " + ".join(f"{e['effect']} at {e['at']}" for e in found.label["effects"])
     head = f"{found.label['axis']:15} {effects:45}"
     if not found.is_performed:
@@ -138,7 +135,6 @@ def line(found: Outcome) -> str:
 
 
 def main() -> None:
-    """Perform the experiments of all cases, and print the sum."""
     given = parser_of(__doc__, cases=12, seed=1, runs=10).parse_args()
     print(f"{'axis':15} {'effect':45} stated  right")
     performed = []

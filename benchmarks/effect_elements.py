@@ -55,7 +55,6 @@ class Row(NamedTuple):
 
 
 def row(kind: Kind) -> Row:
-    """All that is asked of a kind."""
     speed, steps = run_speed(kind)
     found = diagnose(
         kind.plain,
@@ -121,7 +120,6 @@ def acting_late(axis: Axis) -> dict[str, float]:
 
 
 def written(explained: ExplainedAxis) -> ExplainedAxis:
-    """The axis as it is read from its file."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "written.py"
         write_axis(explained.axis, file)
@@ -188,7 +186,6 @@ def run_unit(file: Path, force: np.ndarray) -> np.ndarray:
 
 
 def rms(values: np.ndarray) -> float:
-    """Root mean square."""
     return float(np.sqrt(np.mean(values**2)))
 
 
@@ -199,7 +196,6 @@ HEAD = (
 
 
 def line(found: Row) -> str:
-    """One row as text."""
     numbers = [f"{found.speed:6.0f} {1e6 * found.steps:7.4f} {'yes' if found.in_regressor else 'no':5}"]
     for before, after in (found.under_loop, found.under_force):
         numbers.append(f"{1e6 * before:8.2f} {1e6 * after:8.2f}")
@@ -210,7 +206,6 @@ def line(found: Row) -> str:
 
 
 def main() -> None:
-    """Print a row for each element, or for those of the effects named."""
     wanted = sys.argv[1:]
     print(HEAD)
     for kind in KINDS:

@@ -86,7 +86,6 @@ class Kind:
         return self.lacking.without(self.element)
 
     def of(self, axis: Axis) -> dict[str, float]:
-        """Values of an axis' parameters."""
         values = {**VALUES, **self.values}
         return {name: values[name] for name in axis.physical_parameters}
 

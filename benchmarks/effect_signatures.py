@@ -104,7 +104,6 @@ def draw_spectrum(axes: Axes, found: Residual) -> None:
 
 
 def draw_panel(axes: Axes, found: Residual, panel: str) -> None:
-    """One panel by its name."""
     axes.set_ylabel(found.label)
     if panel == "frequency":
         draw_spectrum(axes, found)
@@ -121,7 +120,6 @@ def draw_panel(axes: Axes, found: Residual, panel: str) -> None:
 
 
 def picture(effect: str, file: Path) -> None:
-    """Draw the signature of an effect."""
     found = residual_of(effect)
     panels = signature_of(effect).panels
     with mpl.rc_context({**LIGHT.style, "svg.hashsalt": "symid"}):
@@ -133,7 +131,6 @@ def picture(effect: str, file: Path) -> None:
 
 
 def main() -> None:
-    """Draw the signatures of the named effects, or of all."""
     for effect in sys.argv[1:] or dict.fromkeys(known.name for known in LIBRARY):
         picture(effect, FOLDER / f"{effect}.png")
         print(f"{effect}.png")

@@ -81,7 +81,6 @@ def print_comparison(title: str, published: Table, ours: Table, default: Table) 
 
 
 def main() -> None:
-    """Run the benchmark and print its tables."""
     for axis, published in (("emps", SYMMETRIC), ("emps_asymmetric", ASYMMETRIC)):
         model, log, pulses = (
             symid.load_generated(axis),

@@ -106,7 +106,6 @@ def lines_of_repeated(trial: IdentificationTrial, expected: Expectation, runs: i
 
 
 def main(names: list[str], method: Literal["wls", "iv"], runs: int) -> None:
-    """Print both for each axis."""
     for name in names:
         machine = MACHINES[name]
         trial = machine.trial(name, method)

@@ -81,7 +81,6 @@ def tuned(method: int) -> float:
 
 
 def main() -> None:
-    """Print the frequencies and the errors at them beside the paper's."""
     for method, number, printed, paper in ((2, 5, TABLE_5, 8396.50), (3, 6, TABLE_6, 8036.35)):
         rate = tuned(method)
         found = errors(method, rate)

@@ -71,7 +71,6 @@ def detection(kind: str, runs: int, size: float, draws: int, between: float = 2.
 
 
 def main() -> None:
-    """Run the benchmark and print its tables."""
     draws = parser_of(__doc__, draws=300).parse_args().draws
     print("nothing differs, nothing changes: false alarms in percent\n")
     print("runs   axis differs   chart changes   chart changes, between runs three times the promise")

@@ -108,7 +108,6 @@ def run(*arguments: str) -> tuple[int, str]:
 
 
 def outcome(name: str, *, diagnosed: bool) -> str:
-    """Result of a file in one line."""
     file, write, options, later = FILES[name]
     write(Path(file))
     code, said = run("import", file, "--axis", "rigid_1m", *shlex.split(options), "-o", "map.json")
@@ -127,7 +126,6 @@ def outcome(name: str, *, diagnosed: bool) -> str:
 
 
 def main() -> int:
-    """Print a line for each file."""
     parser = parser_of(__doc__)
     parser.add_argument("names", nargs="*", default=list(FILES))
     parser.add_argument("--no-diagnosis", action="store_true")

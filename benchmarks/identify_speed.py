@@ -69,12 +69,10 @@ def simulate_direct(samples: int, rng: np.random.Generator) -> tuple[FloatArray,
 
 
 def low_pass(cutoff: float) -> FloatArray:
-    """Sections of the Butterworth filter."""
     return np.asarray(signal.butter(4, cutoff, fs=RATE, output="sos"))
 
 
 def decimator(factor: int) -> FloatArray:
-    """Sections of the decimation filter."""
     return np.asarray(signal.cheby1(8, 0.05, 0.8 / factor, output="sos"))
 
 
@@ -91,7 +89,6 @@ def run_identify(axis: str, log: symid.Log, settings: dict[str, Any], examine: b
 
 
 def run_passes(axis: str, log: symid.Log, settings: dict[str, Any], threads: int) -> dict[str, Any]:
-    """Run the bare filters."""
     model, factor = generated(axis), settings["factor"]
     signals = [log[name] for name in AXES[axis]]
     smooth = low_pass(settings["cutoff"])
@@ -184,7 +181,6 @@ def run(job: str, axis: str, folder: Path, settings: dict[str, Any]) -> dict[str
 
 
 def compare(axis: str, folder: Path, decimation: int | None, rounds: int) -> None:
-    """Print one case of the table."""
     settings: dict[str, Any] = {"decimation": decimation, "cutoff": 30.0, "factor": decimation or 10}
     runs: dict[str, list[dict[str, Any]]] = {job: [] for job in JOBS}
     for i in range(rounds):
@@ -221,7 +217,6 @@ def simulate(axis: str, folder: Path, samples: int) -> None:
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     if sys.argv[1:2] == ["--simulate"]:  # in separate processes: children inherit peaks of memory
         simulate(sys.argv[2], Path(sys.argv[3]), int(sys.argv[4]))
         return

@@ -122,7 +122,6 @@ def outcomes_of(cases: Iterator[Case]) -> list[Outcome]:
 
 
 def main() -> None:
-    """Run the benchmark and print its tables."""
     chosen = parser_of(__doc__, logs=60, seed=1).parse_args()
     with threadpool_limits(1):
         for outcomes in (outcomes_of(sines()), outcomes_of(drawn(chosen.logs, chosen.seed))):

@@ -103,7 +103,6 @@ def summary(covered: np.ndarray, draws: int) -> str:
 
 
 def main() -> None:
-    """Measure all settings and print how many intervals cover as often as they say."""
     parser = parser_of(__doc__, draws=60, seed=1)
     parser.add_argument("--settings", type=int, nargs="+", default=range(len(SETTINGS)))
     chosen = parser.parse_args()

@@ -44,7 +44,6 @@ def part(first: int, samples: int) -> dict[str, FloatArray]:
 
 
 def write(file: Path, samples: int) -> None:
-    """Write a log part by part."""
     frames = [(first, min(PART, samples - first)) for first in range(0, samples, PART)]
     if file.suffix == ".csv":
         with file.open("wb") as out:
@@ -104,7 +103,6 @@ def slope(samples: list[int], seconds: list[float]) -> float:
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     parser = parser_of(__doc__, largest=1e7, whole=1e7)
     parser.add_argument("--kind", choices=["parquet", "csv"], default="parquet")
     parser.add_argument("--folder", help="where logs are written [a temporary folder]")

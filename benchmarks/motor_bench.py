@@ -33,7 +33,6 @@ ComplexArray = NDArray[np.complex128]
 
 
 def read(which: str) -> symid.Log:
-    """Read log A or B."""
     return symid.read_log(
         DATA / f"MultisineType{which}.mat",
         expected=symid.load_axis("motor_bench").signal_units,
@@ -88,7 +87,6 @@ def print_row(label: str, a: dict[str, float], b: dict[str, float], current: flo
 def compare(
     model: GeneratedModel, logs: dict[str, symid.Log], preparation: symid.Preparation, label: str
 ) -> None:
-    """Identify A and B and print a row."""
     found = {which: symid.identify(model, log, preparation=preparation) for which, log in logs.items()}
     chosen = found["A"].observations[0].preparation
     text = f"{chosen.cutoff_hz:g} Hz, 1 of {chosen.decimation}{label}"
@@ -181,7 +179,6 @@ def print_bias() -> None:
 
 
 def main() -> None:
-    """Run the benchmark and print its tables."""
     logs = {which: read(which) for which in "AB"}
     fits = {which: response_fit(log, LINES[which]) for which, log in logs.items()}
     ideal = {which: simulated(log, LINES[which], fits["A"]) for which, log in logs.items()}

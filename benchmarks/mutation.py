@@ -131,7 +131,6 @@ def drawn(package: Path, number: int, seed: int) -> tuple[list[Mutant], int]:
 
 
 def put(parent: ast.AST, field: str, index: int | None, node: ast.AST) -> None:
-    """Put a node into the field of its parent."""
     if index is None:
         setattr(parent, field, node)
     else:
@@ -164,7 +163,6 @@ def copied(root: Path) -> None:
 
 
 def main() -> None:
-    """Draw mutants, test each, and print the score and the survivors."""
     parser = parser_of(__doc__, mutants=60, seed=1, patience=5.0)
     parser.add_argument("package", help="a folder of symid/ that has tests in tests/")
     options = parser.parse_args()

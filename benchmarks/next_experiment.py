@@ -91,7 +91,6 @@ def rows(pair: Rivals, sizes: tuple[float, ...], runs: int) -> Iterator[Row]:
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     runs = parser_of(__doc__, runs=50).parse_args().runs
     _, pair = rivals()
     print(f"{' against '.join(effect for effect, _ in pair.keys)}, {2 * runs} runs each")

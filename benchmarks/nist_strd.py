@@ -47,8 +47,6 @@ class Problem:
 
 @dataclass(frozen=True)
 class Solution:
-    """Result of a solver for a problem."""
-
     parameters: FloatArray
     standard_deviations: FloatArray
     residual_deviation: float
@@ -149,7 +147,6 @@ def _root(value: Fraction) -> Decimal:
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     print(f"{'certified digits':18}{'parameters':^27}{'standard dev.':^18}{'residual dev.':^18}")
     print(f"{'':18}" + f"{'symid':>9}{'refined':>9}{'lstsq':>9}" + 2 * f"{'symid':>9}{'lstsq':>9}")
     for name in PROBLEMS:

@@ -78,7 +78,6 @@ def outcome_of(case: Case, number: int, method: str) -> Outcome:
 
 
 def deviations_of(found: Identification | OutputErrorIdentification) -> dict[str, float]:
-    """Deviations as they are printed."""
     if not found.physical_parameters:
         return {}
     return dict(zip(found.physical_parameters, map(float, found.physical_deviations), strict=True))
@@ -121,7 +120,6 @@ def table(outcomes: list[Outcome], title: str, key) -> list[str]:
 
 
 def summary(outcomes: list[Outcome]) -> str:
-    """Share of ok, and of ok and wrong."""
     ok = [o for o in outcomes if o.status == "ok"]
     wrong = [o for o in ok if o.is_wrong]
     far = [o for o in wrong if o.worst[0] > 6]
@@ -135,7 +133,6 @@ def summary(outcomes: list[Outcome]) -> str:
 
 
 def main() -> None:
-    """Run the benchmark and print its tables."""
     parser = parser_of(__doc__, logs=1000, first=0, seed=1, show=False)
     parser.add_argument("--method", default="wls", choices=["wls", "oe"])
     parser.add_argument("--kind", default="both", choices=["undamaged", "damaged", "both"])

@@ -226,7 +226,6 @@ def print_starts() -> None:
 
 
 def main() -> None:
-    """Run the benchmark and print its parts."""
     quick = parser_of(__doc__, quick=False).parse_args().quick
     began = time.monotonic()
     print_paper(quick)

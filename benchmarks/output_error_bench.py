@@ -10,7 +10,6 @@ from symid.output_error import identify_output_error
 
 
 def row(label: str, values: Iterable[float], width: int = 9, digits: int = 2) -> None:
-    """Print a label and numbers."""
     print(f"{label:44}" + "".join(f"{value:{width}.{digits}f}" for value in values), flush=True)
 
 

@@ -18,7 +18,6 @@ QUIET, LOUD = (1.0, 20e-9), (5.0, 100e-9)
 
 
 def direct() -> Axis:
-    """The paper's axis, direct_2m1s."""
     return symid.load_axis("direct_2m1s")
 
 
@@ -50,7 +49,6 @@ class Disturbed(Cascade):
     def force(
         self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
     ) -> tuple[float, FloatArray]:
-        """Force that acts until the next sample."""
         sent, state = super().force(command, measured, state, period)
         return sent + float(self.disturbance[command.index]), state
 

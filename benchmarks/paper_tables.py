@@ -103,13 +103,11 @@ def model(method: int) -> GeneratedModel:
 
 @cache
 def chirp_run(setup: Setup = DEFAULT) -> ExactRun:
-    """Simulated chirp."""
     return exact_run(LINEAR, NOMINAL, setup.chirp(), setup.controller(LINEAR))
 
 
 @cache
 def trapezoid_run(setup: Setup = DEFAULT, coulomb: bool = False) -> ExactRun:
-    """Simulated trapezoids."""
     axis = FULL if coulomb else LINEAR
     return exact_run(axis, NOMINAL, setup.trapezoids(setup.rate), setup.controller(axis))
 
@@ -125,12 +123,10 @@ def nominal(name: str) -> float:
 
 
 def error(name: str, value: float) -> float:
-    """Error in percent, with its sign."""
     return 100.0 * (value / nominal(name) - 1.0)
 
 
 def worst(found: Mapping[str, float], names: Mapping[str, object] | tuple[str, ...]) -> float:
-    """Largest error in percent."""
     return max(abs(error(name, found[name])) for name in names)
 
 
@@ -267,7 +263,6 @@ What cannot be met, and why
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Print all tables."""
     parts: tuple[Callable[[], None], ...] = (print_chirp_tables, print_trapezoid_tables)
     vary = parser_of(__doc__, vary=False).parse_args(arguments).vary
     for part in parts:

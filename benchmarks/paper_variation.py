@@ -23,7 +23,6 @@ from symid.tuning.bound import lowest_within
 
 
 def variants() -> Iterator[tuple[str, Setup]]:
-    """The choices, one changed at a time."""
     yield "as chosen", DEFAULT
     for name, values in {
         "bandwidth_hz": (5.0, 20.0, 50.0),

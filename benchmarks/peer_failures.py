@@ -200,7 +200,6 @@ def print_timing(draws: int) -> None:
 
 
 def main() -> None:
-    """Run the benchmark and print both results."""
     draws = parser_of(__doc__, draws=100).parse_args().draws
     print_structure()
     print_timing(draws)

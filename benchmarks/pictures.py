@@ -51,7 +51,6 @@ def photograph(page: Path, picture: Path, width: int, height: int) -> None:
 
 
 def main() -> None:
-    """Diagnose, write the page, photograph it."""
     case = next(case for case in emps() if case.name == CASE)
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "diagnosis.html"

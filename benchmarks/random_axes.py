@@ -130,12 +130,10 @@ class _Draw:
         return name
 
     def ratio(self) -> float:
-        """A ratio of machines, or any."""
         listed = self.rng.random() < 0.5
         return float(self.rng.choice(_RATIOS) if listed else np.round(self.rng.uniform(0.05, 3.0), 4))
 
     def spring(self, name: str, at: Body | Between, across: FloatArray) -> None:
-        """A spring, with a damper or without."""
         damping = self.named(f"D{name}") if self.rng.random() < 0.6 else None
         spring = Spring(name, at, stiffness=self.named(f"K{name}"), damping=damping)
         self.elements.append(spring)
@@ -277,7 +275,6 @@ def in_a_process(seed: int, n: int) -> tuple[str, str]:
 
 
 def main() -> None:
-    """Count the outcomes of many axes, and name each that does not agree."""
     options = parser_of(__doc__, examples=300, seed=0, bodies=5, all=False).parse_args()
     found: Counter[str] = Counter()
     for seed in range(options.seed, options.seed + options.examples):

@@ -37,7 +37,6 @@ def ratios(axis: str, measured: tuple[str, ...], samples: int, repetitions: int)
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     options = parser_of(__doc__, samples=10_000_000, repetitions=9).parse_args()
     print(f"{options.samples} samples, median of {options.repetitions} alternating repetitions")
     print(f"{'axis':14}{'measured':14}{'regressor ms':>13}{'copy ms':>9}{'ratio':>7}   aim {AIM:g}")

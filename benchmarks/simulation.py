@@ -106,7 +106,6 @@ def processor_time() -> float:
 
 
 def beside_solve_ivp(case: Case) -> None:
-    """Print errors, steps per second and ratios."""
     run, loop = prepared(case, RATE)
     machine, found = case.by_hand(), {"symid": run().states}
 
@@ -211,12 +210,10 @@ def dry_structure() -> None:
 
 
 def has_mujoco() -> bool:
-    """Whether MuJoCo is installed."""
     return importlib.util.find_spec("mujoco") is not None
 
 
 def main() -> None:
-    """Print everything, or run one axis alone as a process."""
     if len(sys.argv) > 1:
         prepared(next(case for case in CASES if case.axis == sys.argv[1]), FINE)[0]()
         return

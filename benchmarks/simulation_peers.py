@@ -182,7 +182,6 @@ def _mujoco_model(machine: Machine, period: float):
 
 
 def main() -> None:
-    """Simulate the loop in a file by MuJoCo."""
     with np.load(sys.argv[1]) as file:
         machine = (rigid if file["values"].size == 3 else direct)(*file["values"])
         loop = Loop(file["position"], file["velocity"], float(file["period"]), tuple(file["gains"]))

@@ -33,7 +33,6 @@ print(run_script("emps", {name: log[name].to_numpy() for name in ("q", "F")}, {"
 
 
 def commands(log: Path) -> dict[str, list[str]]:
-    """Commands that are compared, by name."""
     python = sys.executable
     symid = "import sys; from symid.cli import main; main()"
     return {
@@ -52,7 +51,6 @@ def costs(command: list[str], environment: dict[str, str]) -> tuple[float, float
 
 
 def main() -> None:
-    """Run the benchmark and print its table."""
     options = parser_of(__doc__, rounds=7).parse_args()
     with tempfile.TemporaryDirectory() as name:
         log = Path(name) / "log.csv"

@@ -101,7 +101,6 @@ class Outcome:
 
 
 def clean_log(axis: Axis, rate: float, signals: tuple[str, ...]) -> Log:
-    """Noise-free log along trapezoids."""
     values = VALUES[axis.name]
     reference = trapezoids(
         [0.1], [0.1, 0.25, 0.5], acceleration=5.0, jerk=500.0, dwell=0.05, sampling_period=1 / CONTROLLER_HZ
@@ -171,7 +170,6 @@ def cells(quick: bool) -> list[Cell]:
 
 
 def line(outcome: Outcome) -> str:
-    """Row of the table for one cell."""
     tuned, best = outcome.tuned_setting, outcome.best_setting
     return (
         f"{outcome.cell}{tuned.cutoff_hz:7.1f} /{tuned.decimation:3}{best.cutoff_hz:8.1f} /{best.decimation:3}"
@@ -181,7 +179,6 @@ def line(outcome: Outcome) -> str:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Print the grid and the share of the cells within 10 % of the best."""
     given = parser_of(__doc__, first=0, cells=24, quick=False).parse_args(arguments)
     chosen = cells(given.quick)[given.first :][: given.cells]
     print(

@@ -115,7 +115,6 @@ class Case:
     change: str = ""
 
     def prepare(self, folder: Path) -> None:
-        """Apply the change to the file in a folder."""
         if self.file.endswith(".parquet"):
             _change_table(folder / self.file, *self.change.split(" ", 1))
         elif self.file:

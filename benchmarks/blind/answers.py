@@ -91,7 +91,6 @@ def diagnose_set(
 
 
 def cases_of(folder: Path) -> list[Path]:
-    """Folders of the cases."""
     return sorted(path for path in folder.glob("case*") if path.is_dir())
 
 

@@ -31,7 +31,6 @@ class Effect:
     foreign: bool = False
 
     def sized(self, value: float) -> Effect:
-        """The same with another size."""
         return replace(self, numbers=self.numbers | {self.size: float(value)})
 
 

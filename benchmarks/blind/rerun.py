@@ -96,7 +96,6 @@ class Rerun:
 
     @property
     def effects(self) -> str:
-        """The true effects."""
         return " + ".join(f"{e['effect']} at {e['at']}" for e in self.label["effects"])
 
     @property

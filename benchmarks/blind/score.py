@@ -50,7 +50,6 @@ class Verdict:
 
     @property
     def worldly(self) -> bool:
-        """One strong effect and small ones, or none, in a rough record."""
         return self.group.startswith("worldly")
 
     @property
@@ -164,7 +163,6 @@ def _share(hits: list[bool]) -> float:
 
 
 def aims(verdicts: list[Verdict]) -> list[Aim]:
-    """All aims of the ordinary groups."""
     verdicts = [v for v in verdicts if not v.worldly]
     clear = [v for v in verdicts if v.clear]
     single = [v for v in clear if v.group == "single"]
@@ -217,7 +215,6 @@ class Figure:
 
 
 def worldly(verdicts: list[Verdict]) -> list[Figure]:
-    """Figures of the worldly cases."""
     strong = [v for v in verdicts if v.group == "worldly"]
     none = [v for v in verdicts if v.group == "worldly none"]
     named = [v for v in strong + none if v.found]

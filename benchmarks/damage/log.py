@@ -34,7 +34,6 @@ def good_log(seed: int) -> Columns:
 
 
 def as_bytes(columns: Columns, form: str) -> bytes:
-    """A file of the columns."""
     out = io.BytesIO()
     if form == "mat":
         scipy.io.savemat(out, {name.split(" ")[0]: values for name, values in columns.items()})
@@ -46,7 +45,6 @@ def as_bytes(columns: Columns, form: str) -> bytes:
 
 
 def write(folder: Path, content: bytes, suffix: str) -> Path:
-    """Put a file into a folder."""
     file = folder / f"log.{suffix}"
     file.write_bytes(content)
     return file

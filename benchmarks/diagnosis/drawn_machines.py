@@ -112,7 +112,6 @@ KINDS = {
 
 
 def drawn_machine(rng: np.random.Generator) -> Machine:
-    """A machine of one of the kinds."""
     kind = str(rng.choice(list(KINDS)))
     inertias, accelerations, bits = KINDS[kind]
     inertia, acceleration = log_uniform(rng, *inertias), log_uniform(rng, *accelerations)

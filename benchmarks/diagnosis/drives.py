@@ -69,7 +69,6 @@ def _reading_speed(axis: Axis) -> Axis:
 
 
 def main() -> None:
-    """Print each case, then how many are right."""
     print_cases(__doc__, _judged_as_recorded)
 
 

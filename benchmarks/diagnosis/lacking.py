@@ -115,7 +115,6 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[Row]:
 
 
 def main() -> None:
-    """Print each case, then how many are right."""
     given = parser_of(__doc__, seed=1, cases=40, worldly=False).parse_args()
     found = []
     for row in rows(given.seed, given.cases, worldly=given.worldly):

@@ -120,7 +120,6 @@ def false_effects(effects: Iterable[FoundEffect], there: Collection[str]) -> lis
 
 
 def names_of(effects: Iterable[FoundEffect]) -> str:
-    """Effects with their probabilities."""
     return ", ".join(f"{one.effect} ({one.probability:.2f})" for one in effects)
 
 
@@ -149,7 +148,6 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[str, bool,
 
 
 def main() -> None:
-    """Print each case, then how many of each group are right."""
     given = parser_of(__doc__, seed=1, cases=60, worldly=False).parse_args()
     groups: dict[str, list[bool]] = {}
     named = 0

@@ -107,12 +107,10 @@ def pendulum_log(axis: Axis, method: str) -> Log:
 
 
 def with_reference(log: Log, reference: np.ndarray) -> Log:
-    """A log with its commanded position."""
     return replace(log, signals={**log.signals, "reference": reference})
 
 
 def main() -> None:
-    """Diagnose all cases, or those named, and print the motion of each."""
     parser = parser_of(__doc__)
     parser.add_argument("cases", nargs="*", help="names, or their beginnings [all]")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table")

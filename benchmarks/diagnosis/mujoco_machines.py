@@ -63,7 +63,6 @@ class Machine:
 
     @property
     def xml(self) -> str:
-        """The machine as a MuJoCo model."""
         kind = "hinge" if self.turns else "slide"
         arm = self.weight / 0.5 if self.weight else 0.0  # half a kilogram at this distance
         own = self.mass - 0.5 * arm**2 if self.turns else self.mass
@@ -259,7 +258,6 @@ def _is_of_integrator(own: Any) -> bool:
 
 
 def main() -> None:
-    """Draw, diagnose and count."""
     options = parser_of(__doc__, seed=4000, cases=20).parse_args()
     right, false, spent = [], 0, []
     for number in range(options.cases):

@@ -81,7 +81,6 @@ def judged(case: Case, seed: int, also: Collection[str] = (), aside: Collection[
 
 
 def main() -> None:
-    """Print each case, then how many are right."""
     print_cases(__doc__, judged)
 
 
@@ -99,7 +98,6 @@ def print_cases(description: str | None, judge: Callable[[Case, int], Row]) -> N
 
 
 def _print_sums(rows: Sequence[Row]) -> None:
-    """How many of some cases are right."""
     seen, firsts = [row for row in rows if row.counts], [one for row in rows for one in row.first]
     none = [row for row in rows if row.complete]
     print(f"the law lacking is named first in {sum(row.right for row in seen)} of {len(seen)} that count")

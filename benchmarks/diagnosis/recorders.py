@@ -105,7 +105,6 @@ def clear_cases(first: int) -> Iterator[tuple[int, Case, tuple[str, ...]]]:
 
 
 def main() -> None:
-    """Print each diagnosis, then the sums by recorder."""
     given = parser_of(__doc__, seed=1, cases=15).parse_args()
     sums: dict[str, list[tuple[bool, int]]] = {name: [] for name in RECORDERS}
     for seed, case, wanted in islice(clear_cases(given.seed), given.cases):

@@ -252,12 +252,10 @@ def _corner(low: float, high: float, case: Case, rng: np.random.Generator) -> fl
 
 
 def of_force(case: Case, rng: np.random.Generator) -> Case:
-    """A fault of the force."""
     return _of_channel(case, case.force, rng.choice(OF_FORCE), rng)
 
 
 def of_sensor(case: Case, rng: np.random.Generator) -> Case:
-    """A fault of a sensor."""
     name = str(rng.choice(case.measured))
     return _of_channel(case, name, rng.choice(OF_POSITION), rng)
 

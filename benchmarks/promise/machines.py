@@ -40,12 +40,10 @@ class Case:
 
     @property
     def measured(self) -> tuple[str, ...]:
-        """Signals of the sensors."""
         return tuple(name for name in self.signals if name != self.force)
 
     @property
     def force(self) -> str:
-        """Name of the drive's signal."""
         return FORCE[self.axis]
 
     def changed(self, fault: str, **signals: np.ndarray) -> Case:
@@ -126,7 +124,6 @@ def draw_truth(axis: str, mode_hz: float | None, motion, rng: np.random.Generato
 
 
 def clean_signals(axis, rate, seconds, motion, truth, rng) -> dict[str, np.ndarray]:
-    """All signals without noise."""
     n, more = int(seconds * rate), -(-FINE // rate)
     half = np.arange(2 * more * n) / (2 * more * rate)
     q, v, a = motion(half)

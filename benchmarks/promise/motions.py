@@ -28,7 +28,6 @@ class Move:
 
     @property
     def goal(self) -> float:
-        """Position at which it ends, m."""
         return self.start + self.speed * (self.ramp + self.cruise)
 
     def at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -98,7 +97,6 @@ def multisine(low: float, high: float, speed: float, acceleration: float, rng: n
 
 
 def together(*parts: Motion) -> Motion:
-    """Motion that is the sum of several motions."""
 
     def motion(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         found = np.sum([part(t) for part in parts], axis=0)

@@ -27,7 +27,6 @@ from .table import print_case, print_script, print_table
 
 
 def main() -> None:
-    """Diagnose all logs, or those named."""
     parser = parser_of(__doc__, isolated=False, repeated=False)
     parser.add_argument("cases", nargs="*", help="names, or their beginnings [all]")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table")
@@ -46,7 +45,6 @@ def main() -> None:
 
 
 def reported(case: Case) -> Row:
-    """Diagnose a case and print all of it."""
     found, row = diagnosed(case)
     if found is None:
         print(f"\n=== {case.name}: {case.model}\nrefused: {row['message']}\n  published: {case.published}")

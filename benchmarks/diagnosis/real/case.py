@@ -18,8 +18,6 @@ Key = tuple[str, str]
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A diagnosis of a real log."""
-
     name: str  # short name for the command line
     model: str  # what the model holds
     published: str  # what is known of the machine, and where from
@@ -45,7 +43,6 @@ class Case:
         return log_of(self.axis, self.held_out)
 
     def found(self) -> Diagnosis:
-        """The diagnosis."""
         return diagnose(self.axis, self.logs, validation=self.validation, nominal=self.nominal)
 
     def plain(self, band_hz: float | None = None) -> Plain:

@@ -53,7 +53,6 @@ class Motion:
     band: float  # Hz
 
     def low_passed(self, x: FloatArray) -> FloatArray:
-        """A signal in the band."""
         return low_passed(x, self.recording.period, self.band)
 
     @cached_property
@@ -64,7 +63,6 @@ class Motion:
 
     @cached_property
     def force(self) -> FloatArray:
-        """Measured force."""
         return self.low_passed(self.recording[self.script.force])
 
     @cached_property
@@ -88,7 +86,6 @@ class Motion:
 
 
 def low_passed(x: FloatArray, period: float, band: float) -> FloatArray:
-    """A signal with half of its power left at the band's end; all of it where the band holds the Nyquist frequency."""
     share = 2.0 * period * band / (np.sqrt(2.0) - 1.0) ** (0.5 / _ORDER)
     if share > 0.98:
         return x
@@ -136,8 +133,6 @@ def matrix(motion: Motion, names: Sequence[str], shape: Shape | None) -> tuple[l
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A fitted model."""
-
     names: tuple[str, ...]  # what it is made of
     values: Values  # of each column, SI
     shape: Shape | None  # of the mode or the load, if there is one
@@ -194,8 +189,6 @@ class Error:
 
 @dataclass(frozen=True, eq=False)
 class Plain:
-    """Result of the script."""
-
     # before, after: of the base model, and with the published effect
     before: Error
     after: Error

@@ -41,7 +41,6 @@ class Recording:
     signals: Mapping[str, FloatArray]  # values of each signal
 
     def __getitem__(self, name: str) -> FloatArray:
-        """Values of a signal."""
         return self.signals[name]
 
     def between(self, begin: float, end: float) -> Recording:

@@ -24,7 +24,6 @@ def modes(found: Diagnosis) -> Iterator[tuple[float, float]]:
 
 
 def print_case(case: Case, found: Diagnosis) -> None:
-    """Print everything of a diagnosis."""
     print(f"\n=== {case.name}: {case.model}\n{found.verdict}: {found.sentence}")
     print_gap(found)
     for effect in found.effects:
