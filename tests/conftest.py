@@ -1,4 +1,4 @@
-"""What all tests share: the path, one thread of linear algebra, the same examples of properties every time."""
+"""What all tests share: the path, one thread of linear algebra, a folder, the same examples of properties each time."""
 
 import os
 import sys
@@ -18,6 +18,13 @@ settings.register_profile(
     "same examples every time", derandomize=True, deadline=None, database=None, max_examples=50
 )
 settings.load_profile("same examples every time")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working folder of the test's own."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 @pytest.fixture

@@ -13,9 +13,8 @@ PAGES = {page.stem: page for page in (ROOT / "docs" / "how_to").glob("*.md")}
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.stem)
 def test_an_example_prints_what_its_page_says(
-    example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    example: Path, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     runpy.run_path(str(example), run_name="__main__")
     page = PAGES[example.stem].read_text(encoding="utf-8")
     assert f'--8<-- "examples/{example.name}"' in page

@@ -1,4 +1,4 @@
-"""A recorded run, and a folder of its own for each test of a command."""
+"""A recorded run, and parameters in the folder of a test."""
 
 from pathlib import Path
 
@@ -12,12 +12,6 @@ from symid.data import Log
 @pytest.fixture(scope="module")
 def recorded() -> Log:
     return recorded_run()
-
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 @pytest.fixture

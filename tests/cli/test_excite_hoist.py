@@ -34,11 +34,8 @@ RUN = "--rate 1000 --seconds 1.5 --seeds 0 --runs 4 --bandwidth 5"
 LIMITS = "--limits travel=2,speed=2,acceleration=20,force=50"
 
 
-def test_the_axis_hangs_in_its_rope_before_the_first_move(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_axis_hangs_in_its_rope_before_the_first_move(folder: Path) -> None:
     """A load that falls from relaxed springs would pull the drum more than any reference: M g r / (J + M r^2)."""
-    monkeypatch.chdir(tmp_path)
     write_axis(HOIST, "hoist.py")
     Path("P.json").write_text(json.dumps(TRUE))
     command = f"excite hoist.py --parameters P.json --fix M=20kg {RUN} {LIMITS} -o r.csv --json r.json"

@@ -1,12 +1,25 @@
 """The force of a foreign file: measured, or commanded where nothing else is recorded."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import polars as pl
 import pytest
 from command_line import run
+
+T = np.arange(1000) / 1000
+SINE = np.sin(9 * T)
+
+
+def imported(columns: Mapping[str, np.ndarray], *options: str) -> dict[str, Any]:
+    """Record of a foreign file of rigid_1m in the working folder."""
+    pl.DataFrame({"t [ms]": 1e3 * T, **columns}).write_csv("c.csv")
+    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", *options) == 0
+    record: dict[str, Any] = json.loads(Path("m.json").read_text(encoding="utf-8"))
+    return record
 
 
 @pytest.mark.parametrize(
@@ -21,17 +34,12 @@ def test_the_only_force_is_taken_though_it_is_a_command(
     header: str,
     gain: list[str],
     words: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    folder: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    t = np.arange(1000) / 1000
-    columns = {"t [ms]": 1e3 * t, "PosF[mm]": 100 * np.sin(9 * t), header: 40 * np.sin(9 * t)}
-    pl.DataFrame(columns).write_csv("c.csv")
-    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", *gain) == 0
+    record = imported({"PosF[mm]": 100 * SINE, header: 40 * SINE}, *gain)
     assert words in capsys.readouterr().out
-    assert json.loads(Path("m.json").read_text(encoding="utf-8"))["columns"]["F"] == header
+    assert record["columns"]["F"] == header
 
 
 @pytest.mark.parametrize(
@@ -53,12 +61,8 @@ def test_a_command_of_unknown_size_is_asked_about(
     folder: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    t = np.arange(1000) / 1000
-    columns = {"t [ms]": 1e3 * t, "PosF[mm]": 100 * np.sin(9 * t), header: np.sin(9 * t)}
-    pl.DataFrame(columns).write_csv(folder / "c.csv")
-    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", *options) == 0
+    record = imported({"PosF[mm]": 100 * SINE, header: SINE}, *options)
     assert said in capsys.readouterr().out
-    record = json.loads(Path("m.json").read_text(encoding="utf-8"))
     assert len(record["missing"]) == bool(said)
     if not said:
         assert record["columns"]["F"] == header
@@ -66,22 +70,16 @@ def test_a_command_of_unknown_size_is_asked_about(
 
 @pytest.mark.parametrize(("unit", "factor"), [("%", 4.0), ("‰", 0.4), ("0,1%", 0.4), ("0.01 %", 0.04)])
 def test_shares_of_a_rated_force_have_their_own_size(unit: str, factor: float, folder: Path) -> None:
-    t = np.arange(1000) / 1000
-    columns = {"t [ms]": 1e3 * t, "pos [mm]": 100 * np.sin(9 * t), f"Torque [{unit}]": 40 * np.sin(9 * t)}
-    pl.DataFrame(columns).write_csv(folder / "c.csv")
-    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", "--rated", "400") == 0
-    assert json.loads(Path("m.json").read_text(encoding="utf-8"))["gains"]["F"] == pytest.approx(factor)
+    record = imported({"pos [mm]": 100 * SINE, f"Torque [{unit}]": 40 * SINE}, "--rated", "400")
+    assert record["gains"]["F"] == pytest.approx(factor)
 
 
 def test_a_rated_value_makes_a_torque_without_a_unit_per_cent(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    t = np.arange(1000) / 1000
-    columns = {"t [ms]": 1e3 * t, "pos [mm]": 100 * np.sin(9 * t), "TorqueReference": 40 * np.sin(9 * t)}
-    pl.DataFrame(columns).write_csv(folder / "c.csv")
-    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", "--rated", "400") == 0
+    record = imported({"pos [mm]": 100 * SINE, "TorqueReference": 40 * SINE}, "--rated", "400")
     assert "no unit, so per cent is assumed of the rated value that is given" in capsys.readouterr().out
-    assert json.loads(Path("m.json").read_text(encoding="utf-8"))["gains"]["F"] == pytest.approx(4.0)
+    assert record["gains"]["F"] == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize(
@@ -104,28 +102,16 @@ def test_a_reference_in_counts_does_not_keep_a_mapping_incomplete(
     folder: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    t = np.arange(1000) / 1000
-    q = np.round(5e3 * np.sin(9 * t))
-    columns = {"t [ms]": 1e3 * t, position: q, "Pos Command [cnt]": q, "force [N]": 40 * np.sin(9 * t)}
-    pl.DataFrame(columns).write_csv(folder / "c.csv")
-    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json", *given) == 0
+    q = np.round(5e3 * SINE)
+    record = imported({position: q, "Pos Command [cnt]": q, "force [N]": 40 * SINE}, *given)
     assert said in " ".join(capsys.readouterr().out.split())
-    record = json.loads(Path("m.json").read_text(encoding="utf-8"))
     assert record["missing"] == []
     assert record["units"].get("reference") == unit
 
 
 def test_forces_of_other_axes_in_the_file_are_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    t = np.arange(1000) / 1000
-    forces = {f"Torque {axis} [N]": (k + 1) * np.sin(9 * t) for k, axis in enumerate("YXZ")}
-    columns = {
-        "t [ms]": 1e3 * t,
-        "Pos X [mm]": 100 * np.sin(9 * t),
-        **forces,
-        "Set torque [N]": np.cos(9 * t),
-    }
-    pl.DataFrame(columns).write_csv(folder / "c.csv")
-    assert run("import", "c.csv", "--axis", "rigid_1m", "-o", "m.json") == 0
+    forces = {f"Torque {axis} [N]": (k + 1) * SINE for k, axis in enumerate("YXZ")}
+    imported({"Pos X [mm]": 100 * SINE, **forces, "Set torque [N]": np.cos(9 * T)})
     out = " ".join(capsys.readouterr().out.split())
     assert "F may as well be column 'Torque X [N]' or 'Torque Z [N]'" in out
     assert run("import", "c.csv", "--axis", "rigid_1m", "--column", "F=Torque X [N]") == 0
@@ -135,7 +121,5 @@ def test_forces_of_other_axes_in_the_file_are_named(folder: Path, capsys: pytest
 def test_a_velocity_is_named_where_a_position_is_sought(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    t = np.arange(1000) / 1000
-    pl.DataFrame({"t [ms]": 1e3 * t, "v [mm/s]": np.cos(9 * t), "F [N]": t}).write_csv(folder / "c.csv")
-    assert run("import", "c.csv", "--axis", "rigid_1m") == 0
+    imported({"v [mm/s]": np.cos(9 * T), "F [N]": T})
     assert "'v [mm/s]' is a velocity, which an axis may declare" in " ".join(capsys.readouterr().out.split())

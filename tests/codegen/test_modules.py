@@ -154,11 +154,8 @@ def test_a_model_knows_the_highest_derivatives_it_needs() -> None:
     assert load_generated("direct_3m2s", ("q2",)).highest_derivatives == {"Fm": 4, "q2": 6}
 
 
-def test_a_missing_module_is_refused_with_the_command_that_makes_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    declare(tmp_path)
-    monkeypatch.chdir(tmp_path)
+def test_a_missing_module_is_refused_with_the_command_that_makes_it(folder: Path) -> None:
+    declare(folder)
     with pytest.raises(GeneratedModuleError) as refused:
         load_generated("mine")
     assert (
@@ -238,15 +235,12 @@ def test_a_failure_while_writing_leaves_the_old_module(
     assert sorted(path.parent.iterdir()) == [path.parent / "mine__dynamics.json", path]
 
 
-def test_what_fails_in_deriving_one_axis_writes_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    declare(tmp_path)
-    (tmp_path / "models" / "zzz.py").write_text("axis = 1", encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
+def test_what_fails_in_deriving_one_axis_writes_nothing(folder: Path) -> None:
+    declare(folder)
+    (folder / "models" / "zzz.py").write_text("axis = 1", encoding="utf-8")
     with pytest.raises(Exception, match=r"zzz\.py defines no axis"):
         write(plan(("mine", "zzz")))
-    assert not (tmp_path / "generated").exists()
+    assert not (folder / "generated").exists()
 
 
 def test_modules_that_nothing_declares_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -264,13 +258,12 @@ def test_modules_that_nothing_declares_are_removed(tmp_path: Path, monkeypatch: 
     assert {path.name for path in folder.iterdir()} == left
 
 
-def test_one_set_of_sensors_touches_no_other_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    declare(tmp_path, sensors='(Position("q", body), Acceleration("ddq", body))')
-    monkeypatch.chdir(tmp_path)
+def test_one_set_of_sensors_touches_no_other_module(folder: Path) -> None:
+    declare(folder, sensors='(Position("q", body), Acceleration("ddq", body))')
     write(plan(("mine",), ("q", "ddq")))
-    assert [path.name for path in (tmp_path / "generated").iterdir()] == ["mine__q_ddq.py"]
+    assert [path.name for path in (folder / "generated").iterdir()] == ["mine__q_ddq.py"]
     write(plan(("mine",), ("q",)))
-    assert {path.name for path in (tmp_path / "generated").iterdir()} == {"mine__q.py", "mine__q_ddq.py"}
+    assert {path.name for path in (folder / "generated").iterdir()} == {"mine__q.py", "mine__q_ddq.py"}
 
 
 def test_a_file_that_is_current_is_not_written_again(tmp_path: Path) -> None:

@@ -48,9 +48,8 @@ def test_whole_numbers_beside_decimal_commas(tmp_path: Path) -> None:
 
 
 def test_a_mapping_goes_alone_to_the_standard_output(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     rows = "\n".join(f"{t:.3f},{x / 1e5},{x}" for t, x in zip(TIME, FORCE, strict=True))
     Path("run.csv").write_text(f"t,q,F\n{rows}\n")
     assert run("import", "run.csv", "--axis", "rigid_1m", "-o", "-", "--json", "all.json") == 0

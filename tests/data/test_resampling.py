@@ -115,10 +115,7 @@ def test_times_must_advance() -> None:
         resampled({"q": np.sin(t)}, {"q": t}, "own")
 
 
-def test_on_the_command_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_on_the_command_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     t = jittered(0.3)
     v, a = 1.6 * np.cos(20 * t), -32 * np.sin(20 * t)
     q = 0.08 * np.sin(20 * t)

@@ -186,10 +186,7 @@ def test_clocks_that_differ_are_resampled_on_request(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["twincat", "control_desk"])
-def test_from_import_to_parameters(
-    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_from_import_to_parameters(kind: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("x.csv").write_text(twincat() if kind == "twincat" else control_desk(), encoding="utf-8")
     assert run("import", "x.csv", "--axis", "rigid_1m", "-o", "m.json") == 0
     named = ("--column", "q=Axis.ActPos", "--unit", "q=mm") if kind == "twincat" else ()

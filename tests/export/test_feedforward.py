@@ -192,9 +192,8 @@ def test_a_force_of_the_position_moves_along_where_a_spring_may_not_deflect() ->
     assert executed(found, **moved)["force"] == pytest.approx(2.5e-7 * 3.0 + 0.047 * 0.2, rel=1e-12)
 
 
-def test_the_command_writes_a_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    write_parameters(tmp_path)
+def test_the_command_writes_a_block(folder: Path) -> None:
+    write_parameters(folder)
     for _ in range(2):  # its own kind is replaced
         assert run("export", "rigid_1m", "--parameters", "rigid_1m.json", "--to", "st", "-o", "axis.st") == 0
     assert "FUNCTION_BLOCK FB_rigid_1m_Feedforward" in Path("axis.st").read_text()

@@ -107,11 +107,8 @@ def test_without_a_compiler_it_says_so(tmp_path: Path, monkeypatch: pytest.Monke
         write_fmu(derive(load_axis("rigid_1m")), VALUES["rigid_1m"], tmp_path / "a.fmu")
 
 
-def test_the_command_writes_a_unit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    write_parameters(tmp_path)
+def test_the_command_writes_a_unit(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_parameters(folder)
     arguments = ("export", "rigid_1m", "--parameters", "rigid_1m.json", "--to", "fmu")
     assert run(*arguments, "-o", "newer.fmu", "--fmi", "3") == 0
     assert fmpy.read_model_description("newer.fmu").fmiVersion == "3.0"

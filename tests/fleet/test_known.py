@@ -98,8 +98,7 @@ def loaded_logs() -> None:
         pl.DataFrame({"t": t, "q": q, "F": force}).write_csv(f"runs/{name}.csv")
 
 
-def test_each_log_has_a_payload_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_each_log_has_a_payload_of_its_own(folder: Path) -> None:
     loaded_logs()
     Path("payloads.csv").write_text("\ufefflog;Ml [g]\na.csv;0\nruns/b.csv;5000,0\n\nc.csv;20000\n", "utf-8")
     batch = ("batch", "loaded.py", "runs", "-o", "r.parquet", "--known", "payloads.csv", "--json", "s.json")
@@ -131,11 +130,9 @@ def test_each_log_has_a_payload_of_its_own(tmp_path: Path, monkeypatch: pytest.M
 def test_payloads_that_are_missing_or_wrong_are_refused(
     table: str,
     words: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    folder: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     loaded_logs()
     Path("payloads.csv").write_text(table)
     assert run("batch", "loaded.py", "runs", "-o", "r.parquet", "--known", "payloads.csv") == 2
@@ -157,10 +154,7 @@ axis = Axis("belted", (motor, load, belt, *friction), Drive("F", motor, held=Tru
 """
 
 
-def test_sensors_that_allow_no_model_alone_do_not_stop_a_batch(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_sensors_that_allow_no_model_alone_do_not_stop_a_batch(folder: Path) -> None:
     Path("belted.py").write_text(BELTED)
     axis = symid.load_axis("belted.py")
     true = {"Mm": 8.0, "Ml": 22.0, "K": 6e5, "D": 300.0, "Fv": 60.0, "Fs": 18.0}

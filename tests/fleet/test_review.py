@@ -144,8 +144,7 @@ def test_names_give_the_order_where_copying_has_lost_the_times() -> None:
     assert axis.parameters[0].logs[change.log].endswith("run_0020.parquet")
 
 
-def test_the_command_prints_and_writes_what_the_review_found(table, tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_command_prints_and_writes_what_the_review_found(table, folder, monkeypatch, capsys) -> None:
     table.write_parquet("results.parquet")
     assert run("fleet", "results.parquet", "--json", "fleet.json", "--report", "fleet.html") == 0
     printed = capsys.readouterr().out

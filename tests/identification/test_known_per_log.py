@@ -212,10 +212,7 @@ def test_the_constant_is_in_equations_and_simulation() -> None:
         identify_with_known(AXIS, [log_with(0.0, 1)], [{"Ml": 0.0}, {"Ml": 1.0}], ("q",))
 
 
-def test_the_command(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_command(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_axis(AXIS, Path("current.py"), "A table with a payload.")
     for name, payload in (("empty", 0.0), ("loaded", 12.5)):
         write_log(log_with(payload, int(payload)), Path(f"{name}.csv"))

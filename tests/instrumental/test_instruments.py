@@ -225,10 +225,7 @@ def test_mistakes_are_refused() -> None:
         ClosedLoop(load_axis("rigid_1m"), rate_hz=-1.0)
 
 
-def test_the_command_takes_the_method(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_command_takes_the_method(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = with_noise(closed_loop_log("rigid_1m"), {"q": 1e-6}, 0)
     pl.DataFrame({"t": log.time, **log.signals}).write_csv("run.csv")
     common = ("identify", "rigid_1m", "run.csv", "--held", "F", "--method", "iv")

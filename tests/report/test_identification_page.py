@@ -47,8 +47,7 @@ class Page(HTMLParser):
         self.text += data
 
 
-def test_the_page_of_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_page_of_the_command(folder: Path) -> None:
     rng = np.random.default_rng(0)
     recording(Path("a.csv"), 0.5 * rng.standard_normal(6000))
     recording(Path("b<.csv"), 0.5 * rng.standard_normal(6000))
@@ -125,9 +124,8 @@ def test_fit_of_the_mean_is_none() -> None:
 
 
 def test_a_page_that_cannot_be_written_is_refused_first(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     recording(Path("a.csv"))
     assert run("identify", "rigid_1m", "a.csv", "--report", "p.txt") == 2
     assert "p.txt" in capsys.readouterr().err

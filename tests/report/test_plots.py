@@ -164,10 +164,9 @@ def test_curves_are_distinguished_without_colour() -> None:
     assert line(spectrum, "measured").get_linestyle() != line(spectrum, "residual").get_linestyle()
 
 
-def test_the_command_draws_on_a_dark_background(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_draws_on_a_dark_background(folder: Path) -> None:
     from symid.cli.simulate_command import write_log
 
-    monkeypatch.chdir(tmp_path)
     write_log(identified()[1], Path("run.csv"))
     assert run("identify", "rigid_1m", "run.csv", "--plot", "run.svg", "--dark") == 0
     assert DARK.paper.lower() in Path("run.svg").read_text().lower()

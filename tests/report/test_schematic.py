@@ -146,8 +146,7 @@ def test_ink_stands_out_from_paper_and_bodies(palette: Palette) -> None:
     assert abs(grey(palette.measured) - grey(palette.model)) > 0.2, "the curves are one in grey print"
 
 
-def test_show_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_show_draws_it(folder: Path) -> None:
     assert run("show", "motor_bench", "--plot", "axis.svg", "--dark") == 0
     drawn = Path("axis.svg").read_text()
     assert 'id="body motor"' in drawn

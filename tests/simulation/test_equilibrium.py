@@ -111,8 +111,7 @@ def test_what_nothing_holds_is_named() -> None:
         simulate(HOIST, TRUE, still(), Own(), start="equilibrium")
 
 
-def test_the_command_begins_in_equilibrium(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_command_begins_in_equilibrium(folder: Path) -> None:
     write_axis(HOIST, "hoist.py")
     Path("P.json").write_text(json.dumps(TRUE))
     line = "simulate hoist.py --parameters P.json --rate 1000 --seconds 1 --trajectory chirp --travel 0.05"
