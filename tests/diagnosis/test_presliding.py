@@ -80,3 +80,23 @@ def test_a_part_of_coulomb_friction_predicts_what_both_did_apart() -> None:
     together = with_effects(state, weighting, (whole, part))
     assert (whole.amplitudes, part.amplitudes) == ((30.0,), (12.0,))
     assert np.allclose(together.rows, apart.rows, rtol=0, atol=1e-9 * np.abs(apart.rows).max())
+
+
+def test_reaches_tried_fit_within_the_stroke_of_the_joint() -> None:
+    """A structure that its spring holds moves by micrometres: the least reach of a slide was as long as its stroke."""
+    axis = load_axis("direct_2m1s")
+    values = {"Ms": 2300.0, "Fvs": 28000.0, "Ks": 1.4e8, "Mm": 335.0, "Fvm": 330.0, "Fsm": 110.0}
+    path = trapezoids([0.2, 0.1], 0.8, acceleration=5.0, jerk=300.0, dwell=0.05, sampling_period=1e-3)
+    log = simulate(axis, values, path, tuned_cascade(plant_of(axis, values), "q2"), seed=1).log
+    state, _ = first_state(data_of(axis, (joined([log]), None), Recorded({}, True)).record, values)
+    effect = next(effect for effect in LIBRARY if effect.name == "presliding_friction")
+    tried = {
+        at: [reach for (reach,) in effect.shapes(state.prediction, at, lambda response: response.real)]
+        for at in ("motor", "structure")
+    }
+    assert tried["motor"][0] == pytest.approx(2e-6)
+    assert tried["motor"][-1] == pytest.approx(6e-4)
+    stroke = state.prediction.joints["structure"].stroke
+    assert stroke < 1e-4
+    assert max(tried["structure"]) < stroke / 3
+    assert min(tried["structure"]) < stroke / 100

@@ -17,8 +17,10 @@ from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 
-_REACHES = np.geomspace(2e-6, 6e-4, 10)
-"""Reaches of presliding to try in a slide, m."""
+_REACHES = np.array([2e-6, 6e-4])
+"""Least and largest reach of presliding to try in a slide, m."""
+_OF_STROKE = np.array([0.003, 0.3])
+"""The same where they are smaller relative to the stroke, as in a structure that a spring holds."""
 _HIDDEN_REACHES = (0.03, 0.15)
 """Reaches of friction that holds a hidden joint, relative to its largest deflection, with which a fit may begin."""
 _TURNED = np.geomspace(1e-5, 1e-2, 12)
@@ -51,8 +53,9 @@ class PreslidingFrictionEffect(JointEffect):
         self.of_found = of_found
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        slides = str(joint_units(prediction, place)[1]) == "m"
-        reaches = _REACHES if slides else prediction.joints[place].stroke * _TURNED
+        stroke, slides = prediction.joints[place].stroke, str(joint_units(prediction, place)[1]) == "m"
+        least, most = np.minimum(_REACHES, stroke * _OF_STROKE)
+        reaches = np.geomspace(least, most, 10) if slides else stroke * _TURNED
         return [(float(x),) for x in reaches]
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
