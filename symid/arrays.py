@@ -1,4 +1,4 @@
-"""Array types of the numeric packages, lengths that are fast to transform, and columns of unlike size."""
+"""Array types of the numeric packages, runs of flags, fast lengths of transforms, columns of unlike size."""
 
 from functools import lru_cache
 from typing import Any, TypeVar
@@ -30,6 +30,15 @@ def read_only(values: Values) -> Values:
     view = values.view()
     view.flags.writeable = False
     return view
+
+
+def runs_of_true(flags: BoolArray) -> IntArray:
+    """Begin and end (exclusive) of each run of true values, shape (n_runs, 2).
+
+    >>> runs_of_true(np.array([True, False, True, True])).tolist()
+    [[0, 1], [2, 4]]
+    """
+    return np.flatnonzero(np.diff(flags, prepend=False, append=False)).reshape(-1, 2)
 
 
 def norms_or_one(columns: npt.NDArray[Any], axis: int = 0) -> FloatArray:

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, IntArray, runs_of_true
 from symid.data import Log, LowPass, central_difference
 from symid.output_error.force_course import Course, force_between
 from symid.simulation import ForwardDynamics
@@ -37,7 +36,7 @@ class JointMotion:
     q_at: FloatArray
     v_at: FloatArray
 
-    def at(self, samples: BoolArray | NDArray[np.intp]) -> JointMotion:
+    def at(self, samples: BoolArray | IntArray) -> JointMotion:
         """The motion at some of the samples."""
         return JointMotion(self.q[samples], self.v[samples], self.q_at[samples], self.v_at[samples])
 
@@ -229,7 +228,7 @@ def _resting(motion: JointMotion, standstill: float | None, margin: int) -> Bool
     speed = np.abs(motion.v_at)
     slow = speed < (_STANDSTILL_SHARE * speed.max() if standstill is None else standstill)
     resting = np.zeros(speed.size, dtype=bool)
-    for begin, end in _intervals(slow):
+    for begin, end in runs_of_true(slow):
         if end - begin >= _SHORTEST_STANDSTILL:
             resting[max(begin - margin, 0) : end + margin] = True
     reversals = np.flatnonzero(np.diff(np.signbit(motion.v_at)))
@@ -239,15 +238,10 @@ def _resting(motion: JointMotion, standstill: float | None, margin: int) -> Bool
     return resting
 
 
-def _intervals(flags: BoolArray) -> NDArray[np.intp]:
-    """Start and end (exclusive) of each run of flags, shape (n_runs, 2)."""
-    return np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]]))).reshape(-1, 2)
-
-
 def _stretches(moving: BoolArray, shortest: int) -> tuple[BoolArray, tuple[int, ...]]:
     """Samples of the stretches that are long enough, and the index of the first one of each stretch among them."""
     kept, starts, count = np.zeros(moving.size, dtype=bool), [], 0
-    for begin, end in _intervals(moving):
+    for begin, end in runs_of_true(moving):
         if end - begin >= shortest:
             kept[begin:end] = True
             starts.append(count)

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 import scipy
 
-from symid.arrays import BoolArray, FloatArray, IntArray
+from symid.arrays import BoolArray, FloatArray, IntArray, runs_of_true
 from symid.text import counted
 
 FEWEST = 3
@@ -197,10 +197,8 @@ def _lost_rows(signals: Mapping[str, FloatArray]) -> BoolArray:
 
 def _short(lost: BoolArray) -> BoolArray:
     """Places within a log, at most three in a row."""
-    steps = np.diff(np.concatenate(([0], lost.astype(np.int8), [0])))
-    starts, ends = np.flatnonzero(steps == 1), np.flatnonzero(steps == -1)
     found = lost.copy()
-    for start, end in zip(starts, ends, strict=True):
+    for start, end in runs_of_true(lost):
         found[start:end] = start > 0 and end < lost.size and end - start <= _LONGEST
     return found
 

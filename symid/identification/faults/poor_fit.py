@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, runs_of_true
 from symid.codegen import GeneratedModel
 from symid.data import cut_in_motion
 from symid.data.quality.stuck import is_switched
@@ -126,8 +126,7 @@ def _of_rows(parts: Sequence[Excerpt], valid: Sequence[BoolArray]) -> LeastSquar
 def _at_limit(force: FloatArray) -> BoolArray:
     """Samples in runs of the largest or the smallest value, unless that is 0."""
     flags = ((force == force.max()) | (force == force.min())) & (force != 0.0)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    for start, stop in edges.reshape(-1, 2):
+    for start, stop in runs_of_true(flags):
         if stop - start < _CLIPPED_SAMPLES:
             flags[start:stop] = False
     return np.asarray(flags)

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, runs_of_true
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.data.quality.checks import jumps_of
@@ -117,8 +117,7 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
     of the span as it never does else.
     """
     step = np.diff(x)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], step == 0.0, [False]]).astype(np.int8)))
-    spans = edges.reshape(-1, 2)
+    spans = runs_of_true(step == 0.0)
     spans = spans[(spans[:, 1] - spans[:, 0] >= _SPAN - 1) & (spans[:, 1] < step.size)]
     length = spans[:, 1] - spans[:, 0]
     alike = np.count_nonzero(step == 0.0) - int(length.sum())

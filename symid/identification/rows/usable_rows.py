@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, least_squares
+from symid.arrays import BoolArray, FloatArray, least_squares, runs_of_true
 from symid.codegen import GeneratedModel
 from symid.data import LowPass, Piece, QuinticSpline, in_pieces, kept_indices, kept_of
 from symid.identification.rows.sampling import STANDSTILL_SHARE, WORKERS, Sampling
@@ -130,8 +130,7 @@ def _stops(velocity: FloatArray, threshold: float, longest: int) -> BoolArray:
     [0, 1, 1, 1, 0, 0, 0, 0, 0]
     """
     speed = np.abs(velocity)
-    edges = np.flatnonzero(np.diff(speed < 2 * threshold, prepend=False, append=False))
-    begins, ends = edges[::2], edges[1::2]
+    begins, ends = runs_of_true(speed < 2 * threshold).T
     inside = (begins > 0) & (ends < speed.size) & (ends - begins <= longest)
     begins, ends = begins[inside], ends[inside]
     goes_on = np.sign(velocity[begins - 1]) == np.sign(velocity[ends])
