@@ -166,18 +166,14 @@ def child(job: str, axis: str, folder: Path, settings: dict[str, Any]) -> None:
 
 def run(job: str, axis: str, folder: Path, settings: dict[str, Any]) -> dict[str, Any]:
     """Costs and results of one job in a separate process."""
-    command = [
-        sys.executable,
-        "-m",
-        "benchmarks.identify_speed",
-        "--child",
-        job,
-        axis,
-        str(folder),
-        json.dumps(settings),
-    ]
-    result: dict[str, Any] = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    result: dict[str, Any] = json.loads(in_own_process("--child", job, axis, folder, json.dumps(settings)))
     return result
+
+
+def in_own_process(*arguments: object) -> bytes:
+    """What this benchmark prints as a separate process: children inherit peaks of memory."""
+    command = [sys.executable, "-m", "benchmarks.identify_speed", *map(str, arguments)]
+    return subprocess.run(command, check=True, capture_output=True).stdout
 
 
 def compare(axis: str, folder: Path, decimation: int | None, rounds: int) -> None:
@@ -217,7 +213,7 @@ def simulate(axis: str, folder: Path, samples: int) -> None:
 
 
 def main() -> None:
-    if sys.argv[1:2] == ["--simulate"]:  # in separate processes: children inherit peaks of memory
+    if sys.argv[1:2] == ["--simulate"]:
         simulate(sys.argv[2], Path(sys.argv[3]), int(sys.argv[4]))
         return
     if sys.argv[1:2] == ["--child"]:
@@ -235,16 +231,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for axis in AXES:
-            command = [
-                sys.executable,
-                "-m",
-                "benchmarks.identify_speed",
-                "--simulate",
-                axis,
-                str(folder),
-                str(options.samples),
-            ]
-            subprocess.run(command, check=True)
+            in_own_process("--simulate", axis, folder, options.samples)
             for decimation in (None, 1):
                 compare(axis, folder, decimation, options.rounds)
 

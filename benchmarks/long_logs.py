@@ -79,14 +79,8 @@ def identified(file: str, blocks: bool) -> dict[str, Any]:
 
 def in_own_process(file: Path, blocks: bool) -> dict[str, Any]:
     """Result of `identified` in a separate process."""
-    command = [
-        sys.executable,
-        "-m",
-        "benchmarks.long_logs",
-        "--identify",
-        str(file),
-        *(["--blocks"] if blocks else []),
-    ]
+    command = [sys.executable, "-m", "benchmarks.long_logs", "--identify", str(file)]
+    command += ["--blocks"] if blocks else []
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     return dict(json.loads(done.stdout))
 

@@ -66,18 +66,20 @@ def slew_limited(x, rng):
 
 def half_gain(x, rng):
     share = rng.uniform(0.1, 0.4)
-    start = int(rng.uniform(0, 1 - share) * x.size)
-    found = x.copy()
-    found[start : start + int(share * x.size)] *= 0.5
-    return f"{share:.2f}", found
+    return f"{share:.2f}", _part_times(0.5, x, share, rng)
 
 
 def sign_flips(x, rng):
     share = rng.uniform(0.05, 0.3)
+    return f"{share:.2f}", _part_times(-1, x, share, rng)
+
+
+def _part_times(gain, x, share, rng):
+    """x with a gain in a part of the log, which is anywhere."""
     start = int(rng.uniform(0, 1 - share) * x.size)
     found = x.copy()
-    found[start : start + int(share * x.size)] *= -1
-    return f"{share:.2f}", found
+    found[start : start + int(share * x.size)] *= gain
+    return found
 
 
 def quantised(x, rng):
@@ -152,14 +154,8 @@ def gain_drift(x, rng):
 
 def part_gain(x, rng):
     """Another gain, 0.3 to 2.5, in a part of the log, 3 to 60 % of it."""
-    share, gain = (
-        log_uniform(rng, 0.03, 0.6),
-        log_uniform(rng, 0.3, 2.5),
-    )
-    start = int(rng.uniform(0, 1 - share) * x.size)
-    found = x.copy()
-    found[start : start + int(share * x.size)] *= gain
-    return f"{share:.2f} {gain:.2f}", found
+    share, gain = log_uniform(rng, 0.03, 0.6), log_uniform(rng, 0.3, 2.5)
+    return f"{share:.2f} {gain:.2f}", _part_times(gain, x, share, rng)
 
 
 def moved(x: np.ndarray, samples: int) -> np.ndarray:

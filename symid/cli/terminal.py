@@ -13,6 +13,11 @@ from typing import Any, Final, TextIO, TypeVar
 
 from symid.text import one_line, visible
 
+_SAME: Final = re.findall(
+    r"\w+",
+    "bounds encoding held jobs joint known late measured memory method resample scheduler standstill to trim",
+)
+"""Settings whose option has their name."""
 _OPTIONS: Final = {
     "columns": "--column",
     "controller": "--controller-gain",
@@ -26,27 +31,7 @@ _OPTIONS: Final = {
     "sampling_period": "--rate",
     "seconds": "--timeout",
     "units": "--unit",
-    **{
-        name: f"--{name}"
-        for name in (
-            "bounds",
-            "encoding",
-            "held",
-            "jobs",
-            "joint",
-            "known",
-            "late",
-            "measured",
-            "memory",
-            "method",
-            "resample",
-            "scheduler",
-            "standstill",
-            "to",
-            "trim",
-        )
-    },
-}
+} | {name: f"--{name}" for name in _SAME}
 _SETTING: Final = re.compile(r"`((\w+)(?:=([^`]+))?)`")
 
 

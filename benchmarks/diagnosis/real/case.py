@@ -28,9 +28,15 @@ class Case:
     axis: Axis  # the model
     training: tuple[Recording, ...]  # for identification
     held_out: Recording  # for the gap
-    nominal: Mapping[str, float]  # values of the simulation
+    nominal: Mapping[str, float] | None = (
+        None  # values of the simulation; those of the first log if not given
+    )
     script: Script  # what the plain script fits
     band_hz: float  # band in which the logs show the effect, for the plain script alone
+
+    def __post_init__(self) -> None:
+        if self.nominal is None:
+            object.__setattr__(self, "nominal", identified(self.axis, self.training[0]))
 
     @cached_property
     def logs(self) -> tuple[Log, ...]:

@@ -57,7 +57,6 @@ def robot() -> Iterator[Case]:
         axis=axis,
         training=(a, c),
         held_out=b,
-        nominal=identified(axis, a),
         script=Script("tau", "qm", ("inertia", "viscous"), ("coulomb",)),
         band_hz=20.0,
     )
@@ -97,7 +96,6 @@ def servo() -> Iterator[Case]:
         axis=axis,
         training=tuple(runs[:3]),
         held_out=runs[3],
-        nominal=identified(axis, runs[0]),
         script=Script("u", "q", ("inertia", "weight", "viscous"), (LOAD,)),
         band_hz=15.0,
     )
@@ -111,7 +109,6 @@ def servo() -> Iterator[Case]:
         axis=axis,
         training=(first, second),
         held_out=runs[3],
-        nominal=identified(axis, first),
         script=Script("u", "q", ("inertia", "viscous", "coulomb"), ("weight",)),
         band_hz=15.0,
     )

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from symid import Axis, OffsetForce
 
 from . import recordings
-from .case import Case, identified
+from .case import Case
 from .joints import rigid
 from .plain import Script
 from .recordings import Recording
@@ -64,7 +64,6 @@ def _case(
         axis=axis,
         training=tuple(training),
         held_out=held_out,
-        nominal=identified(axis, training[0]),
         script=Script(force, position, base, (added,)),
         band_hz=band_hz,
     )

@@ -7,7 +7,7 @@ from benchmarks.emps import SYMMETRIC
 from symid import Axis, Body, CoulombFriction, Drive, PendulumWeight, Position, UnknownZero, ViscousFriction
 
 from . import recordings
-from .case import Case, identified
+from .case import Case
 from .plain import MODE, Script
 
 
@@ -30,7 +30,6 @@ def emps() -> Iterator[Case]:
             axis=bare,
             training=(plain,),
             held_out=pulses,
-            nominal=identified(bare, plain),
             script=Script("F", "q", base, ("coulomb",)),
             band_hz=20.0,
         )
@@ -82,7 +81,6 @@ def bench() -> Iterator[Case]:
         axis=rigid,
         training=(a,),
         held_out=b,
-        nominal=identified(rigid, a),
         script=Script("iq", "qm", ("inertia", "viscous", "coulomb"), (MODE,)),
         band_hz=250.0,
     )
@@ -101,7 +99,6 @@ def bench() -> Iterator[Case]:
             axis=axis,
             training=(a,),
             held_out=b,
-            nominal=identified(axis, a),
             script=Script("iq", "qm", ("inertia", "viscous", MODE)),
             band_hz=250.0,
         )
@@ -132,7 +129,6 @@ def pendulum() -> Iterator[Case]:
             axis=part,
             training=(first,),
             held_out=other,
-            nominal=identified(part, first),
             script=Script("tau", "q", ("inertia", "weight", *base), (added,)),
             band_hz=5.0,
         )

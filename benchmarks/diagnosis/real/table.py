@@ -79,20 +79,10 @@ def print_table(rows: Sequence[Row]) -> None:
     Errors are rms of the force on the held-out log, in its unit and in percent of the force, in the band of the
     diagnosis. The ratio is that of both errors there; then that in the script's own band, on the rows of both.
     """
-    heading: tuple[str, ...] = (
-        "case",
-        "published",
-        "verdict",
-        "first effect",
-        "p",
-        "right",
-        "before",
-        "after",
-        "unit",
-    )
-    heading += ("plain before", "plain after", "ratio", "own band", "CPU s", "MB", "absurd")
-    lines = [heading, *(_line(row) for row in rows)]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(heading))]
+    heading = "case, published, verdict, first effect, p, right, before, after, unit, "
+    heading += "plain before, plain after, ratio, own band, CPU s, MB, absurd"
+    lines = [tuple(heading.split(", ")), *(_line(row) for row in rows)]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
     print()
     for line in lines:
         print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
