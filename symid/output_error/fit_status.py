@@ -65,14 +65,9 @@ def verdict_of(
         )
     if doubt := _hidden_friction_remark(found):
         return "poor_fit", doubt
-    if vague := _uncertain_parameters(found, CRITERIA.undetermined):
-        if lost := open_by_structure(found.model):
-            return "undetermined", not_by_structure(lost)
-        return (
-            "undetermined",
-            f"the log does not determine {', '.join(vague)}: excite it more, or record longer",
-        )
-    if regression is not None and (fault := _fault_of(found, regression)):
+    if unknown := undetermined(found):
+        return unknown
+    if regression is not None and (fault := fault_of(found, regression)):
         return fault, regression.message
     if doubt := (
         _noise_remark(found)
@@ -81,9 +76,13 @@ def verdict_of(
         or _regression_remark(found, regression)
     ):
         return "poor_fit", doubt
-    if _inflation(found) > _CORRELATED:
-        if regression is not None and regression.status in ("timing", "poor_fit"):
-            return ("timing" if regression.status == "timing" else "poor_fit"), regression.message
+    # Innovations at the rate of the samples show little of slow forces that the model lacks: least squares do.
+    is_correlated = _inflation(found) > _CORRELATED
+    if regression is not None and regression.status == "poor_fit" and (is_correlated or _is_dense(found)):
+        return "poor_fit", regression.message
+    if is_correlated:
+        if regression is not None and regression.status == "timing":
+            return "timing", regression.message
         if _inflation(found) > _MUCH_CORRELATED:
             return (
                 "poor_fit",
@@ -92,7 +91,17 @@ def verdict_of(
     return "ok", ""
 
 
-def _fault_of(found: OutputErrorIdentification, regression: Identification) -> Status | None:
+def undetermined(found: OutputErrorIdentification) -> tuple[Status, str] | None:
+    """The status of an estimate of which the logs do not determine a parameter; None if they determine all."""
+    vague = _uncertain_parameters(found, CRITERIA.undetermined)
+    if not vague:
+        return None
+    if lost := open_by_structure(found.model):
+        return "undetermined", not_by_structure(lost)
+    return "undetermined", f"the log does not determine {', '.join(vague)}: excite it more, or record longer"
+
+
+def fault_of(found: OutputErrorIdentification, regression: Identification) -> Status | None:
     """The fault of a log that least squares found, if it holds for output error too.
 
     A delay is estimated with the parameters; a lag or a drifting clock is not, and biases the parameters beside white

@@ -47,6 +47,8 @@ class OutputErrorIdentification(Shown):
         Meaning of the status here and the cure.
     notes : tuple of str
         Remarks for the user.
+    lacking : array of shape (n_physical,)
+        Squares of what effects that the model lacks may have moved, as least squares sees them in the same logs.
     """
 
     axis: Axis
@@ -57,6 +59,7 @@ class OutputErrorIdentification(Shown):
     status: Status
     message: str
     notes: tuple[str, ...]
+    lacking: FloatArray | float = 0.0
 
     @property
     def headline(self) -> str:
@@ -162,7 +165,7 @@ class OutputErrorIdentification(Shown):
             places = [names.index(name) for name in self.fit.search.seen]
             covariance = self.fit.covariance if corrected else self.fit.linear.covariance
             whole[np.ix_(places, places)] = covariance[: len(places), : len(places)]
-        return whole
+        return whole + np.diag(np.broadcast_to(self.lacking, len(names))) if corrected else whole
 
     def minimal_covariance(self, *, corrected: bool) -> FloatArray:
         """Covariance of the minimal parameters, (n_minimal, n_minimal)."""

@@ -12,7 +12,7 @@ from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify_with_steps
 from symid.identification.rows.settings import notes_on_declared
 from symid.output_error.error_model import ErrorModel
-from symid.output_error.fit_status import remarks_on, verdict_of
+from symid.output_error.fit_status import fault_of, remarks_on, undetermined, verdict_of
 from symid.output_error.hidden_laws import Models, models_of
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification
@@ -157,15 +157,21 @@ class _Judge:
         # of several logs with regressions, each is judged alone, too; a single log has neither `own` nor `each`
         singles = zip(logs, own, each, strict=True) if each and len(own) == len(each) else ()
         alone = [self.result((log,), (one, comparison, []), single) for log, one, single in singles]
-        status, message = verdict_of(found, self._in_time(found, regression), alone)
+        timed = self._in_time(found, regression)
+        status, message = verdict_of(found, timed, alone)
+        if status == "ok" and timed is not None and timed.status == "ok" and timed.physical:
+            is_timed = comparison.free_timing or comparison.force != "smooth"
+            lacking = timed.by_lacking(timed.physical[0].sensitivity, delays=not is_timed)
+            found = replace(found, lacking=lacking)
+            status, message = undetermined(found) or ("ok", "")
         return replace(found, status=status, message=message, notes=(*notes, *remarks_on(found)))
 
     def _in_time(
         self, found: OutputErrorIdentification, regression: Identification | None
     ) -> Identification | None:
-        """Least squares, or that with the hold or the delay of the force that output error found, where that is ok.
+        """Least squares, or that with the hold or the delay of the force that output error found, where that fits it.
 
-        A delay makes parameters negative there that are not.
+        A delay makes parameters negative there that are not, and hides what else does not fit.
         """
         course = found.comparison.force
         if regression is None or regression.status == "ok" or found.fit is None or course == "simulated":
@@ -173,7 +179,10 @@ class _Judge:
         late = dict.fromkeys(found.model.forces, found.late) if course == "smooth" else {}
         timed = replace(self.settings, held=course == "held", late={**self.settings.late, **late})
         again = self.least_squares(found.logs, timed) if timed != self.settings else None
-        return again if again is not None and again.status == "ok" else regression
+        if again is None:
+            return regression
+        is_new = again.status == "poor_fit" and fault_of(found, regression) is None
+        return again if again.status == "ok" or is_new else regression
 
 
 def _best_fit(

@@ -75,6 +75,11 @@ class Discrepancy:
     covariance: FloatArray  # shape (n_parameters, n_parameters): of a change between bands
 
     @property
+    def is_delay(self) -> bool:
+        """Whether it is a delay of a signal."""
+        return self.effect.startswith(_LATE)
+
+    @property
     def is_seen(self) -> bool:
         """Whether it moves any of the minimal parameters."""
         return bool(np.any(self.variance(np.eye(len(self.covariance)))))

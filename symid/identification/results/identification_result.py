@@ -188,8 +188,12 @@ class Identification(EstimatedParameters, Shown):
             by_segments = np.einsum("ia,ab,ib->i", sensitivity, self.scatter, sensitivity)
             variance = np.maximum(variance, by_segments)
         bias = self.bias.mapped(sensitivity).total if self.bias is not None else 0.0
-        lacking = sum(one.variance(sensitivity) for one in self.discrepancies)
-        return np.asarray(np.sqrt(variance + np.square(bias) + lacking))
+        return np.asarray(np.sqrt(variance + np.square(bias) + self.by_lacking(sensitivity)))
+
+    def by_lacking(self, sensitivity: FloatArray, *, delays: bool = True) -> FloatArray:
+        """Part of the square of `widened` that effects make which the model lacks, with or without delays."""
+        counted = (one for one in self.discrepancies if delays or not one.is_delay)
+        return sum((one.variance(sensitivity) for one in counted), start=np.zeros(len(sensitivity)))
 
     @property
     def physical_bias(self) -> Bias | None:
