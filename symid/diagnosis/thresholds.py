@@ -148,6 +148,9 @@ class Thresholds:
     steady: float = 0.99
     of_motion: float = -3.0
     driven_bonus: float = 0.3  # logarithm of the odds of the driven body
+    # the same of a body whose friction was found too, for an asymmetry of friction (three drawn screws whose load has
+    # friction in one direction: asymmetric friction of the motor, and Coulomb friction of the load)
+    friction_there: float = 1.0
     # logarithm of the odds of what no machine can be with the values found: its fit may have gone astray
     refused: float = -2.0
     # probability from which on a candidate counts as indistinguishable from the best

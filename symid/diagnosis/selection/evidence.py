@@ -17,7 +17,7 @@ import numpy as np
 
 from symid.diagnosis.effects import Key, with_alike
 from symid.diagnosis.fitting.cross_validation import deviation
-from symid.diagnosis.selection.priors import least_gain, temperature
+from symid.diagnosis.selection.priors import is_of_new_friction, least_gain, temperature
 from symid.diagnosis.selection.step import SelectionStep, accepted_of
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -29,10 +29,11 @@ Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "re
 def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key, float]:
     """Probability of each candidate of a step, given that one of them is right; the most probable first.
 
-    Among indistinguishable places, a driven body is a little more probable. Candidates equal or similar to `beside`,
-    the other effects of the whole model, are excluded.
+    Among indistinguishable places, a driven body is a little more probable. For an asymmetry of friction, a body is so
+    whose friction the model lacks and was found too. Candidates equal or similar to `beside`, the other effects of the
+    whole model, are excluded.
     """
-    chance = _of_candidates(step)
+    chance = _of_candidates(step, beside)
     present = with_alike(beside)
     best = step.best.key if step.confirmed else None
     left = {key: p for key, p in chance.items() if key == best or key not in present}
@@ -40,9 +41,9 @@ def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key
     return {key: p / total for key, p in left.items()}
 
 
-def _of_candidates(step: SelectionStep) -> dict[Key, float]:
-    """Probability of each candidate of a step, without regard to other effects."""
-    driven = step.before.state.prediction.record.driven_bodies
+def _of_candidates(step: SelectionStep, beside: Collection[Key]) -> dict[Key, float]:
+    """Probability of each candidate of a step, those of `beside` included."""
+    prediction = step.before.state.prediction
     gains = _penalised_gains(step)
     least = min(gains.values(), default=0.0)
     for candidate in step.screened:
@@ -56,7 +57,8 @@ def _of_candidates(step: SelectionStep) -> dict[Key, float]:
     likelier = {c.key: c.log_prior_odds for c in step.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
-        + THRESHOLDS.driven_bonus * (key[1] in driven)
+        + THRESHOLDS.driven_bonus * (key[1] in prediction.record.driven_bodies)
+        + THRESHOLDS.friction_there * is_of_new_friction(prediction, key, beside)
         + likelier.get(key, 0.0)
         + THRESHOLDS.refused * (key in step.refused)
         for key, value in gains.items()

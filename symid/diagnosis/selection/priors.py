@@ -9,19 +9,21 @@ has, looks like a periodic force of time.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
 from symid.axis import CoulombFriction
-from symid.diagnosis.effects import LawEffect, Placed
+from symid.diagnosis.effects import Key, LawEffect, Placed
 from symid.diagnosis.effects.declared_friction import moving_along, places_of
+from symid.diagnosis.effects.from_law import joints_with
 from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _USUAL = ("coulomb_friction", "viscous_friction", "offset_force", "weight", "delay")
 """Effects of most machines that first models omit."""
-_DRIFT = "friction_drift"
+_ASYMMETRY, _DRIFT = "asymmetric_friction", "friction_drift"
 _LEVELS = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
 
 
@@ -54,11 +56,18 @@ def prior(state: State, nominal: Mapping[str, float]) -> float:
     `nominal` are the values that the user gave; empty if there are none.
     """
     item = state.placed[-1]
-    if item.effect.name == "asymmetric_friction":
+    if item.effect.name == _ASYMMETRY:
         return _one_sidedness(state, item, nominal)
     if item.effect.name == "periodic_disturbance" and _turns_steadily(state, item.at):
         return THRESHOLDS.of_motion
     return 0.0
+
+
+def is_of_new_friction(prediction: Prediction, key: Key, others: Collection[Key]) -> bool:
+    """Whether an effect is an asymmetry of a friction that the model lacks and that is among other effects."""
+    name, place = key
+    found = any((level, place) in others for level in _LEVELS)
+    return name == _ASYMMETRY and found and place not in joints_with(prediction, CoulombFriction)
 
 
 def _turns_steadily(state: State, at: str) -> bool:
