@@ -24,85 +24,64 @@ _RIGID = 2
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GeneratedModel(Shown):
-    """A generated module, ready to be evaluated.
-
-    Parameters
-    ----------
-    axis : str
-        Name of the axis.
-    measured : tuple of str
-        Signals of the sensors used.
-    signature : str
-        Signature of the declaration from which it was generated.
-    signals : tuple of str
-        Flat names of the arguments of the functions, in order.
-    output_names, output_units : tuple of str
-        Left-hand side of each equation, and its unit.
-    minimal_units, physical_units : mapping of str to str
-        Names and units of the parameters, in order.
-    signed : tuple of str
-        Physical parameters that may be negative.
-    per_log : tuple of str
-        Minimal parameters that differ from log to log.
-    known : mapping of str to (float, str)
-        Physical parameters that are known: value and unit.
-    held : bool
-        Whether the axis declares its force as held (zero-order hold).
-    assumptions : tuple of str
-        Assumptions of the derivation.
-    sliding : tuple of tuple of int
-        For each equation, the rows of `sliding_velocities` whose sign enters it.
-    law_columns : tuple of tuple of int
-        Equation and parameter index of the columns with values of nonlinear laws.
-    coulomb_at_drive : tuple of tuple of int
-        Coulomb friction that acts like a drive, in equations that omit its derivatives: row of its velocity in
-        `sliding_velocities`, and index of its minimal parameter.
-    coulomb_drives : tuple of str
-        Signal of the drive for each of these.
-    redundant : tuple
-        Redundant sensors: signal, and the terms (signal, derivatives, factor) whose sum it should equal.
-    known_laws : tuple of int
-        Equations whose output contains nonlinear laws with known parameters.
-    branches : int
-        Number of solutions of the closed-form inverse map; 0 without one.
-    regressor, output, sliding_velocities, minimal_parameters : callable
-        See the generated module.
-    physical_parameters : callable or None
-        The inverse map, if it has a closed form.
-    delays : mapping of str to float
-        Declared delays in seconds: of late sensors positive, of forces that act late negative. They are taken from the
-        declaration, not from the module.
-    passed_over : tuple of str
-        Kinds of declared imperfections that the regressor does not model, also from the declaration.
-    """
+    """A generated module, ready to be evaluated."""
 
     axis: str
+    """Name of the axis."""
     measured: tuple[str, ...]
+    """Signals of the sensors used."""
     signature: str
+    """Signature of the declaration from which it was generated."""
     signals: tuple[str, ...]
+    """Flat names of the arguments of the functions, in order."""
     output_names: tuple[str, ...]
+    """Left-hand side of each equation."""
     output_units: tuple[str, ...]
+    """Unit of each equation."""
     minimal_units: Mapping[str, str]
+    """Names and units of the minimal parameters, in order."""
     physical_units: Mapping[str, str]
+    """Names and units of the physical parameters, in order."""
     signed: tuple[str, ...]
+    """Physical parameters that may be negative."""
     per_log: tuple[str, ...]
+    """Minimal parameters that differ from log to log."""
     known: Mapping[str, tuple[float, str]]
+    """Physical parameters that are known: value and unit."""
     held: bool
+    """Whether the axis declares its force as held (zero-order hold)."""
     assumptions: tuple[str, ...]
+    """Assumptions of the derivation."""
     sliding: tuple[tuple[int, ...], ...]
+    """For each equation, the rows of `sliding_velocities` whose sign enters it."""
     law_columns: tuple[tuple[int, int], ...]
+    """Equation and parameter index of the columns with values of nonlinear laws."""
     coulomb_at_drive: tuple[tuple[int, int], ...]
+    """Coulomb friction that acts like a drive, in equations that omit its derivatives: row of its velocity in
+    `sliding_velocities`, and index of its minimal parameter."""
     coulomb_drives: tuple[str, ...]
+    """Signal of the drive for each of these."""
     redundant: tuple[tuple[str, tuple[tuple[str, int, float], ...]], ...]
+    """Redundant sensors: signal, and the terms (signal, derivatives, factor) whose sum it should equal."""
     known_laws: tuple[int, ...]
+    """Equations whose output contains nonlinear laws with known parameters."""
     branches: int
+    """Number of solutions of the closed-form inverse map; 0 without one."""
     regressor: ArrayFunction
+    """As in the generated module."""
     output: ArrayFunction
+    """As in the generated module."""
     sliding_velocities: ArrayFunction
+    """As in the generated module."""
     minimal_parameters: ArrayFunction
+    """As in the generated module."""
     physical_parameters: ArrayFunction | None
+    """The inverse map, if it has a closed form."""
     delays: Mapping[str, float] = field(default_factory=dict)
+    """Declared delays in seconds: of late sensors positive, of forces that act late negative. They are taken from
+    the declaration, not from the module."""
     passed_over: tuple[str, ...] = ()
+    """Kinds of declared imperfections that the regressor does not model, also from the declaration."""
 
     @classmethod
     def from_namespace(cls, namespace: Mapping[str, Any]) -> GeneratedModel:

@@ -40,25 +40,6 @@ BLOCK: Final = 524_288
 class LongLog:
     """Signals of one run in SI units, uniformly sampled; windows are read when they are needed.
 
-    Parameters
-    ----------
-    source : str
-        Where the signals come from.
-    start : float
-        Time of the first sample, s.
-    sampling_period : float
-        Time between two samples, s.
-    n_samples : int
-        Samples of each signal.
-    signals : tuple of str
-        Names of the signals.
-    read : callable
-        From the first sample and the one behind the last to the values of each signal, SI.
-    notes : tuple of str
-        Remarks on oddities of the data.
-    block : int
-        Samples that are worked on at a time.
-
     Raises
     ------
     SettingError
@@ -73,13 +54,21 @@ class LongLog:
     """
 
     source: str
+    """Where the signals come from."""
     start: float
+    """Time of the first sample, s."""
     sampling_period: float
+    """Time between two samples, s."""
     n_samples: int
+    """Samples of each signal."""
     signals: tuple[str, ...]
+    """Names of the signals."""
     read: Callable[[int, int], Mapping[str, FloatArray]]
+    """From the first sample and the one behind the last to the values of each signal, SI."""
     notes: tuple[str, ...] = ()
+    """Remarks on oddities of the data."""
     block: int = BLOCK
+    """Samples that are worked on at a time."""
 
     def __post_init__(self) -> None:
         if self.block < 1:

@@ -75,31 +75,21 @@ class Slices:
 
 @dataclass(frozen=True)
 class Table:
-    """Named columns of a file.
-
-    Parameters
-    ----------
-    headers : tuple of str
-        Header of each column as written in the file.
-    read : callable
-        Takes positions of columns, gives for each its values, with NaN where the file has none, or a sentence
-        that says why they cannot be used.
-    slices : callable, optional
-        Takes positions of columns, gives their rows piece by piece; None where a file can only be read as a whole.
-    n_rows : int, optional
-        Rows by the header of the file; None without such a number.
-    clocks : mapping of int to int
-        Position of the column of the times of each column, where columns have separate clocks.
-    stamps : frozenset of int
-        Positions of columns whose values are moments written as text, which are read as seconds.
-    """
+    """Named columns of a file."""
 
     headers: tuple[str, ...]
+    """Header of each column as written in the file."""
     read: Callable[[Sequence[int]], list[FloatArray | str]]
+    """Takes positions of columns, gives for each its values, with NaN where the file has none, or a sentence that
+    says why they cannot be used."""
     slices: Callable[[Sequence[int]], Slices] | None = None
+    """Takes positions of columns, gives their rows piece by piece; None where a file can only be read as a whole."""
     n_rows: int | None = None
+    """Rows by the header of the file; None without such a number."""
     clocks: Mapping[int, int] = field(default_factory=dict)
+    """Position of the column of the times of each column, where columns have separate clocks."""
     stamps: frozenset[int] = frozenset()
+    """Positions of columns whose values are moments written as text, which are read as seconds."""
 
     def beginning(self) -> list[FloatArray | str]:
         """Columns up to a million rows; all rows of a file that can only be read as a whole."""

@@ -63,29 +63,20 @@ class ObservationBlock:
 
 @dataclass(frozen=True)
 class CorrelatedCovariance:
-    """Covariance of the parameters under a correlated residual. Arrays are read-only.
-
-    Attributes
-    ----------
-    status : str
-        "ok"; "correlation_persists": the residual is correlated over all lags, which suggests a model error rather
-        than noise; "too_few_samples": the fit absorbs half of the independent samples of the residual or more, and the
-        covariance is nan.
-    covariance : array, shape (n_parameters, n_parameters)
-        In the caller's units; nan where parameters are not determined.
-    bandwidth : int
-        Lag in samples from which on the correlation is taken as 0.
-    effective_samples : float
-        Number of independent samples with the same information as the correlated residual.
-    degrees_of_freedom : float
-        Of Student's t for intervals from `covariance`: effective samples minus parameters, 1 at least.
-    """
+    """Covariance of the parameters under a correlated residual. Arrays are read-only."""
 
     status: CorrelationStatus
+    """Either "ok"; "correlation_persists": the residual is correlated over all lags, which suggests a model error
+    rather than noise; "too_few_samples": the fit absorbs half of the independent samples of the residual or more,
+    and the covariance is nan."""
     covariance: FloatArray
+    """In the caller's units; nan where parameters are not determined; shape (n_parameters, n_parameters)."""
     bandwidth: int
+    """Lag in samples from which on the correlation is taken as 0."""
     effective_samples: float
+    """Number of independent samples with the same information as the correlated residual."""
     degrees_of_freedom: float
+    """Of Student's t for intervals from `covariance`: effective samples minus parameters, 1 at least."""
 
     @property
     def standard_deviations(self) -> FloatArray:

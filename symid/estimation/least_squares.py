@@ -20,50 +20,37 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True)
 class LeastSquares:
-    """A least-squares estimate with its statistics. Arrays are read-only.
-
-    Attributes
-    ----------
-    status : str
-        "ok"; "rank_deficient": some parameters are not determined; "too_few_rows": there are no more rows than
-        parameters, so that the noise and the standard deviations cannot be estimated.
-    method : str
-        "ols" [20] or "wls" [26]; "iv" for an estimate by instrumental variables that started from one of these.
-    parameters : array, shape (n_parameters,)
-        In the caller's units; nan where not determined.
-    covariance : array, shape (n_parameters, n_parameters)
-        Classical covariance [22]; nan where not determined.
-    solution : array, shape (n_parameters,)
-        A solution without nan: where parameters are not determined, one of many with the same residual.
-    weights : array, shape (n_equations,)
-        S_j = 1/sigma_rho_j, or 1 for "ols".
-    sigma_rho : float
-        Standard deviation of the weighted residual: in units of y for "ols", near 1 for "wls".
-    sigma_rho_equation : array, shape (n_equations,)
-        sigma_rho_j of [25], from each equation alone; of a homogeneous one, from the joint ordinary solution.
-    residual_norm, y_norm : array, shape (n_equations,)
-        Norms of the unweighted residual and of y of each equation.
-    factors : tuple of TriangularFactor
-        Of each equation.
-    condition_number_scaled : float
-        That of the weighted W with columns of unit norm.
-    rank : RankAnalysis
-        Determined parameters, and determined combinations of the others.
-    """
+    """A least-squares estimate with its statistics. Arrays are read-only."""
 
     status: Status
+    """Either "ok"; "rank_deficient": some parameters are not determined; "too_few_rows": there are no more rows than
+    parameters, so that the noise and the standard deviations cannot be estimated."""
     method: Method | Literal["iv"]
+    """Either "ols" [20] or "wls" [26]; "iv" for one by instrumental variables that started from one of these."""
     parameters: FloatArray
+    """In the caller's units; nan where not determined; shape (n_parameters,)."""
     covariance: FloatArray
+    """Classical covariance [22]; nan where not determined; shape (n_parameters, n_parameters)."""
     solution: FloatArray
+    """A solution without nan: where parameters are not determined, one of many with the same residual. Shape
+    (n_parameters,)."""
     weights: FloatArray
+    """S_j = 1/sigma_rho_j, or 1 for "ols"; shape (n_equations,)."""
     sigma_rho: float
+    """Standard deviation of the weighted residual: in units of y for "ols", near 1 for "wls"."""
     sigma_rho_equation: FloatArray
+    """sigma_rho_j of [25], from each equation alone; of a homogeneous one, from the joint ordinary solution; shape
+    (n_equations,)."""
     residual_norm: FloatArray
+    """Norm of the unweighted residual of each equation; shape (n_equations,)."""
     y_norm: FloatArray
+    """Norm of y of each equation; shape (n_equations,)."""
     factors: tuple[TriangularFactor, ...]
+    """Of each equation."""
     condition_number_scaled: float
+    """That of the weighted W with columns of unit norm."""
     rank: RankAnalysis
+    """Determined parameters, and determined combinations of the others."""
 
     @property
     def rows(self) -> tuple[int, ...]:

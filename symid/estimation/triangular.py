@@ -28,13 +28,6 @@ class TriangularFactor:
     Householder's QR commutes with a scaling of the columns by powers of two: R has the same digits as if the columns
     had been scaled first. Scales are therefore chosen only when solving.
 
-    Attributes
-    ----------
-    R : array, shape (n_parameters + 1, n_parameters + 1)
-        Upper triangular, read-only; the last column belongs to y.
-    rows : int
-        Number of rows that it represents.
-
     Examples
     --------
     >>> import numpy as np
@@ -44,7 +37,9 @@ class TriangularFactor:
     """
 
     R: FloatArray
+    """Upper triangular, read-only; the last column belongs to y; shape (n_parameters + 1, n_parameters + 1)."""
     rows: int
+    """Number of rows that it represents."""
 
     def __post_init__(self) -> None:
         if self.R.ndim != 2 or self.R.shape[0] != self.R.shape[1] or self.R.shape[0] < 2:

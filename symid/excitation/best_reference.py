@@ -28,21 +28,14 @@ _SHARE_OF_DEFAULTS = 5
 
 @dataclass(frozen=True)
 class Design:
-    """The chosen reference, compared with the defaults of `symid simulate` within the same limits and time.
-
-    Parameters
-    ----------
-    best : Expectation
-        Expectation for the chosen reference.
-    defaults : dict of str to (Expectation or None)
-        Expectations for the default trapezoids and the default chirp; None if they do not determine the parameters.
-    tried : int
-        Number of references that were simulated.
-    """
+    """The chosen reference, compared with the defaults of `symid simulate` within the same limits and time."""
 
     best: Expectation
+    """Expectation for the chosen reference."""
     defaults: dict[str, Expectation | None]
+    """Expectations for the default trapezoids and the default chirp; None if they do not determine the parameters."""
     tried: int
+    """Number of references that were simulated."""
 
 
 def design(

@@ -35,26 +35,18 @@ _OF_ESTIMATE = 4
 
 @dataclass(frozen=True)
 class Expectation:
-    """Expected deviations of an identification, and the extremes of the simulated motion.
-
-    Parameters
-    ----------
-    references : tuple of Trajectory
-        The reference of each drive, scaled so that the axis keeps its limits.
-    deviations : dict of str to float
-        Standard deviations of the physical parameters, SI.
-    relative : dict of str to float
-        Expected rms errors of parameters other than zero, relative to their values: mostly the printed deviations where
-        there is one run, the errors of the runs where there are many. They include systematic errors.
-    reached : dict of str to float
-        Largest travel, speed, acceleration and force of a drive of the simulated axis, jerk of a reference, and, if
-        limited, largest difference between drives, SI.
-    """
+    """Expected deviations of an identification, and the extremes of the simulated motion."""
 
     references: tuple[Trajectory, ...]
+    """The reference of each drive, scaled so that the axis keeps its limits."""
     deviations: dict[str, float]
+    """Standard deviations of the physical parameters, SI."""
     relative: dict[str, float]
+    """Expected rms errors of parameters other than zero, relative to their values: mostly the printed deviations
+    where there is one run, the errors of the runs where there are many. They include systematic errors."""
     reached: dict[str, float]
+    """Largest travel, speed, acceleration and force of a drive of the simulated axis, jerk of a reference, and, if
+    limited, largest difference between drives, SI."""
 
     @property
     def trajectory(self) -> Trajectory:
@@ -74,37 +66,25 @@ class Expectation:
 
 @dataclass(frozen=True)
 class IdentificationTrial:
-    """The axis to be identified, its controller and its limits.
-
-    Parameters
-    ----------
-    axis : Axis
-        The axis, with the noise of its signals.
-    model : GeneratedModel
-        Model for the sensors to use.
-    parameters : mapping of str to float
-        Assumed values of the physical parameters, SI.
-    controller : Controller or sequence of Controller
-        Controllers, one for each drive.
-    limits : Limits
-        Length of the travel, speed, acceleration and jerk.
-    force : float
-        Largest force of a drive, SI.
-    apart : float, optional
-        Largest difference between the positions of drives, SI. Without it all drives get the same reference.
-    method : {"wls", "iv"}
-        Least squares, or instrumental variables. The latter use the known reference and controller to avoid the bias
-        that encoder noise in the regressor causes.
-    """
+    """The axis to be identified, its controller and its limits."""
 
     axis: Axis
+    """The axis, with the noise of its signals."""
     model: GeneratedModel
+    """Model for the sensors to use."""
     parameters: Mapping[str, float]
+    """Assumed values of the physical parameters, SI."""
     controller: Controller | Sequence[Controller]
+    """Controllers, one for each drive."""
     limits: Limits
+    """Length of the travel, speed, acceleration and jerk."""
     force: float = math.inf
+    """Largest force of a drive, SI."""
     apart: float | None = None
+    """Largest difference between the positions of drives, SI. Without it all drives get the same reference."""
     method: Literal["wls", "iv"] = "wls"
+    """Least squares, or instrumental variables. The latter use the known reference and controller to avoid the bias
+    that encoder noise in the regressor causes."""
 
     def within_limits(
         self, paths: Sequence[Trajectory], seed: int = 0

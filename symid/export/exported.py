@@ -10,18 +10,12 @@ from symid.simulation import plant_of
 
 @dataclass(frozen=True)
 class Exported:
-    """An axis in the language of another program.
-
-    Parameters
-    ----------
-    files : mapping of str to str
-        Texts by file suffix, the main file first.
-    losses : tuple of str
-        Parts of the axis that the target cannot express, one sentence each.
-    """
+    """An axis in the language of another program."""
 
     files: Mapping[str, str]
+    """Texts by file suffix, the main file first."""
     losses: tuple[str, ...]
+    """Parts of the axis that the target cannot express, one sentence each."""
 
     @property
     def text(self) -> str:

@@ -56,33 +56,22 @@ class Interrupted(KeyboardInterrupt):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Batch(Shown):
-    """Results of a batch.
-
-    Parameters
-    ----------
-    rows : tuple of mapping
-        One for each log, in the order of the logs.
-    units : mapping
-        Units by axis, sensors and parameter.
-    diagnosed : bool
-        Whether the logs were diagnosed.
-    joint : bool
-        Whether the rows hold the triangular factors of their logs, see `BatchSettings`.
-    reused : int
-        Number of rows reused from an earlier run.
-    files : tuple of Path
-        Files written.
-    replaced : Path or None
-        Copy of the former table if that held logs that are not in this one.
-    """
+    """Results of a batch."""
 
     rows: tuple[Row, ...]
+    """One for each log, in the order of the logs."""
     units: Units
+    """Units by axis, sensors and parameter."""
     diagnosed: bool
+    """Whether the logs were diagnosed."""
     joint: bool
+    """Whether the rows hold the triangular factors of their logs, see `BatchSettings`."""
     reused: int
+    """Number of rows reused from an earlier run."""
     files: tuple[Path, ...]
+    """Files written."""
     replaced: Path | None
+    """Copy of the former table if that held logs that are not in this one."""
 
     @cached_property
     def table(self) -> pl.DataFrame:

@@ -40,41 +40,30 @@ _NEIGHBOURS = 5  # runs whose median shows an outlier
 
 @dataclass(frozen=True, eq=False)
 class ControlChart:
-    """A parameter over time. Arrays are read-only, with one entry per run in order of time.
-
-    Parameters
-    ----------
-    time : tuple of datetime or of float
-        Time of each run; its number if times are unknown.
-    order : array of int
-        Index of each run in the given order.
-    values, deviations : array of shape (n,)
-        Value and stated standard deviation of each run.
-    centre, limit : array of shape (n,)
-        Line of the segment, and three standard deviations about it.
-    outside : bool array of shape (n,)
-        Runs beyond their limits.
-    isolated : bool array of shape (n,)
-        Outliers, single or two in a row, which no estimate uses.
-    between : float
-        Standard deviation between runs within the segments.
-    segments : tuple of TrendSegment
-        Segments, with times in days since the first run, or in numbers of runs.
-    changes : tuple of TrendChange
-        Steps and drifts in order of time.
-    """
+    """A parameter over time. Arrays are read-only, with one entry per run in order of time."""
 
     time: tuple[datetime, ...] | tuple[float, ...]
+    """Time of each run; its number if times are unknown."""
     order: npt.NDArray[np.intp]
+    """Index of each run in the given order."""
     values: FloatArray
+    """Value of each run; shape (n,)."""
     deviations: FloatArray
+    """Stated standard deviation of each run; shape (n,)."""
     centre: FloatArray
+    """Line of the segment; shape (n,)."""
     limit: FloatArray
+    """Three standard deviations about it; shape (n,)."""
     outside: BoolArray
+    """Runs beyond their limits; shape (n,)."""
     isolated: BoolArray
+    """Outliers, single or two in a row, which no estimate uses; shape (n,)."""
     between: float
+    """Standard deviation between runs within the segments."""
     segments: tuple[TrendSegment, ...]
+    """Segments, with times in days since the first run, or in numbers of runs."""
     changes: tuple[TrendChange, ...]
+    """Steps and drifts in order of time."""
 
 
 def control_chart(

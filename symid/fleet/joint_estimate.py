@@ -85,37 +85,27 @@ def log_factors(found: Identification) -> LogFactors:
 
 @dataclass(frozen=True, eq=False)
 class JointIdentification(EstimatedParameters):
-    """Joint estimate of the parameters that several logs of one axis share.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        The identified model.
-    logs : tuple of str
-        Sources of the logs.
-    fit : LeastSquares
-        Weighted estimate and its classical covariance, with the equations of all logs, log after log.
-    covariance : array of shape (n_minimal, n_minimal)
-        Covariance of the minimal parameters, corrected for the correlation of each log's residual.
-    physical : tuple of PhysicalEstimate
-        One for each branch of the inverse map; may be empty.
-    status, message : str
-        As those of an `Identification`.
-    disagreement : float
-        Chi-square of the separate estimates of the logs; nan unless two logs or more determine all parameters.
-    degrees_of_freedom : int
-        Those of the disagreement.
-    """
+    """Joint estimate of the parameters that several logs of one axis share."""
 
     model: GeneratedModel
+    """The identified model."""
     logs: tuple[str, ...]
+    """Sources of the logs."""
     fit: LeastSquares
+    """Weighted estimate and its classical covariance, with the equations of all logs, log after log."""
     covariance: FloatArray
+    """Covariance of the minimal parameters, corrected for the correlation of each log's residual; shape (n_minimal,
+    n_minimal)."""
     physical: tuple[PhysicalEstimate, ...]
+    """One for each branch of the inverse map; may be empty."""
     status: Status
+    """As that of an `Identification`."""
     message: str
+    """As that of an `Identification`."""
     disagreement: float
+    """Chi-square of the separate estimates of the logs; nan unless two logs or more determine all parameters."""
     degrees_of_freedom: int
+    """Those of the disagreement."""
 
     def to_frame(self) -> pl.DataFrame:
         """Parameters as a polars data frame, as those of an `Identification`."""

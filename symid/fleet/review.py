@@ -45,91 +45,62 @@ class Outlier:
 
 @dataclass(frozen=True, eq=False)
 class ParameterReview:
-    """One parameter of one axis over its logs.
-
-    Parameters
-    ----------
-    name : str
-        Name of the parameter.
-    logs : tuple of str
-        Logs that are used, in the order of the table.
-    median : float
-        Median of their values.
-    spread : Spread
-        Spread between runs compared with their intervals, without isolated outliers.
-    within : float
-        Standard deviation between runs within the segments of the chart.
-    chart : ControlChart
-        The parameter over time.
-    outliers : tuple of Outlier
-        Outliers, the farthest first.
-    unit : str
-        Unit of the parameter; empty if unknown.
-    """
+    """One parameter of one axis over its logs."""
 
     name: str
+    """Name of the parameter."""
     logs: tuple[str, ...]
+    """Logs that are used, in the order of the table."""
     median: float
+    """Median of their values."""
     spread: Spread
+    """Spread between runs compared with their intervals, without isolated outliers."""
     within: float
+    """Standard deviation between runs within the segments of the chart."""
     chart: ControlChart
+    """The parameter over time."""
     outliers: tuple[Outlier, ...]
+    """Outliers, the farthest first."""
     unit: str = ""
+    """Unit of the parameter; empty if unknown."""
 
 
 @dataclass(frozen=True, eq=False)
 class AxisReview:
-    """One axis over its logs.
-
-    Parameters
-    ----------
-    name : str
-        Name of the axis, with its sensors or its folder if there are several.
-    axis : str
-        The declared axis.
-    logs, trusted : int
-        Number of logs, and of those whose parameters are used.
-    statuses : mapping of str to int
-        Number of logs by status.
-    parameters : tuple of ParameterReview
-        Parameters of at least one log.
-    verdict : SpreadVerdict
-        Whether the axis differs from run to run.
-    """
+    """One axis over its logs."""
 
     name: str
+    """Name of the axis, with its sensors or its folder if there are several."""
     axis: str
+    """The declared axis."""
     logs: int
+    """Number of logs."""
     trusted: int
+    """Number of those whose parameters are used."""
     statuses: Mapping[str, int]
+    """Number of logs by status."""
     parameters: tuple[ParameterReview, ...]
+    """Parameters of at least one log."""
     verdict: SpreadVerdict
+    """Whether the axis differs from run to run."""
 
 
 @dataclass(frozen=True, eq=False)
 class FleetReview:
-    """A fleet over all its logs.
-
-    Parameters
-    ----------
-    table : polars.DataFrame
-        The results.
-    axes : tuple of AxisReview
-        Reviews of the axes, by name.
-    statuses, verdicts : mapping of str to int
-        Number of logs by status and by verdict of the diagnosis; the latter empty without diagnoses.
-    effects : tuple of EffectCount
-        Effects found, the most frequent first.
-    sentence : str
-        Summary.
-    """
+    """A fleet over all its logs."""
 
     table: pl.DataFrame
+    """The results."""
     axes: tuple[AxisReview, ...]
+    """Reviews of the axes, by name."""
     statuses: Mapping[str, int]
+    """Number of logs by status."""
     verdicts: Mapping[str, int]
+    """Number of logs by verdict of the diagnosis; empty without diagnoses."""
     effects: tuple[EffectCount, ...]
+    """Effects found, the most frequent first."""
     sentence: str
+    """Summary."""
 
 
 def review_fleet(

@@ -111,37 +111,28 @@ class Series:
 
 @dataclass(frozen=True)
 class TrendChange:
-    """A step between two runs, or a drift over several.
-
-    Parameters
-    ----------
-    kind : {"step", "drift"}
-        Step: tightening, lost preload, replaced part. Drift: wear, running-in, warming.
-    log : int
-        Index of the first run after a step, or of the first run of a drift.
-    when : datetime or float
-        Time of that run; its number if times are unknown.
-    earliest, latest : datetime or float
-        A step occurred after `earliest` and not after `latest`, with a probability of 95 %. A drift starts at
-        `earliest` and ends at `latest`.
-    size, std : float
-        Change, of a drift from its start to its end, and its standard deviation.
-    interval : tuple of float
-        95 % interval of the size.
-    before, after : float
-        Value before and after the change.
-    """
+    """A step between two runs, or a drift over several."""
 
     kind: Literal["step", "drift"]
+    """Step: tightening, lost preload, replaced part. Drift: wear, running-in, warming."""
     log: int
+    """Index of the first run after a step, or of the first run of a drift."""
     when: datetime | float
+    """Time of that run; its number if times are unknown."""
     earliest: datetime | float
+    """A step occurred after this time, and not after `latest`, with a probability of 95 %; a drift starts here."""
     latest: datetime | float
+    """Last time of a step, as above; a drift ends here."""
     size: float
+    """Change, of a drift from its start to its end."""
     std: float
+    """Standard deviation of the size."""
     interval: tuple[float, float]
+    """95 % interval of the size."""
     before: float
+    """Value before the change."""
     after: float
+    """Value after the change."""
 
     @property
     def relative(self) -> float:

@@ -32,34 +32,24 @@ _LEAST_SHARE = 0.1
 
 @dataclass(frozen=True)
 class Spread:
-    """One parameter over several runs. All fields except probability and Q have the unit of the parameter.
-
-    Parameters
-    ----------
-    runs : int
-        Number of runs with a value and a deviation.
-    mean, mean_std : float
-        Mean over the runs, and its standard deviation by Hartung and Knapp.
-    between : float
-        Standard deviation between runs, tau; 0 if the intervals explain all scatter.
-    between_interval : tuple of float
-        95 % interval of `between`.
-    promised : float
-        Typical standard deviation of a run as stated by its interval (Higgins and Thompson, 2002).
-    statistic : float
-        Cochran's Q, chi-square with `runs` - 1 degrees of freedom if runs do not differ.
-    probability : float
-        Probability of a Q at least as large if runs do not differ; nan below three runs.
-    """
+    """One parameter over several runs. All fields except probability and Q have the unit of the parameter."""
 
     runs: int
+    """Number of runs with a value and a deviation."""
     mean: float
+    """Mean over the runs."""
     mean_std: float
+    """Its standard deviation by Hartung and Knapp."""
     between: float
+    """Standard deviation between runs, tau; 0 if the intervals explain all scatter."""
     between_interval: tuple[float, float]
+    """95 % interval of `between`."""
     promised: float
+    """Typical standard deviation of a run as stated by its interval (Higgins and Thompson, 2002)."""
     statistic: float
+    """Cochran's Q, chi-square with `runs` - 1 degrees of freedom if runs do not differ."""
     probability: float
+    """Probability of a Q at least as large if runs do not differ; nan below three runs."""
 
     @property
     def relative_between(self) -> float:

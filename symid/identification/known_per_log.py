@@ -35,39 +35,30 @@ _AS_EXPECTED = ("ok", "no_physical_parameters", "not_physical", "undetermined")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SharedIdentification(Shown):
-    """Physical parameters that groups of logs share.
-
-    Parameters
-    ----------
-    axis : str
-        Its name.
-    groups : tuple of Identification
-        One for each set of known values.
-    known : tuple of mapping
-        The known values of each group, SI.
-    physical_units : mapping of str to str
-        Unit of each parameter.
-    parameters, covariance : array
-        Values and covariance, nan where they are not determined.
-    disagreement, relations : float, int
-        Chi-square of the disagreement between the groups, and its degrees of freedom.
-    status, message : str
-        "ok", or what keeps the result from being complete.
-    constraint_notes : tuple of str
-        What bounds and priors do to the result.
-    """
+    """Physical parameters that groups of logs share."""
 
     axis: str
+    """Its name."""
     groups: tuple[Identification, ...]
+    """One for each set of known values."""
     known: tuple[Mapping[str, float], ...]
+    """The known values of each group, SI."""
     physical_units: Mapping[str, str]
+    """Unit of each parameter."""
     parameters: FloatArray
+    """Values; nan where they are not determined."""
     covariance: FloatArray
+    """Their covariance, nan where they are not determined."""
     disagreement: float
+    """Chi-square of the disagreement between the groups."""
     relations: int
+    """Its degrees of freedom."""
     status: str
+    """Either "ok", or what keeps the result from being complete."""
     message: str
+    """Meaning of the status; empty for "ok"."""
     constraint_notes: tuple[str, ...] = ()
+    """What bounds and priors do to the result."""
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -27,39 +27,27 @@ Status = Literal[
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OutputErrorIdentification(Shown):
-    """Parameters of an axis by maximum likelihood on the exactly sampled axis.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    model : GeneratedModel
-        Names, units and maps of the parameters.
-    logs : tuple of Log
-        Logs that they were identified from.
-    comparison : ErrorModel
-        Model that the logs were compared with.
-    fit : LikelihoodFit or None
-        None if there was no start at which the axis could be evaluated.
-    status : str
-        "ok", or what keeps the result from being complete.
-    message : str
-        Meaning of the status here and the cure.
-    notes : tuple of str
-        Remarks for the user.
-    lacking : array of shape (n_physical,)
-        Squares of what effects that the model lacks may have moved, as least squares sees them in the same logs.
-    """
+    """Parameters of an axis by maximum likelihood on the exactly sampled axis."""
 
     axis: Axis
+    """The declared axis."""
     model: GeneratedModel
+    """Names, units and maps of the parameters."""
     logs: tuple[Log, ...]
+    """Logs that they were identified from."""
     comparison: ErrorModel
+    """Model that the logs were compared with."""
     fit: LikelihoodFit | None
+    """None if there was no start at which the axis could be evaluated."""
     status: Status
+    """Either "ok", or what keeps the result from being complete."""
     message: str
+    """Meaning of the status here and the cure."""
     notes: tuple[str, ...]
+    """Remarks for the user."""
     lacking: FloatArray | float = 0.0
+    """Squares of what effects that the model lacks may have moved, as least squares sees them in the same logs; shape
+    (n_physical,)."""
 
     @property
     def headline(self) -> str:

@@ -10,25 +10,18 @@ from symid.identification import EquationResidual
 
 @dataclass(frozen=True, eq=False)
 class OutputErrorPrediction:
-    """Readings of a log and their prediction errors, from earlier readings or from the simulated closed loop.
-
-    Parameters
-    ----------
-    log : str
-        Source of the log.
-    time : array of shape (n_samples,)
-        Times of the log, s.
-    readings, innovations : array of shape (n_samples, n_outputs)
-        SI; nan where the axis rests.
-    signals : tuple of str
-        Names of the outputs.
-    """
+    """Readings of a log and their prediction errors, from earlier readings or from the simulated closed loop."""
 
     log: str
+    """Source of the log."""
     time: FloatArray
+    """Times of the log, s; shape (n_samples,)."""
     readings: FloatArray
+    """SI; shape (n_samples, n_outputs)."""
     innovations: FloatArray
+    """SI; nan where the axis rests; shape (n_samples, n_outputs)."""
     signals: tuple[str, ...]
+    """Names of the outputs."""
 
     @property
     def residuals(self) -> tuple[EquationResidual, ...]:

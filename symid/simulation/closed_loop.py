@@ -27,27 +27,20 @@ _PART = 8192
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """Result of a simulation.
-
-    Parameters
-    ----------
-    log : Log
-        Sensor readings, force and reference, as recorded.
-    time : array of shape (n_samples,)
-        Times of the controller's samples, s.
-    states : array of shape (n_samples, 2 n)
-        Exact displacements and velocities of the bodies.
-    accelerations : array of shape (n_samples, n)
-        Exact accelerations just before a sample's force acts; zero if the axis has no accelerometer.
-    forces : array of shape (n_samples,), or (n_samples, n_drives) with several drives
-        Drive force that acts from each sample to the next.
-    """
+    """Result of a simulation."""
 
     log: Log
+    """Sensor readings, force and reference, as recorded."""
     time: FloatArray
+    """Times of the controller's samples, s; shape (n_samples,)."""
     states: FloatArray
+    """Exact displacements and velocities of the bodies; shape (n_samples, 2 n)."""
     accelerations: FloatArray
+    """Exact accelerations just before a sample's force acts; zero if the axis has no accelerometer; shape
+    (n_samples, n)."""
     forces: FloatArray
+    """Drive force that acts from each sample to the next; shape (n_samples,), or (n_samples, n_drives) with several
+    drives."""
 
 
 @of_any_axis

@@ -18,20 +18,16 @@ from symid.errors import SettingError
 
 @dataclass(frozen=True)
 class Command:
-    """Command to a controller at a sample.
-
-    Parameters
-    ----------
-    index : int
-        Number of the controller's sample.
-    position, velocity, acceleration : float
-        Reference and its derivatives.
-    """
+    """Command to a controller at a sample."""
 
     index: int
+    """Number of the controller's sample."""
     position: float
+    """Reference."""
     velocity: float
+    """Its derivative."""
     acceleration: float
+    """Its second derivative."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,39 +70,26 @@ def forward_dynamics(axis: Axis) -> ForwardDynamics:
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics:
-    """The equation of motion of an axis with polynomials of its physical parameters as coefficients.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    parameters : tuple of str
-        Unknown physical parameters, in order.
-    generators : tuple of str
-        Unknown and known parameters, in the order of the exponents of the polynomials.
-    bodies : tuple of str
-        Free bodies that have a mass.
-    motion : tuple of matrices of Polynomial
-        Stiffness, damping and mass.
-    drives : tuple of tuple of Polynomial
-        Factor of each drive's force in the equation of each body.
-    constant : tuple of Polynomial
-        Constant force on each body.
-    laws : tuple of JointTerms
-        Nonlinear laws of each joint.
-    sensors : mapping of str to SensorTerms
-        Reading of each sensor.
-    """
+    """The equation of motion of an axis with polynomials of its physical parameters as coefficients."""
 
     axis: Axis
+    """The declared axis."""
     parameters: tuple[str, ...]
+    """Unknown physical parameters, in order."""
     generators: tuple[str, ...]
+    """Unknown and known parameters, in the order of the exponents of the polynomials."""
     bodies: tuple[str, ...]
+    """Free bodies that have a mass."""
     motion: tuple[tuple[tuple[Polynomial, ...], ...], ...]
+    """Stiffness, damping and mass."""
     drives: tuple[tuple[Polynomial, ...], ...]
+    """Factor of each drive's force in the equation of each body."""
     constant: tuple[Polynomial, ...]
+    """Constant force on each body."""
     laws: tuple[JointTerms, ...]
+    """Nonlinear laws of each joint."""
     sensors: Mapping[str, SensorTerms]
+    """Reading of each sensor."""
     _memory: LastValues = field(default_factory=LastValues, init=False, repr=False)
 
     def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:

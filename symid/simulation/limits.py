@@ -96,21 +96,18 @@ _ROUNDING: Final = 1e-9  # share of a limit by which rounding may exceed it
 
 @dataclass(frozen=True)
 class Extremes:
-    """Range and greatest magnitudes of a trajectory, SI.
-
-    Parameters
-    ----------
-    lowest, highest : float
-        Range of the position, m or rad.
-    speed, acceleration, jerk : float
-        Greatest magnitude of the derivatives of order 1 to 3.
-    """
+    """Range and greatest magnitudes of a trajectory, SI."""
 
     lowest: float
+    """Least position, m or rad."""
     highest: float
+    """Greatest position, m or rad."""
     speed: float
+    """Greatest magnitude of the first derivative."""
     acceleration: float
+    """Greatest magnitude of the second derivative."""
     jerk: float
+    """Greatest magnitude of the third derivative."""
 
     @property
     def reached(self) -> dict[str, float]:

@@ -17,28 +17,20 @@ from symid.simulation.trajectory import Trajectory
 
 @dataclass(frozen=True)
 class MoveProfile:
-    """The fastest move over a distance within limits, from rest to rest: seven segments of constant jerk.
-
-    Parameters
-    ----------
-    distance : float
-        Length of the move, m or rad, positive.
-    speed, acceleration : float
-        Speed and acceleration that the move reaches; a short move reaches less than allowed.
-    jerk_time : float
-        Duration of each of the four segments with jerk, s; 0 if the jerk is not limited.
-    acceleration_time : float
-        Duration of each of the two segments with constant acceleration, s.
-    cruise_time : float
-        Duration of the segment with constant speed, s.
-    """
+    """The fastest move over a distance within limits, from rest to rest: seven segments of constant jerk."""
 
     distance: float
+    """Length of the move, m or rad, positive."""
     speed: float
+    """Speed that the move reaches; a short move reaches less than allowed."""
     acceleration: float
+    """Acceleration that the move reaches, likewise."""
     jerk_time: float
+    """Duration of each of the four segments with jerk, s; 0 if the jerk is not limited."""
     acceleration_time: float
+    """Duration of each of the two segments with constant acceleration, s."""
     cruise_time: float
+    """Duration of the segment with constant speed, s."""
 
     @classmethod
     def fastest(

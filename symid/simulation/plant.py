@@ -104,35 +104,26 @@ class JointLaw:
 
 @dataclass(frozen=True, eq=False)
 class Plant:
-    """Matrices of an axis; see the module for the equation.
-
-    Parameters
-    ----------
-    bodies : tuple of str
-        Free bodies, in the order of the displacements.
-    mass, damping, stiffness : array of shape (n, n)
-        M, C and K.
-    drives : array of shape (n, n_drives)
-        B.
-    constant : array of shape (n,)
-        c.
-    laws : tuple of JointLaw
-        Nonlinear laws by joint.
-    sensors : mapping of str to SensorRow
-        Reading of each sensor, by signal.
-    nodes : tuple of str
-        Bodies whose mass only stands for none.
-    """
+    """Matrices of an axis; see the module for the equation."""
 
     bodies: tuple[str, ...]
+    """Free bodies, in the order of the displacements."""
     mass: FloatArray
+    """M; shape (n, n)."""
     damping: FloatArray
+    """C; shape (n, n)."""
     stiffness: FloatArray
+    """K; shape (n, n)."""
     drives: FloatArray
+    """B; shape (n, n_drives)."""
     constant: FloatArray
+    """c; shape (n,)."""
     laws: tuple[JointLaw, ...]
+    """Nonlinear laws by joint."""
     sensors: Mapping[str, SensorRow]
+    """Reading of each sensor, by signal."""
     nodes: tuple[str, ...] = ()
+    """Bodies whose mass only stands for none."""
 
     @property
     def drive(self) -> FloatArray:

@@ -14,21 +14,14 @@ from symid.symbolic.parameter_map import ParameterMap, parameter_map
 
 @dataclass(frozen=True, repr=False)
 class DerivedModel(Shown):
-    """Everything that follows from an axis and a set of sensors.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declaration.
-    measured : tuple of str
-        Signals of the sensors used, in the order of the declaration.
-    minimal : MinimalModel
-        Minimal model; its `source` leads back to the eliminated and to Lagrange's equations.
-    """
+    """Everything that follows from an axis and a set of sensors."""
 
     axis: Axis
+    """The declaration."""
     measured: tuple[str, ...]
+    """Signals of the sensors used, in the order of the declaration."""
     minimal: MinimalModel
+    """Minimal model; its `source` leads back to the eliminated and to Lagrange's equations."""
 
     @property
     def headline(self) -> str:

@@ -25,29 +25,21 @@ _MOST_EVALUATIONS = 40  # of the error
 
 @dataclass(frozen=True, eq=False)
 class BoundSearch:
-    """A frequency chosen so that the largest error meets a bound.
-
-    Parameters
-    ----------
-    frequency_hz : float
-        The chosen frequency.
-    errors : mapping of str to float
-        Error of each parameter there, percent.
-    bound : float
-        Largest error allowed, percent.
-    scanned_hz, scanned_errors : array of shape (n_points,)
-        Frequencies evaluated, rising, and the largest error at each, percent.
-    status : str
-        "ok", "bound_not_reached" (the frequency is that of the smallest error) or "bound_met_everywhere" (it is the
-        lowest one scanned).
-    """
+    """A frequency chosen so that the largest error meets a bound."""
 
     frequency_hz: float
+    """The chosen frequency."""
     errors: Errors
+    """Error of each parameter there, percent."""
     bound: float
+    """Largest error allowed, percent."""
     scanned_hz: FloatArray
+    """Frequencies evaluated, rising; shape (n_points,)."""
     scanned_errors: FloatArray
+    """The largest error at each, percent; shape (n_points,)."""
     status: BoundStatus
+    """Either "ok", "bound_not_reached" (the frequency is that of the smallest error) or "bound_met_everywhere" (it is
+    the lowest one scanned)."""
 
     @property
     def largest_error(self) -> float:

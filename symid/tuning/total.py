@@ -38,49 +38,36 @@ _HOPELESS = 0.8
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TotalTuning(Shown):
-    """Settings with the smallest total error.
-
-    Parameters
-    ----------
-    axis : str
-        Name of the axis.
-    measured : tuple of str
-        Signals of the sensors.
-    sampling_hz : float
-        Sampling frequency of the log.
-    preparation : Preparation
-        For `identify` of that log.
-    noise : mapping of str to float
-        Standard deviation of each signal's noise, SI.
-    systematic, total : mapping of str to float
-        Error of each parameter without noise, with its sign, and root mean square error with noise, percent.
-    decisive : tuple of str
-        Parameters that decided: not lost (beyond 80 %) at every cutoff.
-    cutoffs_hz, totals : array of shape (n_points,)
-        Cutoffs of the scan, and the root mean square of the expected errors of the decisive parameters with the best
-        decimation, percent.
-    recommended_sampling_hz : float
-        Lowest sampling frequency at which, at the chosen cutoff, systematic errors are below half of the total error;
-        nan if none is up to eight times that of the log.
-    status : str
-        "ok", or "not_determined" where a parameter is lost.
-    message : str
-        Meaning of the status; empty for "ok".
-    """
+    """Settings with the smallest total error."""
 
     axis: str
+    """Name of the axis."""
     measured: tuple[str, ...]
+    """Signals of the sensors."""
     sampling_hz: float
+    """Sampling frequency of the log."""
     preparation: Preparation
+    """For `identify` of that log."""
     noise: Mapping[str, float]
+    """Standard deviation of each signal's noise, SI."""
     systematic: Mapping[str, float]
+    """Error of each parameter without noise, with its sign, percent."""
     total: Mapping[str, float]
+    """Root mean square error of each parameter with noise, percent."""
     decisive: tuple[str, ...]
+    """Parameters that decided: not lost (beyond 80 %) at every cutoff."""
     cutoffs_hz: FloatArray
+    """Cutoffs of the scan; shape (n_points,)."""
     totals: FloatArray
+    """Root mean square of the expected errors of the decisive parameters with the best decimation, percent; shape
+    (n_points,)."""
     recommended_sampling_hz: float
+    """Lowest sampling frequency at which, at the chosen cutoff, systematic errors are below half of the total
+    error; nan if none is up to eight times that of the log."""
     status: TotalStatus
+    """Either "ok", or "not_determined" where a parameter is lost."""
     message: str
+    """Meaning of the status; empty for "ok"."""
 
     @property
     def headline(self) -> str:

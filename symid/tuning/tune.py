@@ -33,45 +33,30 @@ _CUTOFFS, _RATES = 17, 15  # frequencies of the first scans
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tuning(Shown):
-    """Settings that keep the systematic errors of an identification below their bounds.
-
-    Parameters
-    ----------
-    axis : str
-        Name of the axis.
-    measured : tuple of str
-        Signals of the sensors.
-    order : int
-        Order of one pass of the low-pass filter.
-    cutoff : BoundSearch
-        Result of [35]: errors of the standard model with exact derivatives by cutoff frequency.
-    differences : int
-        Highest number m of successive differences in the model.
-    first_sampling_hz : float
-        First guess of the sampling frequency [36].
-    sampling : BoundSearch
-        Result of [37]: errors of the model of the sensors by sampling frequency.
-    kind : {"physical", "minimal"}
-        Parameters whose errors `sampling` bounds.
-    left_out : tuple of str
-        Parameters of laws that jump at standstill, without which the axis was tuned.
-    status : str
-        "ok", or the reason why a bound does not decide; see `message`.
-    message : str
-        Meaning of the status and its cure; empty for "ok".
-    """
+    """Settings that keep the systematic errors of an identification below their bounds."""
 
     axis: str
+    """Name of the axis."""
     measured: tuple[str, ...]
+    """Signals of the sensors."""
     order: int
+    """Order of one pass of the low-pass filter."""
     cutoff: BoundSearch
+    """Result of [35]: errors of the standard model with exact derivatives by cutoff frequency."""
     differences: int
+    """Highest number m of successive differences in the model."""
     first_sampling_hz: float
+    """First guess of the sampling frequency [36]."""
     sampling: BoundSearch
+    """Result of [37]: errors of the model of the sensors by sampling frequency."""
     kind: Kind
+    """Parameters whose errors `sampling` bounds."""
     left_out: tuple[str, ...]
+    """Parameters of laws that jump at standstill, without which the axis was tuned."""
     status: Status
+    """Either "ok", or the reason why a bound does not decide; see `message`."""
     message: str
+    """Meaning of the status and its cure; empty for "ok"."""
 
     @property
     def headline(self) -> str:

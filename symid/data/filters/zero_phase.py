@@ -104,18 +104,12 @@ def odd_extension(x: FloatArray, n: int) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class ZeroPhaseFilter:
-    """Sections of the second order, run forward and backward with odd padding, as scipy's sosfiltfilt.
-
-    Parameters
-    ----------
-    sections : array of shape (n_sections, 6)
-        As scipy's filter design gives them.
-    padding : int
-        Samples by which a signal is continued at each end; a signal must be longer than this.
-    """
+    """Sections of the second order, run forward and backward with odd padding, as scipy's sosfiltfilt."""
 
     sections: FloatArray
+    """As scipy's filter design gives them; shape (n_sections, 6)."""
     padding: int
+    """Samples by which a signal is continued at each end; a signal must be longer than this."""
 
     @cached_property
     def reach(self) -> int:

@@ -43,39 +43,26 @@ _LONGEST_STROKE: Final = 10.0  # m: a position that covers more is in a smaller 
 
 @dataclass(frozen=True)
 class ForeignColumn:
-    """A column with its guessed meaning.
-
-    Parameters
-    ----------
-    header : str
-        As written in the file.
-    quantity : str or None
-        Guessed quantity; None without evidence.
-    unit : str or None
-        Unit that `to_si` reads; None where none is known.
-    setpoint : bool
-        Whether it seems to be commanded, not measured.
-    reason : str
-        Reason for the guess.
-    stated : bool
-        Whether the file states the unit; otherwise it is guessed, or unknown.
-    doubt : str
-        Evidence that the values are not numbers of a quantity; empty without such evidence.
-    scaled : bool
-        Whether the values cannot be in SI and their unit is unknown, such as counts of an encoder.
-    constant : bool
-        Whether all values are equal.
-    """
+    """A column with its guessed meaning."""
 
     header: str
+    """As written in the file."""
     quantity: Quantity | None
+    """Guessed quantity; None without evidence."""
     unit: str | None
+    """Unit that `to_si` reads; None where none is known."""
     setpoint: bool
+    """Whether it seems to be commanded, not measured."""
     reason: str
+    """Reason for the guess."""
     stated: bool
+    """Whether the file states the unit; otherwise it is guessed, or unknown."""
     doubt: str = ""
+    """Evidence that the values are not numbers of a quantity; empty without such evidence."""
     scaled: bool = False
+    """Whether the values cannot be in SI and their unit is unknown, such as counts of an encoder."""
     constant: bool = False
+    """Whether all values are equal."""
 
 
 def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:

@@ -43,40 +43,27 @@ _HELD = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Timing:
-    """Estimated delay of a signal against the others.
-
-    Parameters
-    ----------
-    signal : str
-        Name of the force, or of a sensor.
-    late : float
-        Seconds by which it seems recorded later than the motion, beyond what the preparation takes out; negative
-        for a force that acts after it is recorded.
-    deviation : float
-        Standard deviation of `late`, s, corrected for the correlation of the residual; nan if not determined.
-    sampling_period : float
-        Time between two samples, s.
-    declared : float
-        Seconds of the same sign that the preparation has taken out already.
-    remaining : float
-        Residual with the delay taken out, as part of that without.
-    parameters : array of shape (n_parameters,)
-        Minimal parameters with the delay taken out.
-    moved : tuple of str
-        Signals that were moved to find it: this one, or all others.
-    is_force : bool
-        Whether the signal is the force, which may be held from sample to sample.
-    """
+    """Estimated delay of a signal against the others."""
 
     signal: str
+    """Name of the force, or of a sensor."""
     late: float
+    """Seconds by which it seems recorded later than the motion, beyond what the preparation takes out; negative for
+    a force that acts after it is recorded."""
     deviation: float
+    """Standard deviation of `late`, s, corrected for the correlation of the residual; nan if not determined."""
     sampling_period: float
+    """Time between two samples, s."""
     declared: float
+    """Seconds of the same sign that the preparation has taken out already."""
     remaining: float
+    """Residual with the delay taken out, as part of that without."""
     parameters: FloatArray
+    """Minimal parameters with the delay taken out; shape (n_parameters,)."""
     moved: tuple[str, ...]
+    """Signals that were moved to find it: this one, or all others."""
     is_force: bool = True
+    """Whether the signal is the force, which may be held from sample to sample."""
 
     @property
     def samples(self) -> float:

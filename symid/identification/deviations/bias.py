@@ -43,21 +43,15 @@ noise is white, as is assumed here."""
 
 @dataclass(frozen=True, eq=False)
 class Bias:
-    """Expected error of parameters, by its cause; positive where the estimate is too high.
-
-    Parameters
-    ----------
-    noise : array of shape (n_parameters,)
-        Caused by sensor noise in the columns of W.
-    preparation : array of shape (n_parameters,)
-        Caused by central differences, reversals that the filter moves, or a force that is filtered unlike the motion.
-    removed : array of shape (n_parameters,), optional
-        Part that was already subtracted from the estimate.
-    """
+    """Expected error of parameters, by its cause; positive where the estimate is too high."""
 
     noise: FloatArray
+    """Caused by sensor noise in the columns of W; shape (n_parameters,)."""
     preparation: FloatArray
+    """Caused by central differences, reversals that the filter moves, or a force that is filtered unlike the
+    motion; shape (n_parameters,)."""
     removed: FloatArray | None = None
+    """Part that was already subtracted from the estimate; shape (n_parameters,), optional."""
 
     @property
     def total(self) -> FloatArray:

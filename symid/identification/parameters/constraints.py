@@ -43,18 +43,12 @@ _SHARPEST, _SMALLEST = 1e-13, 1e-100
 
 @dataclass(frozen=True)
 class Constraints:
-    """Bounds and priors of physical parameters, SI.
-
-    Parameters
-    ----------
-    bounds : mapping of str to (float or None, float or None)
-        Lowest and highest value; None for no bound.
-    prior : mapping of str to (float, float)
-        Mean and standard deviation of the prior.
-    """
+    """Bounds and priors of physical parameters, SI."""
 
     bounds: Bounds = field(default_factory=dict)
+    """Lowest and highest value; None for no bound."""
     prior: Priors = field(default_factory=dict)
+    """Mean and standard deviation of the prior."""
 
     def __bool__(self) -> bool:
         return bool(self.bounds or self.prior)

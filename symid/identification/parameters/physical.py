@@ -28,30 +28,20 @@ _STEP = 1e-30
 
 @dataclass(frozen=True, eq=False)
 class PhysicalEstimate:
-    """Physical parameters of one branch of the inverse map.
-
-    Parameters
-    ----------
-    parameters : array of shape (n_physical,)
-        Values in the order of the declaration; nan for those that the sensors do not see.
-    sensitivity : array of shape (n_physical, n_minimal)
-        Derivatives of these estimates by the minimal parameters.
-    covariance : array of shape (n_physical, n_physical)
-        Propagated to first order from the covariance of the minimal parameters.
-    relations : int
-        Number of relations between the minimal parameters that the structure demands.
-    disagreement : float
-        Chi-square of these relations; nan without any.
-    restricted : Restricted, optional
-        Changes by bounds and priors; None without them.
-    """
+    """Physical parameters of one branch of the inverse map."""
 
     parameters: FloatArray
+    """Values in the order of the declaration; nan for those that the sensors do not see; shape (n_physical,)."""
     sensitivity: FloatArray
+    """Derivatives of these estimates by the minimal parameters; shape (n_physical, n_minimal)."""
     covariance: FloatArray
+    """Propagated to first order from the covariance of the minimal parameters; shape (n_physical, n_physical)."""
     relations: int
+    """Number of relations between the minimal parameters that the structure demands."""
     disagreement: float
+    """Chi-square of these relations; nan without any."""
     restricted: Restricted | None = None
+    """Changes by bounds and priors; None without them."""
 
     @property
     def standard_deviations(self) -> FloatArray:

@@ -68,60 +68,41 @@ def frame_of(every: Iterable[tuple[str, Mapping[str, float], FloatArray, Mapping
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identification(EstimatedParameters, Shown):
-    """Identified parameters of an axis and what they were identified from.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        The model identified.
-    logs : tuple of str
-        Sources of the logs.
-    sampling_period : float
-        Sampling period of the first log, s.
-    observations : tuple of Observation
-        One for each log.
-    fit : LeastSquares
-        Minimal parameters and their classical covariance.
-    correlated : CorrelatedCovariance
-        Covariance corrected for the correlation of the residual.
-    physical : tuple of PhysicalEstimate
-        One for each branch of the inverse map, the physically possible ones first; empty without a branch.
-    status : str
-        "ok", or what keeps the result from being complete.
-    message : str
-        Meaning of the status here and the cure; empty if all is well.
-    notes : tuple of str
-        Oddities of the logs.
-    timing : Timing, optional
-        Estimated delay of the force; None if it was not examined or cannot be estimated.
-    bias : Bias, optional
-        Expected error of the minimal parameters; None if that was not examined.
-    scatter : array of shape (n_minimal, n_minimal), optional
-        Covariance of the minimal parameters by their scatter between segments of the logs; None if not examined.
-    discrepancies : tuple of Discrepancy
-        Effects that the model lacks and the residual shows; empty if that was not examined.
-    axis : Axis, optional
-        The declared axis, where `symid.identify` was given it; with it figures and pages show the motion.
-    runs : tuple of Log
-        Then its logs; of one that does not fit into memory, the first block.
-    """
+    """Identified parameters of an axis and what they were identified from."""
 
     model: GeneratedModel
+    """The model identified."""
     logs: tuple[str, ...]
+    """Sources of the logs."""
     sampling_period: float
+    """Sampling period of the first log, s."""
     observations: tuple[Observation, ...]
+    """One for each log."""
     fit: LeastSquares
+    """Minimal parameters and their classical covariance."""
     correlated: CorrelatedCovariance
+    """Covariance corrected for the correlation of the residual."""
     physical: tuple[PhysicalEstimate, ...]
+    """One for each branch of the inverse map, the physically possible ones first; empty without a branch."""
     status: Status
+    """Either "ok", or what keeps the result from being complete."""
     message: str
+    """Meaning of the status here and the cure; empty if all is well."""
     notes: tuple[str, ...]
+    """Oddities of the logs."""
     timing: Timing | None = None
+    """Estimated delay of the force; None if it was not examined or cannot be estimated."""
     bias: Bias | None = None
+    """Expected error of the minimal parameters; None if that was not examined."""
     scatter: FloatArray | None = None
+    """Covariance of the minimal parameters by their scatter between segments of the logs; None if not examined;
+    shape (n_minimal, n_minimal), optional."""
     discrepancies: tuple[Discrepancy, ...] = ()
+    """Effects that the model lacks and the residual shows; empty if that was not examined."""
     axis: Axis | None = None
+    """The declared axis, where `symid.identify` was given it; with it figures and pages show the motion."""
     runs: tuple[Log, ...] = ()
+    """Then its logs; of one that does not fit into memory, the first block."""
 
     @property
     def headline(self) -> str:

@@ -20,24 +20,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class OutputPrediction:
-    """The output that identified parameters predict on a log.
-
-    Parameters
-    ----------
-    log : str
-        Source of the log.
-    observation : Observation
-        The log, prepared as those that were identified.
-    parameters : array of shape (n_parameters,)
-        The identified minimal parameters, those that differ from log to log (unknown zeros) fitted to this one.
-    residuals : tuple of EquationResidual
-        How well each equation is met.
-    """
+    """The output that identified parameters predict on a log."""
 
     log: str
+    """Source of the log."""
     observation: Observation
+    """The log, prepared as those that were identified."""
     parameters: FloatArray
+    """The identified minimal parameters, those that differ from log to log (unknown zeros) fitted to this one;
+    shape (n_parameters,)."""
     residuals: tuple[EquationResidual, ...]
+    """How well each equation is met."""
 
 
 def predict(found: Identification, log: AnyLog | str | os.PathLike[str] | Frame) -> OutputPrediction:

@@ -11,27 +11,18 @@ from symid.arrays import FloatArray
 
 @dataclass(frozen=True)
 class EquationResidual:
-    """Residual of one equation.
-
-    Parameters
-    ----------
-    output : str
-        Left-hand side of the equation.
-    rows : int
-        Rows compared.
-    norm : float
-        ||y - W X||, in the unit of the output.
-    deviation : float
-        Estimated standard deviation sigma_rho of the equation [25].
-    relative : float
-        ||y - W X|| / ||y||; nan for an output that is always 0.
-    """
+    """Residual of one equation."""
 
     output: str
+    """Left-hand side of the equation."""
     rows: int
+    """Rows compared."""
     norm: float
+    """||y - W X||, in the unit of the output."""
     deviation: float
+    """Estimated standard deviation sigma_rho of the equation [25]."""
     relative: float
+    """||y - W X|| / ||y||; nan for an output that is always 0."""
 
     @classmethod
     def of(cls, output: str, rows: int, norm: float, y_norm: float, deviation: float) -> EquationResidual:

@@ -23,24 +23,16 @@ _PARTS = 4  # of a long log, evenly spread
 
 @dataclass(frozen=True, eq=False)
 class Excerpt:
-    """A part of a log with its observation; the whole log if it is short. Checks share its results, each computed once.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        The model observed.
-    log : Log
-        The part.
-    observation : Observation
-        Its rows, prepared as those of the whole log.
-    of : int
-        Number of the log.
-    """
+    """A part of a log with its observation, or a short log as a whole. Checks share its results, each computed once."""
 
     model: GeneratedModel
+    """The model observed."""
     log: Log
+    """The part."""
     observation: Observation
+    """Its rows, prepared as those of the whole log."""
     of: int
+    """Number of the log."""
     _kept: dict[object, Any] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property

@@ -27,33 +27,23 @@ _STEP = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """A sampled model.
-
-    Parameters
-    ----------
-    W : array of shape (n_equations, n_rows, n_parameters)
-        Observation matrix.
-    y : array of shape (n_equations, n_rows)
-        Output.
-    valid : bool array of shape (n_equations, n_rows)
-        Rows that enter the estimation.
-    time : array of shape (n_rows,)
-        Time of each row, s.
-    preparation : Preparation
-        The settings used, complete.
-    with_friction : array of shape (n_equations, n_rows, n_columns), optional
-        W with columns of the friction beside drives, see `coulomb`.
-    highest : array of shape (n_sliding,), optional
-        Highest speed of each sliding velocity, from which the limit of standstill follows.
-    """
+    """A sampled model."""
 
     W: FloatArray
+    """Observation matrix; shape (n_equations, n_rows, n_parameters)."""
     y: FloatArray
+    """Output; shape (n_equations, n_rows)."""
     valid: BoolArray
+    """Rows that enter the estimation; shape (n_equations, n_rows)."""
     time: FloatArray
+    """Time of each row, s; shape (n_rows,)."""
     preparation: Preparation
+    """The settings used, complete."""
     with_friction: FloatArray | None = None
+    """W with columns of the friction beside drives, see `coulomb`; shape (n_equations, n_rows, n_columns), optional."""
     highest: FloatArray | None = None
+    """Highest speed of each sliding velocity, from which the limit of standstill follows; shape (n_sliding,),
+    optional."""
 
     def squares(self, X: FloatArray) -> FloatArray:
         """Sum of squares of the residual of parameters in the used rows of each equation."""

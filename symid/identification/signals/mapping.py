@@ -14,32 +14,24 @@ from symid.files import is_finite_number, read_json, shortened
 
 @dataclass(frozen=True)
 class LogMapping:
-    """Columns, units and layout of a foreign file, for `read_axis_log`.
-
-    Parameters
-    ----------
-    columns, units, gains : mapping
-        Column, unit and factor by signal.
-    late : mapping of str to float
-        Time by which signals were recorded late, s.
-    layout : Layout or None
-        Layout of a CSV file; None for other files, and for CSV files that are one line of names and then values.
-    sampling_period : float or None
-        Sampling period of a file without a column of the time, s.
-    guesses : tuple of str
-        Guesses with their reasons; printed whenever the mapping is used, until these lines are deleted.
-    missing : tuple of str
-        Facts that neither the file nor an answer provided; a mapping with such lines cannot be used.
-    """
+    """Columns, units and layout of a foreign file, for `read_axis_log`."""
 
     columns: Mapping[str, str] = field(default_factory=dict)
+    """Column by signal."""
     units: Mapping[str, str] = field(default_factory=dict)
+    """Unit by signal."""
     gains: Mapping[str, float] = field(default_factory=dict)
+    """Factor by signal."""
     late: Mapping[str, float] = field(default_factory=dict)
+    """Time by which signals were recorded late, s."""
     layout: Layout | None = None
+    """Layout of a CSV file; None for other files, and for CSV files that are one line of names and then values."""
     sampling_period: float | None = None
+    """Sampling period of a file without a column of the time, s."""
     guesses: tuple[str, ...] = ()
+    """Guesses with their reasons; printed whenever the mapping is used, until these lines are deleted."""
     missing: tuple[str, ...] = ()
+    """Facts that neither the file nor an answer provided; a mapping with such lines cannot be used."""
 
     @property
     def as_record(self) -> dict[str, Any]:
