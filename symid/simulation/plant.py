@@ -28,33 +28,22 @@ _PLACES = np.array([0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sig
 
 
 class SensorRow(NamedTuple):
-    """Reading of a sensor as a linear function of body motion and drive forces, plus a constant.
-
-    Parameters
-    ----------
-    row : array of shape (n_bodies,)
-        Factors of the displacements of the free bodies. For a force sensor: those of the displacement in its joint.
-    order : int or None
-        Derivative that is read: 0 for a position, 1 for a velocity, 2 for an acceleration; None for a force.
-    motion : array of shape (3, n_bodies)
-        Factors of displacements, velocities and accelerations in the reading.
-    drives : array of shape (n_drives,)
-        Factors of the drive forces in it.
-    constant : float
-        Reading when motion and forces are zero.
-    law : int, optional
-        Place in the plant's laws of those in the spring whose force is read.
-    per_force : float
-        Reading per unit of their force.
-    """
+    """Reading of a sensor as a linear function of body motion and drive forces, plus a constant."""
 
     row: FloatArray
+    """Factors of the displacements of the free bodies, shape (n_bodies,); of a force sensor, of that in its joint."""
     order: int | None
+    """Derivative that is read: 0 for a position, 1 for a velocity, 2 for an acceleration; None for a force."""
     motion: FloatArray
+    """Factors of displacements, velocities and accelerations in the reading; shape (3, n_bodies)."""
     drives: FloatArray
+    """Factors of the drive forces in it; shape (n_drives,)."""
     constant: float = 0.0
+    """Reading when motion and forces are zero."""
     law: int | None = None
+    """Place in the plant's laws of those in the spring whose force is read."""
     per_force: float = 1.0
+    """Reading per unit of their force."""
 
     def at(self, s: npt.NDArray[np.complexfloating[Any, Any]]) -> ComplexArray:
         """Reading for displacements of the bodies at complex frequencies, of shape (n_bodies, n_frequencies)."""
