@@ -2,14 +2,18 @@
 
 import re
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hand_made import rigid_log
 
+from benchmarks.effect_machines import ELASTIC, RIGID, SENSORS, VALUES as VALUES_OF_MACHINES, machine
 from symid import Axis, Body, CoulombFriction, Drive, Velocity, ViscousFriction, load_axis
 from symid.data import Log
-from symid.diagnosis import Diagnosis, diagnose
+from symid.diagnosis import LIBRARY, Diagnosis, diagnose
+from symid.diagnosis.findings.found_effects import ParameterChange
+from symid.diagnosis.findings.parameter_changes import lost
 from symid.errors import SettingError
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -88,3 +92,28 @@ def test_friction_that_explains_a_constant_force_is_no_model_of_the_machine(star
     found = diagnose(Axis("motor", (rotor, *laws), Drive("F", rotor), (Velocity("dq", rotor),)), log)
     assert found.verdict == "recording"
     assert "F hardly changes while the axis moves" in found.sentence
+
+
+def test_a_mode_beside_masses_that_are_lost_may_be_a_declared_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = ParameterChange("Mm", "kg", 9.0, 9.0, 0.1, 9.0, 0.1, absorbed=False)
+    vague = replace(known, name="Ml", explained=3e65, explained_std=np.inf)
+    least = replace(known, name="Kt", explained=8e6, explained_std=np.inf, at_bound=True)
+    friction = replace(known, name="Fvm", explained=1.0, explained_std=50.0)
+    assert lost(SCREW, (known, friction)) == []
+    assert lost(SCREW, (known, vague, friction, least)) == [vague, least]
+
+    alone = replace(ELASTIC, sensors=SENSORS)
+    nominal = {"M": 65.0, "Fv": VALUES_OF_MACHINES["Fv"], "Fs": VALUES_OF_MACHINES["Fs"]}
+    log = machine(alone, VALUES_OF_MACHINES | {"K": 2e5}, 1)
+    library = [effect for effect in LIBRARY if effect.name == "flexible_mode"]
+    sure = diagnose(RIGID, log, nominal=nominal, held=True, library=library)
+    assert sure.effects[0].probability > 0.9
+    assert "may be one that the axis declares" not in sure.sentence
+    for module in ("conclusion", "wording"):
+        monkeypatch.setattr(f"symid.diagnosis.findings.{module}.lost", lambda axis, parameters: [least])
+    doubtful = diagnose(RIGID, log, nominal=nominal, held=True, library=library)
+    assert doubtful.effects[0].probability <= 0.5
+    assert doubtful.probabilities["unexplained"] >= 0.45
+    assert doubtful.sentence.endswith(
+        "The mode may be one that the axis declares: give nominal values near those of the machine."
+    )

@@ -17,7 +17,7 @@ from symid.diagnosis.findings.found_effects import Alternative, FoundEffect
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.findings.gap_of_comparison import gap_of
 from symid.diagnosis.findings.location import is_stationary, located, maps
-from symid.diagnosis.findings.parameter_changes import effect_values, parameter_changes
+from symid.diagnosis.findings.parameter_changes import effect_values, lost, parameter_changes
 from symid.diagnosis.findings.wording import next_experiment
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection.evidence import Errors, Outcome, Verdict, is_there, outcome, probabilities
@@ -26,7 +26,7 @@ from symid.diagnosis.selection.step import SelectionStep, accepted_of
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _LISTED = 20  # alternatives at most
-_COGGING = "cogging"
+_COGGING, _MODE = "cogging", "flexible_mode"
 
 
 def concluded(
@@ -58,10 +58,18 @@ def concluded(
         gaps, found = _gaps(comparison), maps(comparison)
     axis = comparison.record.dynamics.axis
     parameters = parameter_changes(fits, nominal)
-    # Effects beside values that no machine has are hardly causes.
-    if any(own.is_far_from_physical for own in parameters if own.name not in axis.signed_parameters):
+    # Effects beside values that no machine has are hardly causes. Where masses or stiffnesses are lost, a mode may be
+    # one that the axis declares.
+    declared = _MODE if lost(axis, parameters) else None
+    impossible = [
+        own for own in parameters if own.is_far_from_physical and own.name not in axis.signed_parameters
+    ]
+    if impossible or (accepted and accepted[0].best.effect.name == declared):
         chances = chances.at_most(THRESHOLDS.impossible)
-    effects = _effects(comparison, accepted, fits, chances, nonparametric)
+    effects = tuple(
+        own.at_most(THRESHOLDS.impossible) if own.effect == declared else own
+        for own in _effects(comparison, accepted, fits, chances, nonparametric)
+    )
     alternatives = _alternatives(comparison, steps[0], chances)
     undetermined = [change.name for change in parameters if not change.is_determined]
     added = fits[-1].state.placed[len(fits[0].state.placed) :]

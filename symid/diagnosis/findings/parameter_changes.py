@@ -7,10 +7,11 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from symid.axis import Axis
 from symid.diagnosis.effects import declared_effects, with_parts
 from symid.diagnosis.findings.found_effects import EffectParameter, ParameterChange
 from symid.diagnosis.fitting.deviations import standard_deviations
-from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.fit import Fit, masses_and_stiffnesses
 from symid.diagnosis.fitting.moments import moment_deviation
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -82,3 +83,9 @@ def _change(
     limit = max(THRESHOLDS.absorbed_deviations * old_std, THRESHOLDS.absorbed_share * abs(new))
     absorbed = before != after and abs(new - old) > limit
     return ParameterChange(*declared, old, old_std, new, new_std, absorbed=bool(absorbed), at_bound=at_bound)
+
+
+def lost(axis: Axis, parameters: Sequence[ParameterChange]) -> list[ParameterChange]:
+    """Masses and stiffnesses that the logs do not show beside the effects, or that are at their least."""
+    masses = masses_and_stiffnesses(axis)
+    return [own for own in parameters if own.at_bound or (own.name in masses and not own.is_shown)]

@@ -8,7 +8,7 @@ from symid.diagnosis.effects import LIBRARY, LawEffect
 from symid.diagnosis.findings.diagnosis_result import Diagnosis, Simulator
 from symid.diagnosis.findings.found_effects import Alternative, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Level
-from symid.diagnosis.fitting.fit import masses_and_stiffnesses
+from symid.diagnosis.findings.parameter_changes import lost
 from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.text import listed, spoken
@@ -83,8 +83,8 @@ def of_doubtful_values(found: Diagnosis) -> str:
     signed = found.axis.signed_parameters
     negative = [p for p in found.parameters if p.is_negative and p.name not in signed]
     least = [p for p in found.parameters if p.at_bound]
-    masses = masses_and_stiffnesses(found.axis)
-    vague = [p for p in found.parameters if p.name in masses and not p.is_shown and p not in least]
+    missing = lost(found.axis, found.parameters)
+    vague = [p for p in missing if p not in least]
     said = []
     if vague:
         names = listed([p.name for p in vague])
@@ -96,6 +96,10 @@ def of_doubtful_values(found: Diagnosis) -> str:
         held, them = ("is at its bound", "it") if len(least) == 1 else ("are at their bounds", "them")
         bound = "half of the nominal or re-identified value, whichever is smaller"
         said.append(f"{_values(least)} {held}, {bound}: determine {them} from another log.")
+    if missing and any(effect.effect == "flexible_mode" for effect in found.effects):
+        said.append(
+            "The mode may be one that the axis declares: give nominal values near those of the machine."
+        )
     return "".join(f" {sentence}" for sentence in said)
 
 
