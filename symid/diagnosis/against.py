@@ -8,8 +8,6 @@ as in any diagnosis: effects found now are those that the simulator lacks.
 So that small errors of a simulator without noise do not count as effects, its readings get the noise of the machine's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

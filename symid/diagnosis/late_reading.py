@@ -7,8 +7,6 @@ A held force makes the acceleration jump at each sample. An accelerometer with t
 jump: its reading belongs to the force of the sample before, and is half a sample later than the motion.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Every number that decides on an effect, a probability or a verdict, with its unit, its reason and what fixed it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

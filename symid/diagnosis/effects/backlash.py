@@ -1,7 +1,5 @@
 """The effect of play in a spring."""
 
-from __future__ import annotations
-
 import math
 
 from symid.axis import Spring

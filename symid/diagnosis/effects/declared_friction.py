@@ -1,7 +1,5 @@
 """Friction that an axis declares: its level in a joint, and the joints in which it shows as one."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid.axis import Law, ViscousFriction

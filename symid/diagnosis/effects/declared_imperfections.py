@@ -1,7 +1,5 @@
 """Imperfections that an axis declares, and the effects that they are: either follows from the other."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from symid.axis import (

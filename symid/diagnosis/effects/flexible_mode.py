@@ -1,7 +1,5 @@
 """The effect of one more mass on a spring."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Effects of friction that changes over a log."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

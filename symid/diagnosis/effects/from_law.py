@@ -1,7 +1,5 @@
 """A force law of an axis as an effect that a model may lack: forces, units and elements follow from its formula."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """The effect of friction proportional to the force of the drive."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A law without a given shape, against which laws of the library are tested."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray

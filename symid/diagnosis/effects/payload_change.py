@@ -1,7 +1,5 @@
 """The effect of a mass that changes during a log."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

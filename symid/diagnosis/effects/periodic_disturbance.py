@@ -1,7 +1,5 @@
 """The effect of a sinusoidal force, told apart from lines of the motion and from vibration modes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

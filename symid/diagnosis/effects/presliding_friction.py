@@ -1,7 +1,5 @@
 """The effect of friction that builds up over a displacement."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product

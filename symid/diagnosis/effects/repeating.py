@@ -4,8 +4,6 @@ Each is a sine and a cosine of the displacement times a factor: 1, the direction
 pitch is estimated from the residual by a Fourier transform along the stroke.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 

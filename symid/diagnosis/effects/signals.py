@@ -1,7 +1,5 @@
 """Effects in drives and readings."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 

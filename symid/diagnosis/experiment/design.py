@@ -1,7 +1,5 @@
 """Design of the next experiment: the motion that best distinguishes two remaining causes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -7,8 +7,6 @@ both causes are fitted to readings with the noise of the log. Gains are tempered
 favourable of the two cases counts.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

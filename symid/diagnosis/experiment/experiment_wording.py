@@ -1,7 +1,5 @@
 """The next experiment in words."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

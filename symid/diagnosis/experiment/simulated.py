@@ -6,8 +6,6 @@ Gaussian: its mean is the gain of the true cause, its standard deviation the dis
 deviations of the noise. If the model of the true cause is exact, the mean is half the square of that distance.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

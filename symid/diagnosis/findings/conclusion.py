@@ -1,7 +1,5 @@
 """The conclusion from a search: verdict, effects with their values, alternatives, parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 

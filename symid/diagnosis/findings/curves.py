@@ -1,7 +1,5 @@
 """Signals and spectra of a comparison, for pages and plots."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 

@@ -6,8 +6,6 @@ machine is. Where no such law explains the force and the friction of an axis com
 the force or of a position is wrong; slow motion shows that by friction only, not by an inertia.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid.axis import CoulombFriction, ViscousFriction

@@ -1,7 +1,5 @@
 """Faults of a log that a model fitted to it shows: changed parameters, a constant or cut force, a wrong gain."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid.axis import CoulombFriction

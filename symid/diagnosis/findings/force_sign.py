@@ -1,7 +1,5 @@
 """The sign of a recorded force: opposite to what the motion asks for, or lost in an absolute value."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

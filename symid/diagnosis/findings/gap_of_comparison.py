@@ -1,7 +1,5 @@
 """The gap of a comparison: the force error of its models before and after, near reversals, and in each repetition."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The effects that hold on data that took no part in any choice, the strongest first."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

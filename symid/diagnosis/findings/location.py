@@ -1,7 +1,5 @@
 """Location of the gap: over frequency, motion, stroke, drive force and time, and by place of the axis."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from itertools import pairwise

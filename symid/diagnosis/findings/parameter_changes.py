@@ -1,7 +1,5 @@
 """Parameters before and after the effects, and the values of the effects."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Shares of a gap, with intervals from resampled blocks of rows."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid.arrays import FloatArray

@@ -1,7 +1,5 @@
 """The waterfall of a gap: nominal values, identified values, each effect, noise floor."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The verdict in words."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from symid.diagnosis.effects import LIBRARY, LawEffect

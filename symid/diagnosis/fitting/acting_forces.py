@@ -5,8 +5,6 @@ integrated in time, and the frequency response has an equivalent impedance in it
 the outputs are then the linear response.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 

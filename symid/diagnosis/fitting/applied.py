@@ -1,7 +1,5 @@
 """A model with its values under another record."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

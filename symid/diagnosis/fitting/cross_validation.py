@@ -12,8 +12,6 @@ The same sums give standard deviations for errors with any correlation within a 
 Huber and White, with blocks as clusters).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

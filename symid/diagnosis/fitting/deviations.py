@@ -6,8 +6,6 @@ part in a combination that leaves the prediction unchanged, such as a mass and t
 deviation is infinite.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid.arrays import FloatArray, norms_or_one

@@ -1,7 +1,5 @@
 """Damped Gauss-Newton steps that fit the values of a model, within the bounds of machines."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence, Set
 from dataclasses import replace

@@ -5,8 +5,6 @@ has a valley as narrow as the band allows where it accelerates. A moment is ther
 derivatives.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from itertools import chain

@@ -1,7 +1,5 @@
 """Derivatives of the prediction by the free values of a model: physical parameters, amplitudes, shapes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The declared axis fitted to a record: initial values, and restarts from others."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 

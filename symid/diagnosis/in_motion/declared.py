@@ -1,7 +1,5 @@
 """An axis with the effects found as elements, which can be derived, generated and identified like any other."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """An identified axis simulated along a log: its positions beside the measured ones."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

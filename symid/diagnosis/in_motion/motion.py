@@ -1,7 +1,5 @@
 """The gap in the motion: each model is simulated under the controller of the log and compared with the machine."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -10,8 +10,6 @@ feed-forwards and to external signals, so only C must be known; this is then the
 Where the log does not determine C, a slow cascade replaces it: an observer, which keeps the axis from drifting away.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

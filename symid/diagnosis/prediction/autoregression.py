@@ -1,7 +1,5 @@
 """Autoregressive model of weighted errors, which whitens them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

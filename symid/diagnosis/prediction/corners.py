@@ -3,8 +3,6 @@
 Motion up to a frequency rounds them, and its velocity crosses zero late at every reversal.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

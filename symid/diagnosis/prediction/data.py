@@ -1,7 +1,5 @@
 """Logs of a diagnosis: how they were recorded, joined to runs, and in the frequency domain."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """Forces in joints as the drive feels them, through gears, springs and drive constants."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 

@@ -1,7 +1,5 @@
 """The sensors in a log, and the position next to each drive."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

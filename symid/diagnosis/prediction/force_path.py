@@ -1,7 +1,5 @@
 """The path from the logged forces to the acting ones: gains and limits take from them, delays and lags follow."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -11,8 +11,6 @@ the one that the measured drive force shows, and the laws act there. The outputs
 forces, so that the force explains nothing by itself.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Logs of a speed without a position: the integral of the speed takes its place, with an arbitrary zero."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 The logs share the values of the axis; hidden states are unknown after each bridge, as after any rest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

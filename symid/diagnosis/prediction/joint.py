@@ -1,7 +1,5 @@
 """A place at which a force may act, and its motion under a record."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """The highest frequency of the motion in a log, and the noise of readings and forces above it."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 

@@ -5,8 +5,6 @@ missing forces are then products with frequency responses. Models are compared o
 holds the band; nonlinear laws are evaluated on a finer grid.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

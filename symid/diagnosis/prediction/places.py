@@ -1,7 +1,5 @@
 """Names of the places of effects."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from symid.axis import Axis, Between, Joint, Spring

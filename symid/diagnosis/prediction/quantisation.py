@@ -4,8 +4,6 @@ At constant speed, the error of a reading in steps is a sawtooth of frequency sp
 slowly. Its spectrum follows from rounding the motion itself, with zero at several points between two steps.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from symid.arrays import FloatArray

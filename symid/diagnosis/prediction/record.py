@@ -4,8 +4,6 @@ Each drive has a position next to it, its *driven position*; everything else is 
 predicted signals are the outputs: the force of each drive, and the readings of all further sensors.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace

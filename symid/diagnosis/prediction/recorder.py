@@ -4,8 +4,6 @@ A channel that is updated only at every n-th sample, or interpolated in between,
 log is then decimated to that rate, forces by a zero-phase low-pass filter, and each channel keeps its clock.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 

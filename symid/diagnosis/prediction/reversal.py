@@ -1,7 +1,5 @@
 """Samples near a reversal or a standstill, where friction and backlash show."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 

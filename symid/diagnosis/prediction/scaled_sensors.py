@@ -3,8 +3,6 @@
 With a free constant of the drive, all masses, frictions and effects of an axis could grow together.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple

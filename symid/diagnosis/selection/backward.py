@@ -7,8 +7,6 @@ error that the model has without each, and fitted again in this order, so that t
 explains nothing at its position, the order of their gains when found is tried, then the order in which they were found.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

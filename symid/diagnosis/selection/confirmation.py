@@ -1,7 +1,5 @@
 """Candidates fitted with all parameters free, checked and ranked."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress

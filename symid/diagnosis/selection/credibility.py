@@ -1,7 +1,5 @@
 """Credibility of a fitted effect: inertia, force, deviations, plausible sizes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

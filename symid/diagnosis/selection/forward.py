@@ -1,7 +1,5 @@
 """Forward selection of the effects that explain the gap: candidates are screened and fitted, the best is accepted."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace

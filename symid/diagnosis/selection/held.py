@@ -1,7 +1,5 @@
 """Detection of a held force, which acts half a sample after its record without any delay."""
 
-from __future__ import annotations
-
 from symid.diagnosis.effects import LATE_FORCES, DelayEffect, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start

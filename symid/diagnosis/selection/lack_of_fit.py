@@ -8,8 +8,6 @@ more, in the place of a wrong one much more, on blocks that are left out of the 
 test against a saturated model, N. R. Draper and H. Smith, Applied Regression Analysis, 1998).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

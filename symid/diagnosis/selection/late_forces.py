@@ -5,8 +5,6 @@ predicted force; one of the recorder predicts less of it. Beyond the band in whi
 position leaves in it, this noise would decide between a lag and a delay, which changes no amplitude.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 

@@ -6,8 +6,6 @@ nominal value distinguishes the two. While an axis turns steadily, a periodic fo
 has, looks like a periodic force of time.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 

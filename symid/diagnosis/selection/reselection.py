@@ -3,8 +3,6 @@
 Forward selection never reconsiders an effect, but the first one also stood in for those found later.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Screening: the error of the fitted model is projected on every effect at every place, over its shapes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

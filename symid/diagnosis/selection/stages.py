@@ -1,7 +1,5 @@
 """Starts of the fits of a selection step, the cheapest first."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
