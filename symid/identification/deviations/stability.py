@@ -85,10 +85,10 @@ def greatest_change(parts: Sequence[Segment], values: FloatArray, root: FloatArr
     """The span of segments, in time order, whose own parameters take most from the residual; None if there are too few.
 
     `root` takes coordinates in which the columns of all segments are orthonormal to the parameters, whose estimates
-    are `values`. The number of rows for each independent one follows from the scatter of the segments about both
-    parameters, as the change itself correlates the whole residual.
+    are `values`; combinations that no segment sees have no coordinate. The number of rows for each independent one
+    follows from the scatter of the segments about both parameters, as the change itself correlates the whole residual.
     """
-    n, p = len(parts), values.size
+    n, p = len(parts), root.shape[1]
     if n < _FEWEST:
         return None
     normals, slopes = np.stack([s.normal for s in parts]), np.stack([s.slope for s in parts])
