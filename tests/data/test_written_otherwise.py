@@ -115,6 +115,33 @@ def test_values_are_told_from_their_differences_to_what_is_commanded(
     assert (found.quantity, found.unit, found.setpoint) == (quantity, unit, False)
 
 
+@pytest.mark.parametrize(
+    ("header", "quantity", "unit"),
+    [
+        ("iq_mA", "current", "mA"),
+        ("torque_mNm", "force", "mNm"),
+        ("force_daN", "force", "daN"),
+        ("pos_nm", "position", "nm"),
+        ("q1_mrad", "position", "mrad"),
+        ("vel_mm_s", "velocity", "mm/s"),
+        ("dq1_rad_s", "velocity", "rad/s"),
+        ("Speed deg/s", "velocity", "deg/s"),
+        ("acc_mm_s2", "acceleration", "mm/s2"),
+        ("u_mV", "voltage", "mV"),
+        ("trq_permille", "percent", "0.1 %"),
+        ("time_ns", "time", "ns"),
+    ],
+)
+def test_units_at_the_end_of_a_name_are_read(header: str, quantity: str, unit: str) -> None:
+    found = described_column(header, 20 * np.sin(np.linspace(0, 9, 99)))
+    assert (found.quantity, found.unit, found.stated) == (quantity, unit, True)
+
+
+def test_the_end_of_an_unknown_unit_is_no_unit_of_the_time() -> None:
+    found = described_column("vel_in_s", 20 * np.sin(np.linspace(0, 9, 99)))
+    assert (found.quantity, found.stated) == ("velocity", False)
+
+
 @pytest.mark.parametrize("remark", ["# page 2", "% page 2;;", "// page 2"])
 def test_remarks_between_values_are_passed_over(tmp_path: Path, remark: str) -> None:
     file = written(tmp_path / "log.csv", "t;q;F", "{t:.3f};{q:.9f};{F:.9f}")

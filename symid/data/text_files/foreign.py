@@ -25,10 +25,10 @@ from symid.errors import LogError
 from symid.units import Unit, to_si
 
 _BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*")
+_MOTION: Final = r"(?:[nmcuµμ]?m|m?rad|deg|°|м|мм|мкм|рад|град)(?:[/_][sс](?:\^?2|²)?)?"
 _TRAILING: Final = re.compile(
-    r"(?P<name>.*?\S)(?:,? |[_/])(?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|msec|ms|usec|us|deg|kN|Nm|rpm|A|V|N|s|m|"
-    r"counts|cts|inc|qc|"
-    r"мм/с|мм|мкм|м/с|мс|кН|Нм|град|рад|об/мин|А|В|Н|с|м)"
+    rf"(?P<name>.*?\S)(?:,? |[_/])(?:in )?(?P<unit>{_MOTION}|[mµuμn]?s|[mu]?sec|rpm|rps|об/мин|%|‰|"
+    r"(?:[mk]|da)?N|[mk]?Nm|[mµuμ]?A|[mk]?V|counts|cts|inc|qc|pct|percent|permille|мс|с|кН|Н|Нм|А|В)"
 )
 _SIGN_BITS: Final = (10, 11, 15)
 _REGISTERS: Final = (8, 16, 32)  # bits
@@ -109,6 +109,10 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
     words = _words(name)
     setpoint = _match(words, SETPOINT) is not None
     quantity, unit = _measured_in(written)
+    if (
+        quantity == "time" and next(_named(words), ("time", ""))[0] != "time"
+    ):  # the end of a unit, such as in/s
+        written = quantity = unit = None
     if (difference := _match(words, DIFFERENCE)) is not None:
         why = f"{difference!r} in its name: the difference of two signals"
         return ForeignColumn(header, None, unit, False, why, unit is not None)
@@ -213,11 +217,13 @@ def split_header(header: str) -> tuple[str, str | None]:
 
     >>> split_header("Time (ms)"), split_header("Torque %"), split_header("data(:,1)"), split_header("load (4)")
     (('Time', 'ms'), ('Torque', '%'), ('data(:,1)', None), ('load (4)', None))
+    >>> split_header("vel_rad_s"), split_header("iq_mA"), split_header("Speed mm/s")
+    (('vel', 'rad/s'), ('iq', 'mA'), ('Speed', 'mm/s'))
     """
     match = _BRACKETS.fullmatch(header) or _TRAILING.fullmatch(header)
     if match is None or match["unit"].strip().isdecimal():
         return header, None
-    return match["name"], match["unit"].strip()
+    return match["name"], match["unit"].strip().replace("_", "/")
 
 
 def _words(name: str) -> list[str]:
@@ -244,9 +250,10 @@ def _measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
     """Quantity that a unit measures, and the unit as `to_si` reads it."""
     if not written:
         return None, None
+    written = SPELLED.get(written, written)
     if (share := _PER_CENT.search(written.replace("‰", "0.1 %"))) is not None:
         return "percent", f"{share['size'].replace(',', '.')} %" if share["size"] else "%"
-    unit = SPELLED.get(written, written.replace("²", "^2").replace("°", "deg"))
+    unit = written.replace("²", "^2").replace("°", "deg")
     for quantity, names in UNITS:
         for name in names:
             try:
