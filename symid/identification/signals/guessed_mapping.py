@@ -248,6 +248,8 @@ class _Guess:
         per = f"{column.unit} (rated value / {100 / size:g})" if in_percent else column.unit or known
         if factor is not None:
             self.gains[signal] = factor
+            if column.unit not in (None, "A") and not in_percent:
+                self.guesses.append(f"{signal} is {factor:g} {unit} per {per}")
             return
         self.missing.append(f"{signal} has no factor: give `gains` {signal} in {unit} per {per}")
 
