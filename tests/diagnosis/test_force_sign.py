@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from symid import Axis, Body, Drive, Log, Position, ViscousFriction, load_axis
+from benchmarks.effect_machines import ELASTIC, LOAD, MOTOR, RIGID, SENSORS
+from symid import Axis, Body, Drive, Log, Position, ViscousFriction, Weight, load_axis
 from symid.diagnosis import diagnose
-from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+from symid.simulation import Cascade, plant_of, simulate, trapezoids, tuned_cascade
 
 AXIS = load_axis("rigid_1m").with_signal("q", noise=1e-7).with_signal("F", noise=1.0)
 VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
@@ -37,6 +38,22 @@ def test_a_weight_that_the_model_lacks_is_no_lost_sign(log: Log, weight: float) 
     found = diagnose(AXIS, lifted)
     assert not any(text.startswith(LOST) for text in found.faults)
     assert found.effects[0].effect == "offset_force"
+
+
+@pytest.mark.parametrize("stiffness", [2e5, 9e5])
+def test_a_hoist_with_a_mode_is_no_lost_sign(stiffness: float) -> None:
+    # Beside a mode that the model lacks, signs that the axis chooses itself fit better than the re-identified axis.
+    hung = RIGID.with_effect(Weight(MOTOR))
+    machine = replace(ELASTIC, sensors=SENSORS).with_effect(Weight(MOTOR), Weight(LOAD))
+    values = {"M": 12.0, "Fv": 50.0, "Fs": 16.0, "Ml": 8.0, "K": stiffness, "C": 100.0}
+    moves = trapezoids(
+        [0.12, 0.04], [0.06, 0.2, 0.4], acceleration=5.0, jerk=200.0, dwell=0.1, sampling_period=5e-4
+    )
+    log = simulate(machine, values, moves, Cascade("q", 20.0, 900.0, 4.0), start="equilibrium").log
+    assert log["F"].min() > 0
+    found = diagnose(hung, log)
+    assert not any(text.startswith(LOST) for text in found.faults)
+    assert found.effects[0].effect == "flexible_mode"
 
 
 def test_a_force_with_samples_filled_with_zero_is_no_right_model(log: Log) -> None:

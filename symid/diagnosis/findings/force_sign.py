@@ -36,7 +36,8 @@ def wrong_sign(begun: Fit, found: Fit, last: Fit, drive: int) -> str:
     both = weighting.rows(np.stack([record.measured, state.prediction.outputs]))
     measured, predicted = both[:, drive, weighting.kept]
     opposite = float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE
-    if opposite and _fits_mirrored(begun, min(found, last, key=lambda fit: fit.mean_square), force):
+    best = min(found, last, key=lambda fit: fit.mean_square)
+    if opposite and _fits_mirrored(begun, best, force):
         return f"{force} is opposite to what the motion asks for: its sign or that of a position is wrong"
     logged = record.log[force]
     seen, asked = (
@@ -47,7 +48,7 @@ def wrong_sign(begun: Fit, found: Fit, last: Fit, drive: int) -> str:
     at = np.rint(record.row_time[weighting.kept] / record.log.sampling_period).astype(int)
     coasts = np.mean(logged[np.minimum(at, logged.size - 1)] == 0.0) > _COASTS
     if (one_sided and not coasts) and (
-        _is_absolute(seen, asked) or (not found.nominal and _is_rectified(begun, found, drive))
+        _is_absolute(seen, asked) or (not found.nominal and _is_rectified(begun, best, drive))
     ):
         return (
             f"{force} never changes its sign, though the motion asks for both: an absolute value was recorded"
@@ -64,8 +65,8 @@ def _fits_mirrored(begun: Fit, best: Fit, force: str) -> bool:
     return fit.mean_square < _MIRRORED * best.mean_square
 
 
-def _is_rectified(begun: Fit, found: Fit, drive: int) -> bool:
-    """Whether the axis fits the force far better with signs that it determines itself.
+def _is_rectified(begun: Fit, best: Fit, drive: int) -> bool:
+    """Whether the axis fits the force far better with signs that it determines itself than the best model without.
 
     Without initial values the recorded force has spoiled them. The signs are first those of the speed or of the
     acceleration, then those of the force that the fit predicts. A force beside a weight that the model lacks fits as
@@ -74,7 +75,7 @@ def _is_rectified(begun: Fit, found: Fit, drive: int) -> bool:
     record = begun.state.prediction.record
     force, speed = record.forces[drive], record.fine(1j * record.omega * record.motions[drive])
     logged = record.log[force]
-    plain = min(found.mean_square, _with_force(begun, force, logged - logged.mean()).mean_square)
+    plain = min(best.mean_square, _with_force(begun, force, logged - logged.mean()).mean_square)
 
     def signed(course: FloatArray) -> FloatArray:
         return np.asarray(np.abs(logged) * np.sign(np.interp(record.log.time, record.fine_time, course)))
