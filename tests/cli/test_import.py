@@ -165,29 +165,6 @@ def test_a_second_position_is_named_and_an_option_silences_the_guess(
     assert "N per A" not in printed
 
 
-@pytest.mark.parametrize(
-    ("factor", "said"),
-    [(None, "give --gain F in N per mA"), ("0.0125", "F is 0.0125 N per mA")],
-)
-def test_the_factor_of_a_current_is_per_the_unit_of_its_column(
-    recorded, folder: Path, capsys: pytest.CaptureFixture[str], factor: str | None, said: str
-) -> None:
-    columns = {
-        "time_ms": 1e3 * recorded.time,
-        "pos_mm": 1e3 * recorded["q"],
-        "iq_mA": 1e3 * recorded["F"] / KT,
-    }
-    (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
-    given = () if factor is None else ("--gain", factor)
-    assert run("import", "a.csv", "--axis", "rigid_1m", *given, "-o", "m.json") == 0
-    assert said in capsys.readouterr().out
-    if factor:
-        identify = ("identify", "rigid_1m", "a.csv", "--mapping", "m.json", "--held", "F", "--json", "o.json")
-        assert run(*identify) == 0
-        found = json.loads((folder / "o.json").read_text())["physical"]
-        assert found["M"]["value"] == pytest.approx(TRUE["M"], rel=0.01)
-
-
 def test_a_drive_in_volts_takes_a_voltage(recorded, folder: Path) -> None:
     axis = """from symid import Axis, Body, Drive, Position, ViscousFriction
 arm = Body("arm", inertia="J")
