@@ -12,7 +12,8 @@ import click
 from symid.axis import Axis
 from symid.cli.options import assignments, number
 from symid.data import ForeignColumn
-from symid.data.text_files.foreign import split_header, with_unit
+from symid.data.text_files.column_names import split_header
+from symid.data.text_files.foreign import with_unit
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping
 from symid.units import Unit, to_si

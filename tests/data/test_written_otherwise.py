@@ -130,6 +130,18 @@ def test_values_are_told_from_their_differences_to_what_is_commanded(
         ("u_mV", "voltage", "mV"),
         ("trq_permille", "percent", "0.1 %"),
         ("time_ns", "time", "ns"),
+        ("time_in_s", "time", "s"),
+        ("acc_g", "acceleration", "g"),
+        ("force_kgf", "force", "kgf"),
+        ("force_lbf", "force", "lbf"),
+        ("trq_inlb", "force", "lbf*in"),
+        ("trq_N_mm", "force", "N*mm"),
+        ("TORQUE_NM", "force", "N*m"),
+        ("IQ_MA", "current", "mA"),
+        ("pos_inch", "position", "inch"),
+        ("vel_in_s", "velocity", "in/s"),
+        ("vel_mm_min", "velocity", "mm/min"),
+        ("VEL_MM_S", "velocity", "mm/s"),
     ],
 )
 def test_units_at_the_end_of_a_name_are_read(header: str, quantity: str, unit: str) -> None:
@@ -138,8 +150,27 @@ def test_units_at_the_end_of_a_name_are_read(header: str, quantity: str, unit: s
 
 
 def test_the_end_of_an_unknown_unit_is_no_unit_of_the_time() -> None:
-    found = described_column("vel_in_s", 20 * np.sin(np.linspace(0, 9, 99)))
+    found = described_column("vel_ell_s", 20 * np.sin(np.linspace(0, 9, 99)))
     assert (found.quantity, found.stated) == ("velocity", False)
+
+
+@pytest.mark.parametrize(
+    ("header", "quantity", "reason"),
+    [
+        ("enc_cnt", "position", "its unit is cnt, of unknown length"),
+        ("pos_ticks", "position", "its unit is ticks, of unknown length"),
+        ("vel_cts_s", "velocity", "its unit is cts/s, of unknown size"),
+        ("iq_lsb", "current", "its unit is lsb, of unknown size"),
+        ("pos_in", "position", "may be inches or an input"),
+        ("force_kg", "force", "is a mass, or the force that it weighs"),
+        ("FORCE_MN", "force", "stands for several units"),
+        ("encoder", "position", "it may be in counts"),
+    ],
+)
+def test_counts_and_units_in_doubt_are_asked_for(header: str, quantity: str, reason: str) -> None:
+    found = described_column(header, 20 * np.sin(np.linspace(0, 9, 99)))
+    assert (found.quantity, found.unit, found.stated, found.scaled) == (quantity, None, False, True)
+    assert reason in found.reason
 
 
 @pytest.mark.parametrize("remark", ["# page 2", "% page 2;;", "// page 2"])

@@ -17,6 +17,10 @@ UNITS: Final[tuple[tuple[Quantity, tuple[str, ...]], ...]] = (
     ("position", ("m", "rad")),
 )
 """Units in SI of each quantity."""
+EFFORTS: Final[tuple[Quantity, ...]] = "force", "current", "voltage", "percent", "command"
+"""Quantities that a column of a drive may hold, whatever its name says."""
+WEIGHTS: Final = "kg", "lb", "lbs"
+"""Masses in which load cells show forces."""
 WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     (
         "time",
@@ -34,7 +38,7 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     ("voltage", r"voltage|volts?|spannung|tensione?|voltaje|напряжение|\w*(?:电压|電圧)"),
     (
         "position",
-        r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|encoder|scale|положение|перемещение|координата|\w*(?:位置|位移|角度)|q\w?|x|y|z",
+        r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|enc(?:oder)?|scale|положение|перемещение|координата|\w*(?:位置|位移|角度)|q\w?|x|y|z",
     ),
     (
         "command",
@@ -55,7 +59,8 @@ DIFFERENCE: Final = (
 )
 """Words of what is commanded less what is measured."""
 COUNTS: Final = (
-    r"inc|incr\w*|increments?|inkr\w*|counts?(?:\d+bit)?|q?cts|cnts?|qc|impuls\w*|pulses?|lsb|digits?"
+    r"inc|incr\w*|increments?|inkr\w*|counts?(?:\d+bit)?|q?cts|cnts?|qc|impuls\w*|pulses?|lsbs?|digits?|"
+    r"ticks?|steps?|bits?"
 )
 """Units of unknown length."""
 NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
@@ -69,6 +74,17 @@ SPELLED: Final = {
     "U/min": "rpm",
     "r/min": "rpm",
     "N-m": "N*m",
+    "G": "g",
+    "inlb": "lbf*in",
+    "inlbf": "lbf*in",
+    "lbin": "lbf*in",
+    "lbfin": "lbf*in",
+    "ftlb": "lbf*ft",
+    "ftlbf": "lbf*ft",
+    "lbft": "lbf*ft",
+    "lbfft": "lbf*ft",
+    "ozin": "ozf*in",
+    "inoz": "ozf*in",
     "pct": "%",
     "percent": "%",
     "permille": "‰",

@@ -1,7 +1,5 @@
 """Guesses about the columns of a foreign log: quantity, unit and part, each with its reason."""
 
-import re
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -10,26 +8,11 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.table import Table
 from symid.data.text_files.clock_columns import counts_up, rises_evenly, rises_unevenly, step_of_clock
-from symid.data.text_files.column_words import (
-    CLOCKS_NAMED,
-    COUNTS,
-    DIFFERENCE,
-    NUMBERS,
-    SETPOINT,
-    SPELLED,
-    UNITS,
-    WORDS,
-    Quantity,
-)
+from symid.data.text_files.column_names import is_in_doubt, match, measured_in, named, split_header, words_of
+from symid.data.text_files.column_words import CLOCKS_NAMED, COUNTS, DIFFERENCE, NUMBERS, SETPOINT, Quantity
 from symid.errors import LogError
-from symid.units import Unit, to_si
+from symid.units import to_si
 
-_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*")
-_MOTION: Final = r"(?:[nmcuµμ]?m|m?rad|deg|°|м|мм|мкм|рад|град)(?:[/_][sс](?:\^?2|²)?)?"
-_TRAILING: Final = re.compile(
-    rf"(?P<name>.*?\S)(?:,? |[_/])(?:in )?(?P<unit>{_MOTION}|[mµuμn]?s|[mu]?sec|rpm|rps|об/мин|%|‰|"
-    r"(?:[mk]|da)?N|[mk]?Nm|[mµuμ]?A|[mk]?V|counts|cts|inc|qc|pct|percent|permille|мс|с|кН|Н|Нм|А|В)"
-)
 _SIGN_BITS: Final = (10, 11, 15)
 _REGISTERS: Final = (8, 16, 32)  # bits
 _MOST_OF_BIT, _CHANGES = 0.75, 3
@@ -37,8 +20,10 @@ _MOST_OF_BIT, _CHANGES = 0.75, 3
 values than these make a part of the numbers."""
 _NUMBERED: Final = "it numbers the samples"
 _COUNTED: Final = "it rises by 1: numbers of samples, or ms"
-_PER_CENT: Final = re.compile(r"(?P<size>\d+[.,]?\d*)?\s*%")
-_LONGEST_STROKE: Final = 10.0  # m: a position that covers more is in a smaller unit
+_LONGEST_STROKE: Final = (
+    10.0  # m: a position that covers more is in a smaller unit, and one of more mm in counts
+)
+_ENCODER: Final = "enc(?:oder)?"
 
 
 @dataclass(frozen=True)
@@ -106,40 +91,41 @@ def described_column(header: str, values: FloatArray) -> ForeignColumn:
 
 def _guessed(header: str, values: FloatArray) -> ForeignColumn:
     name, written = split_header(header)
-    words = _words(name)
-    setpoint = _match(words, SETPOINT) is not None
-    quantity, unit = _measured_in(written)
-    if (
-        quantity == "time" and next(_named(words), ("time", ""))[0] != "time"
-    ):  # the end of a unit, such as in/s
+    words = words_of(name)
+    setpoint = match(words, SETPOINT) is not None
+    quantity, unit = measured_in(written)
+    if quantity == "time" and next(named(words), ("time", ""))[0] != "time":  # the end of an unknown unit
         written = quantity = unit = None
-    if (difference := _match(words, DIFFERENCE)) is not None:
+    if (difference := match(words, DIFFERENCE)) is not None:
         why = f"{difference!r} in its name: the difference of two signals"
         return ForeignColumn(header, None, unit, False, why, unit is not None)
+    by_words, _ = next(named(words), (None, ""))
+    if written and by_words and (doubt := is_in_doubt(header, written, by_words)):
+        return ForeignColumn(header, by_words, None, setpoint, doubt, False, scaled=True)
     if quantity is not None and quantity != "percent":
         return ForeignColumn(header, quantity, unit, setpoint, f"its unit is written, {written}", True)
     is_even = not setpoint and rises_evenly(values)
-    if written and _match([written], COUNTS) and not _match(words, NUMBERS):
-        by_name, _ = next(_named(words), ("position", ""))
-        why = f"its unit is {written}, of unknown {'length' if by_name == 'position' else 'size'}"
-        return ForeignColumn(header, by_name, None, setpoint, why, False, scaled=True)
+    if written and match([written.partition("/")[0]], COUNTS) and not match(words, NUMBERS):
+        counted = by_words or "position"
+        why = f"its unit is {written}, of unknown {'length' if counted == 'position' else 'size'}"
+        return ForeignColumn(header, counted, None, setpoint, why, False, scaled=True)
     if written and quantity is None:  # what is in brackets, or below, may be the name
-        words += _words(written)
-    for by_name, word in _named(words):
+        words += words_of(written)
+    for by_name, word in named(words):
         if by_name == "position" and is_even:  # no measured position does
             continue
         if quantity == "percent":
             why = f"{word!r} in percent: of a rated value"
             return ForeignColumn(header, "percent", unit, setpoint, why, True)
         return _without_unit(header, by_name, word, setpoint, values, written)
-    numbered = _match(words, NUMBERS) is not None
+    numbered = match(words, NUMBERS) is not None
     if numbered and is_even:
         return ForeignColumn(header, None, None, setpoint, _NUMBERED, False)
     if is_even and counts_up(values):
         return ForeignColumn(header, "time", None, setpoint, _COUNTED, False)
     if is_even:
         return _without_unit(header, "time", "rises in equal steps", setpoint, values, written)
-    quantity, unit = _measured_in(header)
+    quantity, unit = measured_in(header)
     if quantity is not None:
         return ForeignColumn(header, quantity, unit, setpoint, "its name is a unit", True)
     why = f"its unit {written!r} is not known" if written else "neither name nor unit identifies it"
@@ -157,7 +143,7 @@ def quantity_named(header: str) -> Quantity | None:
 
 def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
     """A column in a unit that its user gives; LogError if it measures nothing that a log holds."""
-    quantity, read = _measured_in(unit)
+    quantity, read = measured_in(unit)
     if quantity is None:
         to_si(unit)
         raise LogError(
@@ -204,64 +190,12 @@ def _sign_and_magnitude(values: FloatArray) -> str:
 
 def _uneven_clock(header: str, values: FloatArray) -> ForeignColumn:
     """A column without a name of the time that may be one; whole numbers that rise by 1 may number samples instead."""
-    if _match(_words(header), NUMBERS):
+    if match(words_of(header), NUMBERS):
         return ForeignColumn(header, None, None, False, _NUMBERED, False)
     if counts_up(values):
         return ForeignColumn(header, "time", None, False, _COUNTED, False)
     column = _without_unit(header, "time", "always rises", False, values, None)
     return column if column.unit else replace(column, quantity=None)
-
-
-def split_header(header: str) -> tuple[str, str | None]:
-    """Name and unit of a foreign header; a number in brackets is that of an axis or channel.
-
-    >>> split_header("Time (ms)"), split_header("Torque %"), split_header("data(:,1)"), split_header("load (4)")
-    (('Time', 'ms'), ('Torque', '%'), ('data(:,1)', None), ('load (4)', None))
-    >>> split_header("vel_rad_s"), split_header("iq_mA"), split_header("Speed mm/s")
-    (('vel', 'rad/s'), ('iq', 'mA'), ('Speed', 'mm/s'))
-    """
-    match = _BRACKETS.fullmatch(header) or _TRAILING.fullmatch(header)
-    if match is None or match["unit"].strip().isdecimal():
-        return header, None
-    return match["name"], match["unit"].strip().replace("_", "/")
-
-
-def _words(name: str) -> list[str]:
-    """Words of a name, without numbers at their ends."""
-    words = re.split(r"[\W_]+|(?<=[a-z])(?=[A-Z])", name)
-    return [word if len(bare := word.rstrip("0123456789")) < 2 else bare for word in words if word]
-
-
-def _named(words: Sequence[str]) -> Iterator[tuple[Quantity, str]]:
-    """Quantities by the words of a name; single letters, which may be the type of a variable, count least."""
-    for letters in (False, True):
-        own = [word for word in words if (len(word) == 1) is letters]
-        for quantity, pattern in WORDS:
-            word = _match(own, pattern)
-            if word is not None:
-                yield quantity, word
-
-
-def _match(words: Sequence[str], pattern: str) -> str | None:
-    return next((word for word in words if re.fullmatch(pattern, word, re.IGNORECASE)), None)
-
-
-def _measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
-    """Quantity that a unit measures, and the unit as `to_si` reads it."""
-    if not written:
-        return None, None
-    written = SPELLED.get(written, written)
-    if (share := _PER_CENT.search(written.replace("‰", "0.1 %"))) is not None:
-        return "percent", f"{share['size'].replace(',', '.')} %" if share["size"] else "%"
-    unit = written.replace("²", "^2").replace("°", "deg")
-    for quantity, names in UNITS:
-        for name in names:
-            try:
-                to_si(unit, Unit.of(name))
-            except LogError:
-                continue
-            return quantity, unit
-    return None, None
 
 
 def _without_unit(
@@ -270,7 +204,7 @@ def _without_unit(
     """A column identified by its name; its unit is guessed from its values where possible."""
     evidence = f"{word!r} in its name" if word in header else f"it {word}"
     if quantity == "time":
-        step, unit = step_of_clock(values, [u for u, words in CLOCKS_NAMED.items() if _match([word], words)])
+        step, unit = step_of_clock(values, [u for u, words in CLOCKS_NAMED.items() if match([word], words)])
         if unit:
             reason = f"{evidence}; steps of {step:g} are a plausible sampling period in {unit}"
             return ForeignColumn(header, "time", unit, setpoint, reason, False)
@@ -279,8 +213,10 @@ def _without_unit(
         )
     if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
         reason = f"{evidence}; a stroke of {np.ptp(values):.3g} is too long for metres"
-        if written or np.all(values % 1 == 0):
-            what = f"{written!r} is not a unit" if written else "whole numbers may be counts"
+        is_whole = bool(np.all(values % 1 == 0))
+        if written or is_whole or match([word], _ENCODER) or np.ptp(values) > 1e3 * _LONGEST_STROKE:
+            counts = "whole numbers may be counts" if is_whole else "it may be in counts"
+            what = f"{written!r} is not a unit" if written else counts
             return ForeignColumn(header, "position", None, setpoint, f"{reason}; {what}", False, scaled=True)
         return ForeignColumn(header, "position", "mm", setpoint, reason, False)
     lacking = f"{written!r} is not a unit" if written else "no unit"

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from symid.data.text_files.foreign import quantity_named, split_header
+from symid.data.text_files.column_names import split_header
+from symid.data.text_files.foreign import quantity_named
 from symid.data.text_files.text_table import (
     LEAST_ROWS,
     are_units,

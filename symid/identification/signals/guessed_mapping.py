@@ -6,7 +6,8 @@ from types import MappingProxyType
 
 from symid.axis import Axis, Drive, Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
-from symid.data.text_files.foreign import quantity_named, split_header, with_unit
+from symid.data.text_files.column_names import split_header
+from symid.data.text_files.foreign import quantity_named, with_unit
 from symid.errors import LogError, SettingError
 from symid.identification.signals.mapping import LogMapping, require_known
 from symid.units import Unit, to_si
@@ -115,8 +116,10 @@ class _Guess:
             if column.scaled and column.quantity == "position" and self.count is None:
                 self.count = written
         elif column.scaled and signal not in self.given:
+            moves = column.quantity == "position"
+            such = "'5000 counts/mm' or '4096 counts/rev'" if moves else "the size of one, '0.2 um/s'"
             self.missing.append(
-                f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as '5000 counts/mm'"
+                f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as {such}"
             )
         if column.doubt:
             self.guesses.append(f"{signal} is column {column.header!r}, whose values {column.doubt}")
