@@ -179,7 +179,8 @@ def _show_columns(log: str, look: ForeignFile, *, numbered: bool = False) -> Non
             else f"{of.above} lines above the values, no names"
         )
         layout = f"{of.encoding}, separator {of.separator!r}, decimal {of.decimal!r}"
-        console.print(f"{log}: {layout}, {header}", markup=False)
+        pairs = ", every second comma is a decimal mark" * (of.separator == of.decimal)
+        console.print(f"{log}: {layout}{pairs}, {header}", markup=False)
     shown = TextTable("", *[""] * numbered, "column", "seems to be", "unit", "because")
     for place, column in enumerate(look.columns, start=1):
         what = f"{'commanded ' * column.setpoint}{column.quantity or '?'}"

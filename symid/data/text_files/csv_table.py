@@ -15,6 +15,7 @@ import polars as pl
 
 from symid.arrays import FloatArray
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, parsing, source_of, values_of
+from symid.data.text_files.comma_pairs import are_pairs, with_points
 from symid.data.text_files.grouped_numbers import without_groups
 from symid.data.text_files.layout import Layout, first_lines, without_footer
 from symid.data.text_files.text_table import (
@@ -48,6 +49,11 @@ def open_csv(path: Path) -> Table:
             f"{path}: the first line holds numbers: it must hold the names of the columns, or let symid import look"
         )
     row = _fields(second, separator)
+    if separator == "," and are_pairs([second.strip()], len(headers)):
+        raise LogError(
+            f"{path}: has {len(row)} fields below {len(headers)} names, as numbers with decimal commas have: let "
+            "symid import look, or give its mapping"
+        )
     file = _Csv(path, separator, max(len(headers), len(row)), headers)
     return Table(with_units(headers, row), file.read, file.slices)
 
@@ -64,11 +70,14 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
         raise LogError(
             f"{path}: ends above the values, which the layout expects below line {skipped}: correct it"
         )
-    row = fields(lines[skipped], layout.separator)
+    of_pairs = layout.separator == layout.decimal
+    row = fields(with_points(lines[skipped]) if of_pairs else lines[skipped], layout.separator)
     headers = with_units(layout.headers(lines), row)
     # a day alone, in a column beside the time of day, does not distinguish samples
     stamps = frozenset(i for i, text in enumerate(row) if has_time_of_day(text.strip(" \t\"'")))
     file = _Csv(path, layout.separator, max(len(headers), len(row)))
+
+    decimal = "." if of_pairs else layout.decimal
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         try:
@@ -77,15 +86,28 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
             raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
         *above, text = text.split("\n", skipped)
         text = without_footer(_without_lines(text, above), layout.separator)
+        if of_pairs:
+            text = _of_pairs(path, text, 2 * len(headers))
         if layout.separator == " ":
             text = "\n".join(" ".join(line.split()) for line in text.split("\n"))
         values = text.encode("utf-8", errors="replace")
         with parsing(path, "CSV", *POLARS_FAILURES):
             frame = file.scan(values, positions, pl.String(), header_rows=0)
         columns = _without_blank_end(frame)
-        return [values_of_texts(series, layout.separator, decimal=layout.decimal) for series in columns]
+        return [values_of_texts(series, layout.separator, decimal=decimal) for series in columns]
 
     return Table(headers, read, stamps=stamps)
+
+
+def _of_pairs(path: Path, text: str, width: int) -> str:
+    """Lines of numbers of two fields each, with decimal points; LogError if a line has another number of fields."""
+    for place, line in enumerate(text.split("\n"), start=1):
+        if line.strip() and line.count(",") + 1 != width:
+            raise LogError(
+                f"{path}: row {place} has {line.count(',') + 1} fields where {width // 2} numbers with decimal commas "
+                f"have {width}: export it with semicolons between columns, or with decimal points"
+            )
+    return with_points(text)
 
 
 def _without_lines(text: str, above: Sequence[str]) -> str:

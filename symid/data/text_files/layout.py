@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from symid.data.text_files.column_names import split_header
+from symid.data.text_files.comma_pairs import are_pairs, may_be_pairs
 from symid.data.text_files.foreign import quantity_named
 from symid.data.text_files.text_table import (
     LEAST_ROWS,
@@ -57,7 +58,7 @@ class Layout:
     separator : str
         Separator of fields; a space means any number of spaces and tabs.
     decimal : str
-        Decimal mark, a point or a comma.
+        Decimal mark, a point or a comma; where fields are separated by commas too, a number is two of them.
     above : int
         Lines above the header.
     below : int
@@ -84,7 +85,7 @@ class Layout:
             known = isinstance("".encode(self.encoding), bytes)  # hex, zlib and rot13 are not text encodings
         except (LookupError, ValueError, TypeError) as error:
             raise LogError(f"encoding {self.encoding!r} is not known: write for example utf-8") from error
-        if not known or self.separator in '\r\n\0"' or self.separator == self.decimal:
+        if not known or self.separator in '\r\n\0"' or self.separator == ".":
             raise LogError(f"separator {self.separator!r} is not possible: write for example ';'")
         if max(self.above, self.below) > _LINES:
             raise LogError(
@@ -191,6 +192,11 @@ def _layout_in(path: Path, content: bytes, encoding: str) -> Layout:
         ]
         if found:
             return max(found, key=lambda one: one[0])[1]
+    if pairs := may_be_pairs(lines):
+        raise LogError(
+            f"{path}: {pairs}: its decimal marks seem to be commas as well, and some numbers lack their fraction, so "
+            "that which comma is which is not known: export it with semicolons between columns, or with decimal points"
+        )
     few = max((values_in(lines, separator, 1) or (0, 0) for separator in _SEPARATORS), default=(0, 0))
     if few[0] > 1:
         raise LogError(
@@ -210,6 +216,12 @@ def _with_separator(
         return None
     width, begin = found
     header = names_above(lines[:begin], separator, width)
+    names = fields(lines[begin - 1], separator) if header is None and begin and separator == "," else []
+    if names and are_pairs([line for line in lines[begin:-1] if line.strip()], len(names)):
+        header, decimal = names_above(lines[:begin], separator, len(names)), ","
+        if header is not None:
+            return len(names), Layout(encoding, separator, decimal, header, begin - header - 1)
+        return None
     decimal = "," if separator != "," and has_decimal_comma(lines[begin:], separator) else "."
     if header is not None:
         return width, Layout(encoding, separator, decimal, header, begin - header - 1)

@@ -59,6 +59,8 @@ def guessed_mapping(
     """
     require_known(LogMapping(columns={**named, **units}), axis)
     guess = _Guess(list(columns), left_out, named, units)
+    if layout and layout.separator == layout.decimal:
+        guess.guesses.append("every second comma is a decimal mark: lines have two fields for each name")
     guess.clock(sampling_period)
     for place, sensor in enumerate(axis.sensors):
         alike = sum(other.quantity == sensor.quantity for other in axis.sensors[place:])
