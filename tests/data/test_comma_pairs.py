@@ -68,5 +68,5 @@ def test_whole_numbers_are_not_joined(tmp_path: Path) -> None:
 
 def test_such_a_file_is_not_read_by_the_first_fields(tmp_path: Path) -> None:
     file = written(tmp_path / "log.csv", "t,q,F", "{:.3f}", "{:.9f}", "{:.9f}")
-    with pytest.raises(LogError, match="has 6 fields below 3 names.* symid import"):
+    with pytest.raises(LogError, match=r"has 6 fields below 3 names.* symid import"):
         read_log(file, expected=EXPECTED)
