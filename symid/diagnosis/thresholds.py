@@ -49,7 +49,8 @@ class Thresholds:
     resumed: float = 4.0
     # multiple of the least mean square beyond which another candidate is not fitted to the end
     hopeless: float = 4.0
-    # share of the best gain from which on another candidate is accepted in its place, where it is not certain
+    # share of the best gain from which on another candidate is accepted in its place, where it is not certain, and the
+    # level of a friction that varies along the stroke comes first
     beside_best: float = 0.2
     # share of the gain of a delay from which on a lag is tried in its place, and the other way round
     other_timing: float = 0.3

@@ -55,7 +55,9 @@ def confirmed(item: Placed, gain: float, blocks: float, mean_square: float) -> C
     """A candidate that gains; `blocks` is the error of each other block in which it errs less."""
     squares = np.full((1, 16), 100.0)
     squares[0, ::2] = blocks
-    state = SimpleNamespace(prediction=None)
+    motion = SimpleNamespace(q=np.linspace(0.0, 0.2, 50), v=np.ones(50))
+    record = SimpleNamespace(in_log=np.ones(50, dtype=bool))
+    state = SimpleNamespace(prediction=SimpleNamespace(joints={BODY: motion}, record=record))
     fit = SimpleNamespace(mean_square=mean_square, n_rows=1600.0, state=state)
     effect = SimpleNamespace(is_plausible=lambda *_: True)
     own = SimpleNamespace(
@@ -81,3 +83,16 @@ def test_a_reach_counts_that_the_log_shows(left: float, gained: float, kept: boo
     }
     prefer_coulomb(found)
     assert (PRESLIDING.key in found) == kept
+
+
+@pytest.mark.parametrize(("level_gains", "kept"), [(3000.0, False), (100.0, True)])
+def test_a_level_comes_before_its_variation_where_it_explains_something(
+    level_gains: float, kept: bool
+) -> None:
+    """A friction that varies by little has its level first; the level of a drawn load explained a sixtieth."""
+    found: dict[Key, Confirmed] = {
+        COULOMB.key: confirmed(COULOMB, level_gains, 100.0, 1.4),
+        VARYING.key: confirmed(VARYING, 5000.0, 40.0, 0.6),
+    }
+    prefer_coulomb(found)
+    assert (VARYING.key in found) == kept

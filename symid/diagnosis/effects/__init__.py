@@ -78,6 +78,7 @@ __all__ = [
     "LATE_FORCES",
     "LIBRARY",
     "ActuatorLagEffect",
+    "BacklashEffect",
     "DelayEffect",
     "DriveEffect",
     "Effect",

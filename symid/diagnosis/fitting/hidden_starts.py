@@ -15,7 +15,7 @@ from itertools import product
 import numpy as np
 
 from symid.axis import Between, Body, Spring
-from symid.diagnosis.effects import Effect, JointEffect, Key, Placed
+from symid.diagnosis.effects import BacklashEffect, Effect, JointEffect, Key, Placed
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import with_shapes_held
@@ -33,6 +33,8 @@ _SHARES = (1.0, 0.3, 0.1, 0.03)
 _MULTIPLES = (30.0, 10.0, 3.0)
 """Multiples of them with which a fit of integrated motion may begin too: a projection that knows nothing of the motion
 that the effect changes may be far too small as well."""
+_WIDTHS, _LEVELS = (0.02, 0.05, 0.1, 0.3, 1.0), (0.1, 1.0)
+"""Widths of a play relative to the largest deflection, and its stiffness relative to that of the spring."""
 _FELT = 0.97
 """Multiple of the sum of squares below which a change during the log must begin."""
 _KEPT = 2
@@ -136,6 +138,28 @@ def _changes(fit: Fit, effect: Effect, place: str) -> Iterator[tuple[float, Star
             rows = weighting.rows(state.prediction.passed_on(change.change(state.prediction)))
             left = weighting.known(state.rows - rows, state.beginning)
             yield float(left @ left), Start(kept, weighting, change)
+
+
+def of_rattling(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
+    """Play in hidden springs whose motion follows the measured force, at the best of some widths and stiffnesses.
+
+    Within the play a body is free, and its motion depends on its beginning for ever.
+    """
+    present = {item.key for item in fit.state.placed}
+    for play, model in product((own for own in library if isinstance(own, BacklashEffect)), (fit, nominal)):
+        prediction = model.state.prediction
+        state = with_effects(model.state.following(), model.weighting, fit.state.placed)
+        values = prediction.axis.with_known_values(prediction.parameters)
+        for spring, _ in _hidden_springs(prediction):
+            at, stiffness = place_of(spring), values[spring.named("stiffness")]
+            largest = max(map(abs, prediction.springs[at].range))
+            if (play.name, at) not in present and largest:
+                placed = (
+                    Placed(play, at, (width * largest,), (level * stiffness,), integrated=True)
+                    for width, level in product(_WIDTHS, _LEVELS)
+                )
+                starts = (Start(state, model.weighting, own, to_the_end=True) for own in placed)
+                yield min(starts, key=_sum_of_squares)
 
 
 def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:

@@ -160,7 +160,9 @@ def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
         # In integrated motion the instants of jumps are exact: a reach within a sample may explain most of the rest.
         far_less = more.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square
         shown = (more.placed.integrated and far_less) or more.effect.is_plausible(prediction, more.placed)
-        if not (clearly and shown) or _is_nearly_constant(prediction, more.placed):
+        # A level that explains hardly anything by itself is no level that varies.
+        explains = plain.penalised_gain > THRESHOLDS.beside_best * more.penalised_gain
+        if not (clearly and shown) or (explains and _is_nearly_constant(prediction, more.placed)):
             del confirmed[name, place]
 
 
