@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, TypedDict, Unpack, cast
 
@@ -16,6 +17,7 @@ from symid.data.formats import open_table
 from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.log import Log
 from symid.data.long_log import BLOCK, AnyLog, scanned
+from symid.data.quality.coarse_clock import is_coarse
 from symid.data.reading import BYTES_OF_A_SAMPLE, read_table
 from symid.data.table import Table, naming_file
 from symid.data.text_files.layout import Layout
@@ -159,8 +161,16 @@ def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> fr
     return frozenset(headers) | {split_unit(header)[0] for header in headers}
 
 
+def _is_coarse(table: Table, place: int) -> bool:
+    (time,) = table.read([place])
+    return not isinstance(time, str) and is_coarse(time)
+
+
 def _with_clock(table: Table, sampling_period: float) -> Table:
-    """The table with a last column `t` of the time; LogError if it has one, or the period is not positive."""
+    """The table with a last column `t` of the time; LogError if it has one already, unless it is coarse."""
+    if TIME in table.headers and _is_coarse(table, place := table.headers.index(TIME)):
+        headers = tuple(f"{h} (rounded)" if i == place else h for i, h in enumerate(table.headers))
+        table = replace(table, headers=headers)
     if TIME in table.headers:
         raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
     if not 1e-12 < sampling_period < 1e9:

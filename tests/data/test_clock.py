@@ -47,6 +47,7 @@ def test_times_since_1970():
 def test_too_coarse_times_are_not_called_repeated():
     text = faults_of(np.round(np.arange(1000) / 4000.0, 3))
     assert "written too coarsely" in text
+    assert "take 0.00025 s from row to row" in text
     assert "repeated" not in text
 
 

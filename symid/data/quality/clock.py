@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray
+from symid.data.quality.coarse_clock import is_coarse, period_of_rows
 from symid.errors import LogError
 from symid.text import counted
 from symid.units import Unit, to_si
@@ -20,6 +21,7 @@ PLAUSIBLE_PERIODS: Final = (1.9e-5, 0.052)
 CLOCK_DIFFERENCE: Final = 0.002  # relative; real clocks differ by 0.0001, changed settings by more
 _LARGEST_TIME: Final = 1e12  # s, 30 000 years: a larger number is damaged
 _JITTER: Final = 0.01  # of the period, rms: the largest accepted deviation of an interval from it
+_MANY_SHARE: Final = 3  # samples of one time, as no accident repeats them
 _WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
 
 
@@ -88,9 +90,16 @@ def inspect_clock(time: FloatArray, *, before: int = 0) -> Clock:
         )
     repeated = np.count_nonzero(intervals == 0.0)
     often = repeated > 0.2 * intervals.size and forward.size > 0
-    coarse = bool(often and np.median(intervals[forward]) < 1.5 * step)
+    digits = bool(often and np.median(intervals[forward]) < 1.5 * step)
+    coarse = digits or bool(often and intervals.size >= _MANY_SHARE * forward.size)
     if coarse:
-        faults.append("t is written too coarsely, many samples share a time: write more digits")
+        period = period_of_rows(time) if is_coarse(time) else None
+        rows = "" if period is None else f"let symid import take {period:.6g} s from row to row, or "
+        or_else = "" if digits else ", or rows are repeated"
+        faults.append(
+            f"t is written too coarsely{or_else}, as many samples share a time: {rows}write more digits"
+            + ", or remove repeated rows" * (not digits)
+        )
     else:
         faults += _not_forward(time, intervals, before)
     if forward.size < 2 or coarse:

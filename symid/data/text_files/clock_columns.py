@@ -7,6 +7,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.quality.clock import PLAUSIBLE_PERIODS
+from symid.data.quality.coarse_clock import is_coarse
 from symid.units import to_si
 
 _EVEN: Final = 1e-3
@@ -46,12 +47,14 @@ def rises_unevenly(values: FloatArray) -> bool:
 
 
 def step_of_clock(times: FloatArray, named: Sequence[str] = ()) -> tuple[float, str | None]:
-    """Usual step of times, and the first unit in which it is a plausible sampling period; `named` ones come first.
+    """Usual step of times, the mean of coarse ones, and the first unit that makes it plausible; `named` come first.
 
     >>> [step_of_clock(step * np.arange(9), named) for step, named in ((1.0, []), (1.0, ["us"]), (20.0, ["us"]))]
     [(1.0, 'ms'), (1.0, 'ms'), (20.0, 'us')]
     """
     step = float(np.median(np.diff(times))) if times.size > 1 else 0.0
+    if not step and is_coarse(times):
+        step = float(times[-1] - times[0]) / (times.size - 1)
     low, high = PLAUSIBLE_PERIODS
     fits = (unit for unit in (*named, *_clocks_of(times)) if low <= step * to_si(unit) <= high)
     return step, next(fits, None)

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.data.quality.coarse_clock import change_between, is_coarse, period_of_rows
 from symid.data.table import Table
 from symid.data.text_files.clock_columns import counts_up, rises_evenly, rises_unevenly, step_of_clock
 from symid.data.text_files.column_names import is_in_doubt, match, measured_in, named, split_header, words_of
@@ -48,6 +49,10 @@ class ForeignColumn:
     """Whether the values cannot be in SI and their unit is unknown, such as counts of an encoder."""
     constant: bool = False
     """Whether all values are equal."""
+    coarse: bool = False
+    """Whether it is a time that several samples share, as it is rounded."""
+    row_period: float | None = None
+    """Period by which the numbers of the rows give a coarse time, in its unit; None where it does not rise evenly."""
 
 
 def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
@@ -78,6 +83,14 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
         unknown = (i for i, c in found.items() if c.quantity is None and c.unit is None)
         if (i := next((i for i in unknown if rises_unevenly(finite[i])), None)) is not None:
             found[i] = _uneven_clock(table.headers[i], finite[i])
+    for i, column in found.items():
+        if column.quantity != "time" or not is_coarse(finite[i]):
+            continue
+        if any(change_between(finite[j], finite[i]) for j in found if j != i):
+            found[i] = replace(column, coarse=True, row_period=period_of_rows(finite[i]))
+        else:
+            why = f"{column.reason}; rows of one time are equal: remove the repeated rows"
+            found[i] = replace(column, reason=why)
     return tuple(found.values())
 
 
@@ -208,9 +221,8 @@ def _without_unit(
         if unit:
             reason = f"{evidence}; steps of {step:g} are a plausible sampling period in {unit}"
             return ForeignColumn(header, "time", unit, setpoint, reason, False)
-        return ForeignColumn(
-            header, "time", None, setpoint, f"{evidence}; steps of {step:g} fit no unit", False
-        )
+        fits = f"steps of {step:g} fit no unit" if step else "it does not rise from row to row"
+        return ForeignColumn(header, "time", None, setpoint, f"{evidence}; {fits}", False)
     if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
         reason = f"{evidence}; a stroke of {np.ptp(values):.3g} is too long for metres"
         is_whole = bool(np.all(values % 1 == 0))

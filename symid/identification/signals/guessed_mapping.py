@@ -6,9 +6,13 @@ from types import MappingProxyType
 
 from symid.axis import Axis, Drive, Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
-from symid.data.text_files.column_names import split_header
 from symid.data.text_files.foreign import quantity_named, with_unit
-from symid.errors import LogError, SettingError
+from symid.identification.signals.fitting_columns import (
+    column_called,
+    in_degrees,
+    is_unit_of_drive,
+    may_command,
+)
 from symid.identification.signals.mapping import LogMapping, require_known
 from symid.units import Unit, to_si
 
@@ -90,7 +94,7 @@ class _Guess:
         given: Mapping[str, str],
     ) -> None:
         self.named = {
-            signal: _column_called(name, signal, columns, left_out) for signal, name in named.items()
+            signal: column_called(name, signal, columns, left_out) for signal, name in named.items()
         }
         self.left_out = left_out
         self.given = given
@@ -134,11 +138,22 @@ class _Guess:
         """The column of the time, or the period of a file that has none."""
         times = [c for c in self.free if c.quantity == "time"]
         time = self.chosen("t", sorted(times, key=lambda c: c.unit is None))
-        if time and time.unit:
+        if time and time.unit and not time.coarse:
             self.take("t", time)
         elif sampling_period is not None:
             self.period = sampling_period
             self.guesses.append(f"a sample every {sampling_period:g} s: given, or stated above the header")
+        elif time and time.unit and time.row_period is not None:
+            self.period = time.row_period * to_si(time.unit)
+            self.guesses.append(
+                f"a sample every {self.period:.7g} s by the numbers of the rows: samples share the rounded times of "
+                f"column {time.header!r}, which rise evenly by that on average ({time.reason})"
+            )
+        elif time and time.coarse:
+            self.missing.append(
+                f"samples share the rounded times of column {time.header!r}, which do not rise evenly, as where "
+                "samples are lost: record it with more digits, or give `sampling_period` if none is lost"
+            )
         else:
             self.missing.append(
                 "no column of the time has a known unit: give `sampling_period`, or the column of t"
@@ -180,7 +195,7 @@ class _Guess:
         signal, quantity = sensor.signal, sensor.quantity
         found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
         found.sort(key=lambda c: (c.constant, not c.header.startswith(signal)))
-        column = self.chosen(signal, _in_degrees(found, unit) or self.called(signal))
+        column = self.chosen(signal, in_degrees(found, unit) or self.called(signal))
         if column is not None:
             self.take(signal, column, None if column.unit or column.scaled else str(unit))
             self.name_others(signal, column, found, alike)
@@ -223,7 +238,7 @@ class _Guess:
         if column is None:
             self.missing.append(
                 f"no column seems to be the force {signal}: name it with `columns` {signal}=NAME"
-                + "".join(f"; {c.header!r} may be it" for c in found if _may_command(c))
+                + "".join(f"; {c.header!r} may be it" for c in found if may_command(c))
                 + self.but_for("force")
             )
             return
@@ -239,7 +254,7 @@ class _Guess:
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
         # v may be volts
         misnamed = signal in self.named and column.quantity in (*_MOTION, "command") and not column.unit
-        in_unit = not column.scaled and _is_unit_of_drive(column.unit, unit)
+        in_unit = not column.scaled and is_unit_of_drive(column.unit, unit)
         if (misnamed or column.quantity in (own, None)) and in_unit:
             self.take(signal, column, column.unit or str(unit))
             if gain is not None:
@@ -257,43 +272,3 @@ class _Guess:
                 self.guesses.append(f"{signal} is {factor:g} {unit} per {per}")
             return
         self.missing.append(f"{signal} has no factor: give `gains` {signal} in {unit} per {per}")
-
-
-def _may_command(column: ForeignColumn) -> bool:
-    """Whether a column may be the command of a drive, of which neither name nor unit says so."""
-    return not column.constant and (column.quantity == "voltage" or (column.setpoint and not column.quantity))
-
-
-def _in_degrees(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColumn]:
-    """Columns of a sensor in `unit`: where a length was guessed and it is an angle, in degrees."""
-    why = "no unit, degrees are assumed: in rad it would be many turns"
-    return [
-        replace(c, unit="deg", reason=why)
-        if unit == Unit.of("rad") and c.unit == "mm" and not c.stated
-        else c
-        for c in columns
-    ]
-
-
-def _column_called(
-    name: str, signal: str, columns: Sequence[ForeignColumn], left_out: Mapping[str, str]
-) -> ForeignColumn:
-    """The column with a header, or with a name before its unit."""
-    wanted = name.strip()
-    for column in (
-        c for part in (0, 1) for c in columns if wanted == (c.header, split_header(c.header)[0])[part]
-    ):
-        return column
-    if wanted in left_out:
-        raise SettingError(f"column {name!r} for {signal} {left_out[wanted]}")
-    raise SettingError(
-        f"there is no column of numbers {name!r} for {signal}: choose from {', '.join(c.header for c in columns)}"
-    )
-
-
-def _is_unit_of_drive(written: str | None, unit: Unit) -> bool:
-    """Whether a written unit is one of the drive's force; without one, it is taken to be."""
-    try:
-        return written is None or to_si(written, unit) > 0
-    except LogError:
-        return False
