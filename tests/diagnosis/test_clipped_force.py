@@ -70,3 +70,22 @@ def test_a_limit_that_only_the_validation_log_reaches_is_found_beside_another_ef
     assert "shows in the validation log" in found.assumptions[0]
     (limit,) = (effect for effect in found.effects if effect.effect == "saturation")
     assert limit.parameters["limit"].value == pytest.approx(420.0, rel=0.02)
+
+
+def test_a_limit_far_below_a_command_that_an_integrator_winds_up() -> None:
+    """A tenth and more of the samples ask for more than the drive gives, some for ten times as much."""
+    axis = RIGID.with_signal("F", noise=1.0).with_signal("q", noise=1e-7)
+    values = {"M": 12.0, "Fv": 18.0, "Fs": 24.0}
+    path = trapezoids(
+        [0.12, 0.04], [0.1, 0.3, 0.6], acceleration=7.0, jerk=400.0, dwell=0.1, sampling_period=1e-3
+    )
+    loop = tuned_cascade(plant_of(RIGID, values), "q")
+    log = simulate(axis.with_effect(ForceLimit(100.0)), values, path, loop, seed=1).log
+    size = np.abs(log["F"])
+    assert size.max() > 10 * 100.0
+    assert np.mean(size > 100.0) > 0.1
+    names = ("saturation", "delay", "quadratic_drag", "presliding_friction", "flexible_mode")
+    library = [effect for effect in LIBRARY if effect.name in names]
+    found = symid.diagnose(axis, log, nominal=values, library=library)
+    assert [effect.effect for effect in found.effects] == ["saturation"]
+    assert found.effects[0].parameters["limit"].value == pytest.approx(100.0, rel=0.02)

@@ -26,7 +26,8 @@ _DELAYS = np.concatenate([-_STEPS[::-1], _STEPS])
 _LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 20)), 0.98)
 """Force limits that are tried, relative to the largest logged force, which integral windup can raise far above them."""
 _USUAL_LIMIT = 0.3  # relative to the largest force; a lower limit may clip few samples only
-_MOSTLY_BELOW = 0.9
+_MOSTLY_BELOW, _SEARCHED_BELOW = 0.9, 0.7
+"""Shares of the samples that a plausible limit leaves alone, and one that is tried: an integrator winds up for long."""
 _MOST_BEND, _USUAL_BEND = 0.9, 0.6  # change of the gain at the largest force, relative to the gain
 _BUT_FOR_PEAKS = 0.98
 """Share of the samples to which the former applies: a loop with such a gain has force peaks."""
@@ -175,14 +176,15 @@ class SaturationEffect(CommandEffect):
     fixed = True
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        return placed.shape[0] > 1.01 * _least_limit(prediction, placed.at)
+        return placed.shape[0] > 1.01 * _least_limit(prediction, placed.at, _MOSTLY_BELOW)
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        top, least = _top_force(prediction, place), _least_limit(prediction, place)
+        top, least = _top_force(prediction, place), _least_limit(prediction, place, _SEARCHED_BELOW)
         return [(share * top,) for share in _LIMITS if share * top > least]
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
-        return (float(np.clip(shape[0], _least_limit(prediction, place), _top_force(prediction, place))),)
+        least, top = _least_limit(prediction, place, _SEARCHED_BELOW), _top_force(prediction, place)
+        return (float(np.clip(shape[0], least, top)),)
 
     def added(self, force: FloatArray, shape: Shape) -> FloatArray:
         return np.asarray(force - np.clip(force, -shape[0], shape[0]))
@@ -274,9 +276,9 @@ def _drive_unit(prediction: Prediction, place: str) -> Unit:
     return prediction.axis.signal_units[record.forces[drive_at(prediction, place)]]
 
 
-def _least_limit(prediction: Prediction, place: str) -> float:
-    """Lowest force limit to be tried."""
-    usual = float(np.quantile(_force_size(prediction, place), _MOSTLY_BELOW))
+def _least_limit(prediction: Prediction, place: str, share: float) -> float:
+    """Lowest force limit that leaves a share of the samples alone, or one that is usual."""
+    usual = float(np.quantile(_force_size(prediction, place), share))
     return min(_USUAL_LIMIT * _top_force(prediction, place), usual)
 
 
