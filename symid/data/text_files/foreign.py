@@ -21,7 +21,7 @@ _MOST_OF_BIT, _CHANGES = 0.75, 3
 values than these make a part of the numbers."""
 _NUMBERED: Final = "it numbers the samples"
 _COUNTED: Final = "it rises by 1: numbers of samples, or ms"
-_LONGEST_STROKE: Final = (
+LONGEST_STROKE: Final = (
     10.0  # m: a position that covers more is in a smaller unit, and one of more mm in counts
 )
 _ENCODER: Final = "enc(?:oder)?"
@@ -49,6 +49,8 @@ class ForeignColumn:
     """Whether the values cannot be in SI and their unit is unknown, such as counts of an encoder."""
     constant: bool = False
     """Whether all values are equal."""
+    extent: tuple[float, float] = (0.0, 0.0)
+    """Lowest and highest value."""
     coarse: bool = False
     """Whether it is a time that several samples share, as it is rounded."""
     row_period: float | None = None
@@ -99,7 +101,11 @@ def described_column(header: str, values: FloatArray) -> ForeignColumn:
     if not values.size:
         return replace(_guessed(header, np.zeros(1)), constant=True)
     guessed = _guessed(header, values)
-    return replace(guessed, doubt=_sign_and_magnitude(values), constant=bool(np.ptp(values) == 0))
+    extent = float(values.min()), float(values.max())
+    if guessed.quantity is None and not guessed.unit:
+        guessed = replace(guessed, reason=f"{guessed.reason}; {extent[0]:.4g} to {extent[1]:.4g}")
+    is_constant = extent[0] == extent[1]
+    return replace(guessed, doubt=_sign_and_magnitude(values), constant=is_constant, extent=extent)
 
 
 def _guessed(header: str, values: FloatArray) -> ForeignColumn:
@@ -223,10 +229,10 @@ def _without_unit(
             return ForeignColumn(header, "time", unit, setpoint, reason, False)
         fits = f"steps of {step:g} fit no unit" if step else "it does not rise from row to row"
         return ForeignColumn(header, "time", None, setpoint, f"{evidence}; {fits}", False)
-    if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
+    if quantity == "position" and np.ptp(values) > LONGEST_STROKE:
         reason = f"{evidence}; a stroke of {np.ptp(values):.3g} is too long for metres"
         is_whole = bool(np.all(values % 1 == 0))
-        if written or is_whole or match([word], _ENCODER) or np.ptp(values) > 1e3 * _LONGEST_STROKE:
+        if written or is_whole or match([word], _ENCODER) or np.ptp(values) > 1e3 * LONGEST_STROKE:
             counts = "whole numbers may be counts" if is_whole else "it may be in counts"
             what = f"{written!r} is not a unit" if written else counts
             return ForeignColumn(header, "position", None, setpoint, f"{reason}; {what}", False, scaled=True)

@@ -16,6 +16,7 @@ from symid.data.text_files.text_table import (
     fields,
     is_number_text,
     names_above,
+    numbers_columns,
     uncommented,
     values_in,
 )
@@ -107,8 +108,14 @@ class Layout:
             return tuple(f"column {i + 1}" for i in range(count))
         names = [text.strip() for text in fields(uncommented(lines[self.above]), self.separator)]
         below = [line for line in lines[self.above + 1 : self.skipped] if line.strip(f"{self.separator} ")]
-        others = [fields(line, self.separator) for line in [*below, *lines[: self.above][-1:]]]
-        written = next((line for line in others if are_units(line)), others[0] if len(below) == 1 else [])
+        others = [
+            texts
+            for line in [*below, *lines[: self.above][-1:]]
+            if not numbers_columns(texts := fields(uncommented(line), self.separator))
+        ]
+        written = next(
+            (line for line in others if are_units(line)), others[0] if len(below) == 1 and others else []
+        )
         units = [*(text.strip().strip("[]()") for text in written), *[""] * len(names)][: len(names)]
         pairs = list(zip(names, units, strict=True))
         repeated = [pair[0] and pairs.count(pair) > 1 for pair in pairs]
@@ -215,6 +222,10 @@ def _with_separator(
     if found is None:
         return None
     width, begin = found
+    fraction = r"\d\.\d" if separator == "," else r"\d[.,]\d"  # below whole numbers that are no sample
+    numbered = numbers_columns([text.strip() for text in fields(lines[begin], separator)])
+    numbered = numbered and re.search(fraction, lines[begin + 1]) is not None
+    begin += numbered
     header = names_above(lines[:begin], separator, width)
     names = fields(lines[begin - 1], separator) if header is None and begin and separator == "," else []
     if names and are_pairs([line for line in lines[begin:-1] if line.strip()], len(names)):
@@ -225,7 +236,7 @@ def _with_separator(
     decimal = "," if separator != "," and has_decimal_comma(lines[begin:], separator) else "."
     if header is not None:
         return width, Layout(encoding, separator, decimal, header, begin - header - 1)
-    if begin == 0 or sum(bool(text.strip()) for text in fields(lines[begin - 1], separator)) < 2:
+    if begin == 0 or numbered or sum(bool(text.strip()) for text in fields(lines[begin - 1], separator)) < 2:
         return width, Layout(encoding, separator, decimal, begin, named=False)
     return None
 

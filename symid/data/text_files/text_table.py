@@ -17,6 +17,8 @@ LEAST_ROWS: Final = 5
 """Adjacent lines with the same fields that make a table."""
 _MOST_NAMES: Final = 3
 """Lines of names, units and remarks directly above the values."""
+_MOST_ABOVE: Final = 6
+"""Lines among which these are, with those that are empty or number the columns."""
 _COMMENT: Final = re.compile(r"\s*(#+|%+|//+)\s*")
 _UNIT_APART: Final = re.compile(r"(?<=\w)\s+(?=[\[(])")
 FORTRAN: Final = re.compile(r"^([-+]?\d*\.?\d+|[-+]?\d+\.)[dD]([-+]?\d+)$")
@@ -146,8 +148,12 @@ def names_above(above: Sequence[str], separator: str, width: int) -> int | None:
     while last >= 0 and not above[last].strip(f"{separator} "):
         last -= 1
     found: list[tuple[int, list[str]]] = []
-    for place in range(last, max(last - _MOST_NAMES, -1), -1):
+    for place in range(last, max(last - _MOST_ABOVE, -1), -1):
         texts = [text.strip() for text in fields(uncommented(above[place]), separator)]
+        if numbers_columns(texts) or (not any(texts) and found and are_units(found[-1][1])):
+            continue
+        if len(found) == _MOST_NAMES:
+            break
         numbers = [number for text, number in zip(texts, _are_numbers(texts, separator), strict=True) if text]
         is_whole = len(numbers) >= width - 1 or not found
         if len(texts) < width or (separator == " " and len(texts) > width) or not is_whole:
@@ -156,6 +162,16 @@ def names_above(above: Sequence[str], separator: str, width: int) -> int | None:
             break
         found.append((place, texts))
     return _named_by(found)
+
+
+def numbers_columns(texts: Sequence[str]) -> bool:
+    """Whether a line numbers the columns, from 0 or 1.
+
+    >>> numbers_columns(["1", "2", "3"]), numbers_columns(["0", "1.5", "2"]), numbers_columns(["1", "2"])
+    (True, False, False)
+    """
+    counted = [str(place) for place in range(len(texts) + 1)]
+    return len(texts) > 2 and list(texts) in (counted[:-1], counted[1:])
 
 
 def _named_by(lines: Sequence[tuple[int, list[str]]]) -> int | None:

@@ -1,12 +1,13 @@
 """Guess of the signals of an axis among the columns of a foreign file."""
 
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
 from symid.axis import Axis, Drive, Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
-from symid.data.text_files.foreign import quantity_named, with_unit
+from symid.data.text_files.foreign import LONGEST_STROKE, quantity_named, with_unit
 from symid.identification.signals.fitting_columns import (
     column_called,
     in_degrees,
@@ -16,6 +17,7 @@ from symid.identification.signals.fitting_columns import (
 from symid.identification.signals.mapping import LogMapping, require_known
 from symid.units import Unit, to_si
 
+_MOST_LISTED = 12  # columns in a message
 _MOTION = "position", "velocity", "acceleration"
 """Quantities that a name without a unit suggests, and an answer refutes."""
 
@@ -123,7 +125,7 @@ class _Guess:
                 self.count = written
         elif column.scaled and signal not in self.given:
             moves = column.quantity == "position"
-            such = "'5000 counts/mm' or '4096 counts/rev'" if moves else "the size of one, '0.2 um/s'"
+            such = "mm, '5000 counts/mm' or '4096 counts/rev'" if moves else "the size of one, '0.2 um/s'"
             self.missing.append(
                 f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as {such}"
             )
@@ -161,6 +163,15 @@ class _Guess:
                 + self.but_for("time")
             )
 
+    def unidentified(self, signal: str) -> str:
+        """Option for one of the columns that nothing identifies, each with its extent; empty without any."""
+        free = [c for c in self.free if not (c.quantity or c.unit or c.constant or c.setpoint or c.scaled)]
+        listed = ", ".join(
+            f"{c.header!r} ({c.extent[0]:.4g} to {c.extent[1]:.4g})" for c in free[:_MOST_LISTED]
+        )
+        such = f", such as `columns` {shlex.quote(f'{signal}={free[0].header}')}" if free else ""
+        return f"{such}; of unknown meaning are {listed}" if free else ""
+
     def but_for(self, quantity: str) -> str:
         """Remark on columns of a quantity by their names, which hold something else than numbers."""
         alike = (header for header in self.left_out if quantity_named(header) == quantity)
@@ -197,11 +208,16 @@ class _Guess:
         found.sort(key=lambda c: (c.constant, not c.header.startswith(signal)))
         column = self.chosen(signal, in_degrees(found, unit) or self.called(signal))
         if column is not None:
+            long = unit == Unit.of("m") and column.extent[1] - column.extent[0] > LONGEST_STROKE
+            if signal in self.named and column.quantity is None and long:
+                why = f"{column.extent[0]:.4g} to {column.extent[1]:.4g} are too far apart for SI"
+                column = replace(column, quantity="position", scaled=True, reason=why)
             self.take(signal, column, None if column.unit or column.scaled else str(unit))
             self.name_others(signal, column, found, alike)
         elif needed:
             self.missing.append(
                 f"no column seems to be the {quantity} {signal}: name it with `columns` {signal}=NAME"
+                + self.unidentified(signal)
                 + "".join(
                     f"; {c.header!r} is a velocity, which an axis may declare" for c in self.moving(quantity)
                 )
@@ -238,6 +254,7 @@ class _Guess:
         if column is None:
             self.missing.append(
                 f"no column seems to be the force {signal}: name it with `columns` {signal}=NAME"
+                + self.unidentified(signal)
                 + "".join(f"; {c.header!r} may be it" for c in found if may_command(c))
                 + self.but_for("force")
             )
