@@ -5,10 +5,10 @@ it causes, and no iteration of frequency responses converges. The hidden equatio
 its linear part exactly, with inputs and forces interpolated linearly between the points of the fine grid (Heun's rule
 for the force). There is one hidden coordinate: that of two bodies of which the driven one is measured.
 
-Friction that falls with the speed, or holds a body at times, makes motion that depends on its beginning for ever: two
-runs of the machine itself would differ. Such motion is not predicted but observed: the spring's deflection is drawn to
-the one that the measured drive force shows, and the laws act there. The outputs are the linear response to their
-forces, so that the force explains nothing by itself.
+Friction that falls with the speed or holds a body at times, and play in which a body rattles, make motion that depends
+on its beginning for ever: two runs of the machine itself would differ. Such motion is not predicted but observed: the
+spring's deflection is drawn to the one that the measured drive force shows, and the laws act there. The outputs are the
+linear response to their forces, so that the force explains nothing by itself.
 """
 
 import math
