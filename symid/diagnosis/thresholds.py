@@ -49,9 +49,10 @@ class Thresholds:
     resumed: float = 4.0
     # multiple of the least mean square beyond which another candidate is not fitted to the end
     hopeless: float = 4.0
-    # share of the best gain from which on another candidate is accepted in its place, where it is not certain, and the
-    # level of a friction that varies along the stroke comes first
+    # share of the best gain from which on another candidate is accepted in its place, where it is not certain
     beside_best: float = 0.2
+    # share of the gain of a friction that varies along the stroke from which on its level comes first (a load: 0.02)
+    level_first: float = 0.2
     # share of the gain of a delay from which on a lag is tried in its place, and the other way round
     other_timing: float = 0.3
     # share of the best gain from which on a late reading goes first: readings that do not belong together look

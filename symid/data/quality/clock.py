@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray
-from symid.data.quality.coarse_clock import is_coarse, period_of_rows
+from symid.data.quality.coarse_clock import SHARED, is_coarse, period_of_rows
 from symid.errors import LogError
 from symid.text import counted
 from symid.units import Unit, to_si
@@ -89,7 +89,7 @@ def inspect_clock(time: FloatArray, *, before: int = 0) -> Clock:
             f"the first in row {before + missing[0] + 1}: repair or cut out those rows"
         )
     repeated = np.count_nonzero(intervals == 0.0)
-    often = repeated > 0.2 * intervals.size and forward.size > 0
+    often = repeated > SHARED * intervals.size and forward.size > 0
     digits = bool(often and np.median(intervals[forward]) < 1.5 * step)
     coarse = digits or bool(often and intervals.size >= _MANY_SHARE * forward.size)
     if coarse:

@@ -6,7 +6,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 
-_SHARED: Final = 0.2
+SHARED: Final = 0.2
 """Least share of the intervals that are zero where times are coarse."""
 _FEWEST: Final = 2
 """Fewest different times: of fewer nothing is known about the period."""
@@ -26,7 +26,7 @@ def is_coarse(time: FloatArray) -> bool:
         intervals.size
         and np.all(intervals >= 0.0)
         and np.count_nonzero(intervals) >= _FEWEST
-        and np.mean(intervals == 0.0) > _SHARED
+        and np.mean(intervals == 0.0) > SHARED
     )
 
 

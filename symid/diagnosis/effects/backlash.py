@@ -1,17 +1,29 @@
 """The effect of play in a spring."""
 
 import math
+from collections.abc import Iterable
+from itertools import product
 
 from symid.axis import Spring
-from symid.diagnosis.effects.effect import Placed
+from symid.diagnosis.effects.effect import Placed, Shape
 from symid.diagnosis.effects.from_law import LawEffect
+from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.thresholds import THRESHOLDS
 
+_WIDTHS, _LEVELS = (0.02, 0.05, 0.1, 0.3, 1.0), (0.1, 1.0)
+"""Widths of a play in which a body rattles relative to its largest deflection, and stiffnesses that are missing there
+relative to that of the spring, with which a fit may begin."""
+
 
 class BacklashEffect(LawEffect):
     """Play within which a spring is much softer."""
+
+    def rattling(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        """Shapes and amplitudes of a play in which the body on a spring of that stiffness rattles."""
+        largest = max(map(abs, spring.range))
+        return [((width * largest,), (level * stiffness,)) for width, level in product(_WIDTHS, _LEVELS)]
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         axis = prediction.axis

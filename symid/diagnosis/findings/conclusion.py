@@ -5,13 +5,14 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.effects import Placed, effects_of_element
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.curves import signal_curves, spectrum_of, weighted_of
 from symid.diagnosis.findings.diagnosis_result import Diagnosis, DriveError
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
-from symid.diagnosis.findings.found_effects import Alternative, FoundEffect
+from symid.diagnosis.findings.found_effects import Alternative, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.findings.gap_of_comparison import gap_of
 from symid.diagnosis.findings.location import is_stationary, located, maps
@@ -56,18 +57,10 @@ def concluded(
         gaps, found = _gaps(comparison), maps(comparison)
     axis = comparison.record.dynamics.axis
     parameters = parameter_changes(fits, nominal)
-    # Effects beside values that no machine has are hardly causes. Where masses or stiffnesses are lost, a mode may be
-    # one that the axis declares.
-    declared = _MODE if lost(axis, parameters) else None
-    impossible = [
-        own for own in parameters if own.is_far_from_physical and own.name not in axis.signed_parameters
-    ]
-    if impossible or (accepted and accepted[0].best.effect.name == declared):
-        chances = chances.at_most(THRESHOLDS.impossible)
-    effects = tuple(
-        own.at_most(THRESHOLDS.impossible) if own.effect == declared else own
-        for own in _effects(comparison, accepted, fits, chances, nonparametric)
-    )
+    chances = _beside(axis, parameters, accepted, chances)
+    effects = _effects(comparison, accepted, fits, chances, nonparametric)
+    if lost(axis, parameters):
+        effects = tuple(e.at_most(THRESHOLDS.impossible) if e.effect == _MODE else e for e in effects)
     alternatives = _alternatives(comparison, steps[0], chances)
     undetermined = [change.name for change in parameters if not change.is_determined]
     added = fits[-1].state.placed[len(fits[0].state.placed) :]
@@ -94,6 +87,22 @@ def concluded(
         drives=_drives(comparison) if comparison.record.n_drives > 1 else (),
         search=tuple(steps),
     )
+
+
+def _beside(
+    axis: Axis, parameters: Sequence[ParameterChange], accepted: Sequence[SelectionStep], chances: Outcome
+) -> Outcome:
+    """Probabilities of the outcomes beside the values found.
+
+    Effects beside values that no machine has are hardly causes. Where masses or stiffnesses are lost, a mode may be one
+    that the axis declares.
+    """
+    is_impossible = any(
+        own.is_far_from_physical for own in parameters if own.name not in axis.signed_parameters
+    )
+    is_mode = bool(accepted) and accepted[0].best.effect.name == _MODE
+    doubtful = is_impossible or (is_mode and lost(axis, parameters))
+    return chances.at_most(THRESHOLDS.impossible) if doubtful else chances
 
 
 def _gaps(comparison: Comparison) -> tuple[Gap, ...]:

@@ -20,6 +20,7 @@ from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import with_shapes_held
 from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
+from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
@@ -33,8 +34,6 @@ _SHARES = (1.0, 0.3, 0.1, 0.03)
 _MULTIPLES = (30.0, 10.0, 3.0)
 """Multiples of them with which a fit of integrated motion may begin too: a projection that knows nothing of the motion
 that the effect changes may be far too small as well."""
-_WIDTHS, _LEVELS = (0.02, 0.05, 0.1, 0.3, 1.0), (0.1, 1.0)
-"""Widths of a play relative to the largest deflection, and its stiffness relative to that of the spring."""
 _FELT = 0.97
 """Multiple of the sum of squares below which a change during the log must begin."""
 _KEPT = 2
@@ -147,17 +146,11 @@ def of_rattling(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[S
     """
     present = {item.key for item in fit.state.placed}
     for play, model in product((own for own in library if isinstance(own, BacklashEffect)), (fit, nominal)):
-        prediction = model.state.prediction
         state = with_effects(model.state.following(), model.weighting, fit.state.placed)
-        values = prediction.axis.with_known_values(prediction.parameters)
-        for spring, _ in _hidden_springs(prediction):
-            at, stiffness = place_of(spring), values[spring.named("stiffness")]
-            largest = max(map(abs, prediction.springs[at].range))
-            if (play.name, at) not in present and largest:
-                placed = (
-                    Placed(play, at, (width * largest,), (level * stiffness,), integrated=True)
-                    for width, level in product(_WIDTHS, _LEVELS)
-                )
+        for spring, _ in _hidden_springs(model.state.prediction):
+            at, joint, stiffness = _deflected(model.state.prediction, spring)
+            if (play.name, at) not in present and any(joint.range):
+                placed = (Placed(play, at, *own, integrated=True) for own in play.rattling(joint, stiffness))
                 starts = (Start(state, model.weighting, own, to_the_end=True) for own in placed)
                 yield min(starts, key=_sum_of_squares)
 
@@ -181,13 +174,18 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
             yield from (start for _, start in sorted(starts, key=lambda own: own[0])[:_KEPT])
 
 
+def _deflected(prediction: Prediction, spring: Spring) -> tuple[str, Joint, float]:
+    """Place and joint of a spring, and its stiffness."""
+    values, at = prediction.axis.with_known_values(prediction.parameters), place_of(spring)
+    return at, prediction.springs[at], values[spring.named("stiffness")]
+
+
 def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) -> Iterable[Placed]:
-    values = prediction.axis.with_known_values(prediction.parameters)
     if isinstance(effect, JointEffect) and place in effect.places(prediction):
-        deflected = prediction.springs[place_of(spring)]
-        if not any(deflected.range):  # the spring became rigid
+        _, joint, stiffness = _deflected(prediction, spring)
+        if not any(joint.range):  # the spring became rigid
             return
-        for shape, amplitudes in effect.strong(deflected, values[spring.named("stiffness")]):
+        for shape, amplitudes in effect.strong(joint, stiffness):
             yield Placed(effect, place, shape, amplitudes, integrated=True)
 
 

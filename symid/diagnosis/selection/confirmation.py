@@ -161,7 +161,7 @@ def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
         far_less = more.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square
         shown = (more.placed.integrated and far_less) or more.effect.is_plausible(prediction, more.placed)
         # A level that explains hardly anything by itself is no level that varies.
-        explains = plain.penalised_gain > THRESHOLDS.beside_best * more.penalised_gain
+        explains = plain.penalised_gain > THRESHOLDS.level_first * more.penalised_gain
         if not (clearly and shown) or (explains and _is_nearly_constant(prediction, more.placed)):
             del confirmed[name, place]
 
