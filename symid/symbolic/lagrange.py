@@ -221,6 +221,8 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
     # Its parameter is a coefficient; constant forces share the input 1.
     def resist(parameter: sp.Expr, expression: sp.Expr, joint: Joint, element: str) -> None:
         nonlocal power
+        if parameter == 0:  # a known number
+            return
         constant, displacement = not expression.free_symbols, kinematics.displacement(joint)
         key = (ONE, ONE) if constant else (expression, displacement)
         if key not in inputs:

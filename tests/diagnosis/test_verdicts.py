@@ -149,14 +149,17 @@ def test_a_force_that_nothing_in_the_library_stands_for_is_unexplained() -> None
     assert found.effects == ()
 
 
-def test_friction_that_rises_throughout_the_log_is_a_drift_with_its_rate() -> None:
+@pytest.mark.parametrize("rates", [{"dFs/dt": 2.0}, {"dFs/dt": 1.5, "dFv/dt": 8.0}], ids=len)
+def test_friction_that_rises_throughout_the_log_is_a_drift_with_its_rate(rates: dict[str, float]) -> None:
     def rising(t, q, v, a, path):
-        return 2.0 * t * np.sign(v)
+        return t * (rates["dFs/dt"] * np.sign(v) + rates.get("dFv/dt", 0.0) * v)
 
     found = diagnose(load_axis("rigid_1m"), rigid_log(rising), validation=rigid_log(rising, seed=2))
     assert (found.verdict, found.effects[0].effect) == ("effect", "friction_drift")
-    rate = found.effects[0].parameters["dFs/dt"]
-    assert (rate.value, rate.unit) == (pytest.approx(2.0, rel=0.05), str(Unit.of("N") / Unit.of("s")))
+    for name, value in rates.items():
+        rate = found.effects[0].parameters[name]
+        assert rate.value == pytest.approx(value, rel=0.05, abs=3 * rate.std)
+    assert found.effects[0].parameters["dFs/dt"].unit == str(Unit.of("N") / Unit.of("s"))
     assert found.gap.closed_fraction > 0.9
 
 

@@ -9,6 +9,7 @@ from symid import (
     Axis,
     Between,
     Body,
+    Cogging,
     CoulombFriction,
     Drive,
     Geared,
@@ -19,6 +20,7 @@ from symid import (
 )
 from symid.axis import Element
 from symid.codegen.generated_models import compiled
+from symid.simulation import plant_of
 from symid.symbolic import derive
 
 VALUES = {"Ms": 3899.0, "Fvs": 5000.0, "Ks": 3.2e8, "Mm": 362.6, "Fvm": 1500.0, "Fsm": 40.0}
@@ -126,3 +128,12 @@ def test_shared_parameters_are_one_column() -> None:
     W, y = model.sample({**flat, "T": torque})
     assert np.allclose(W[0] @ model.minimal_parameters(J, M, Fv), y[0], rtol=1e-12)
     assert derive(axis, ("q",)).parameter_map.identifiability["Fv"] == "unique"
+
+
+def test_a_law_that_is_known_to_be_zero_adds_nothing() -> None:
+    table = Body("table", mass="M")
+    laws = (CoulombFriction(table, 0.0), Cogging(table, 0.0, 4.0, pitch=0.05))
+    idle = Axis("idle", (table, *laws), Drive("F", table), (Position("q", table),))
+    # 4 cos(2 pi q/p) at q = p/2
+    assert sum(law.force(0.025, -1.0) for law in plant_of(idle, {"M": 5.0}).laws) == pytest.approx(-4.0)
+    assert "sin(" not in str(derive(idle))

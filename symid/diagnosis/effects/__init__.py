@@ -57,6 +57,7 @@ LIBRARY: tuple[Effect, ...] = (
     FrictionDriftEffect(coulomb=True, viscous=True),
     SteadyFrictionDriftEffect(coulomb=True, viscous=False),
     SteadyFrictionDriftEffect(coulomb=False, viscous=True),
+    SteadyFrictionDriftEffect(coulomb=True, viscous=True),
     PeriodicDisturbanceEffect(),
     PayloadChangeEffect(),
     FlexibleModeEffect(),
