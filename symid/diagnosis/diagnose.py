@@ -25,7 +25,7 @@ from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.in_motion.motion import is_contradicted, with_motion
 from symid.diagnosis.late_reading import READ_BEFORE_STEPS, before_steps, lateness, with_late_reading
-from symid.diagnosis.prediction.data import Data, Recorded, Runs, data_of, one_run
+from symid.diagnosis.prediction.data import Data, Recorded, Runs, as_runs, data_of, goes_elsewhere, one_run
 from symid.diagnosis.prediction.integrated_speed import with_positions
 from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.prediction.scaled_sensors import with_quantities
@@ -47,6 +47,10 @@ _MOST_READINGS = 3
 _ONLY_IN_VALIDATION = (
     "What the model lacks shows in the validation log, and in part hardly in the other one. It was identified from two "
     "thirds of the former, and the gap measured on the rest."
+)
+_ONLY_TOGETHER = (
+    "The validation log goes a way that the other one does not: what depends on the direction shows only in both. They "
+    "were identified from two thirds of all logs, and the gap measured on the rest."
 )
 
 
@@ -73,7 +77,7 @@ def diagnose(
         Logs of the machine, from which everything is identified: values and effects are common to them.
     validation : the same, optional
         Other logs, on which the gap is measured. By default the last of several logs, or every third part of a single
-        one, which then takes no part in the identification.
+        one, which then takes no part in the identification; of all logs if the last one alone goes one of two ways.
     nominal : mapping of str to float, optional
         Parameter values of the simulation, SI.
     measured : sequence of str, optional
@@ -115,16 +119,13 @@ def diagnose(
     axis = axis_of(axis)
     logs = logs_of(axis, log, measured, **columns)
     others = logs_of(axis, () if validation is None else validation, measured, **columns)
-    if not others and len(logs) > 1:
-        others = [logs.pop()]
     for each in (*logs, *others):
         require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
         require_times_within(each.source, late or {}, each.n_samples * each.sampling_period)
     whole = recovered(axis, [*logs, *others])
     plain = with_quantities(axis, whole.logs, nominal)
     moved, every, notes = with_positions(plain.axis, plain.logs)
-    logs, others = every[: len(logs)], every[len(logs) :]
-    runs = one_run(moved, logs), one_run(moved, others) if others else None
+    runs = as_runs(moved, every, None if validation is None else len(others))
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
         found = _Task(moved, runs, nominal, recorded, library).either_way()
@@ -143,17 +144,20 @@ class _Task:
     library: Sequence[Effect]
 
     def either_way(self) -> Diagnosis:
-        """Identified from the logs, or from the validation logs where these alone show the effect."""
+        """Identified from the logs, or where these do not show the effect, from the validation logs or from all."""
         found = self.physically_read()
-        validation = self.runs[1]
+        run, validation = self.runs
         if validation is None or not _shows_in_validation(found):
             return found
-        other = replace(self, runs=(validation, None)).diagnosed()
+        together = goes_elsewhere(self.axis, run.parts, validation.parts)
+        tried = one_run(self.axis, self._parts) if together else validation
+        other = replace(self, runs=(tried, None)).diagnosed()
         if other.verdict not in ("effect", "partly") or other.named <= found.named:
             return found
         if not other.gap.unexplained_share < _FAR_LESS * found.gap.unexplained_share:
             return found
-        return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
+        said = _ONLY_TOGETHER if together else _ONLY_IN_VALIDATION
+        return replace(other, assumptions=(said, *other.assumptions))
 
     def physically_read(self) -> Diagnosis:
         """Diagnosed with the reading of a load taken as late where friction would be negative without."""

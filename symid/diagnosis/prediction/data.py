@@ -10,7 +10,7 @@ from symid.arrays import BoolArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.prediction.driven_positions import signals_of
-from symid.diagnosis.prediction.joined_logs import Joined, joined, with_common_zeros
+from symid.diagnosis.prediction.joined_logs import Joined, joined, ways, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.simulation import Cascade, forward_dynamics
 
@@ -56,8 +56,35 @@ def one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
         orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
         others = [name for name in signals[n_drives:] if orders[name] == 0]
         logs = with_common_zeros(logs, signals[:n_drives], others)
-    read = [sensor.signal for sensor in axis.sensors]
-    return joined(logs, [name for name in read if all(name in log.signals for log in logs)])
+    return joined(logs, _common_signals(axis, logs))
+
+
+def as_runs(axis: Axis, logs: Sequence[Log], n_validation: int | None) -> Runs:
+    """Logs for identification, and for validation the last ones: as many as are given, else one of several.
+
+    Unless they are given, all logs serve both purposes where the last one alone goes some way: of logs of one way
+    each, none shows what depends on the direction, nor a constant force beside friction.
+    """
+    n = min(1, len(logs) - 1) if n_validation is None else n_validation
+    first, last = logs[: len(logs) - n], logs[len(logs) - n :]
+    if n_validation is None and n and goes_elsewhere(axis, first, last):
+        first, last = logs, []
+    return one_run(axis, first), one_run(axis, last) if last else None
+
+
+def goes_elsewhere(axis: Axis, logs: Sequence[Log], others: Sequence[Log]) -> bool:
+    """Whether a position moves a way in other logs that it does not in any of the logs."""
+    orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
+    positions = [name for name in _common_signals(axis, [*logs, *others]) if orders[name] == 0]
+    known, new = (
+        set[tuple[str, bool]]().union(*(ways(log, positions) for log in each)) for each in (logs, others)
+    )
+    return not new <= known
+
+
+def _common_signals(axis: Axis, logs: Sequence[Log]) -> list[str]:
+    """Signals of sensors that are in all of some logs."""
+    return [s.signal for s in axis.sensors if all(s.signal in log.signals for log in logs)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,8 @@ _FASTER = 6.0
 to return, and a faster bridge, limited to the band, would ring in the logs."""
 _SPEED_OVER = 0.1
 """Time over which that speed is taken, s: over a sample, noise and steps of encoders would exceed it."""
+_OF_A_WAY = 0.05
+"""Least part of the travel of a log one way that counts as motion that way: overshoot at the end of a move is less."""
 _SAME_CLOCK = 0.01
 """Relative difference of sampling periods up to which logs are taken to have the same clock."""
 _ENDS = 8  # samples from which the slope at an end follows
@@ -65,6 +67,23 @@ def joined(logs: Sequence[Log], positions: Sequence[str] = ()) -> Joined:
     )
     source = ", ".join(log.source for log in logs)
     return Joined(Log(source, first.start, first.sampling_period, signals), recorded, tuple(logs))
+
+
+def ways(log: Log, positions: Sequence[str]) -> set[tuple[str, bool]]:
+    """Directions in which positions move, True for the positive one.
+
+    >>> up = Log.from_arrays({"q": np.linspace(0.0, 1.0, 100)}, sampling_period=0.01)
+    >>> ways(up, ["q"])
+    {('q', True)}
+    """
+    span = max(1, round(_SPEED_OVER / log.sampling_period))
+    steps = {name: np.diff(log[name][::span]) for name in positions}
+    return {
+        (name, positive)
+        for name, moved in steps.items()
+        for positive in (True, False)
+        if np.abs(moved[(moved > 0.0) == positive]).sum() > _OF_A_WAY * np.abs(moved).sum()
+    }
 
 
 def with_common_zeros(logs: Sequence[Log], driven: Sequence[str], others: Sequence[str]) -> list[Log]:
