@@ -36,6 +36,7 @@ friction := {friction};
 force := {force};{command}
 END_FUNCTION_BLOCK
 """
+_DIRECTION = sp.Symbol("direction_")
 _LONGEST = 10**6  # numerator or denominator up to which a number is written as a fraction
 _NAMES_OF_FUNCTIONS = ("ABS", "SIN", "COS", "TAN", "EXP", "LN", "ATAN")
 _FUNCTIONS = dict(zip(("Abs", "sin", "cos", "tan", "exp", "log", "atan"), _NAMES_OF_FUNCTIONS, strict=True))
@@ -45,10 +46,12 @@ _TAKEN = frozenset(
         """position velocity acceleration force friction command direction rest_speed
     abs sqrt sin cos tan asin acos atan exp ln log expt sel mod trunc and or xor not if then else elsif end_if
     case of for to by do while repeat until exit return at true false t s r s1 r1 n l d p ton tof tp date time tod
-    dt int dint real lreal bool byte word en eno on var task type with step action array struct string pi""",
+    dt int dint real lreal bool byte word en eno on var task type with step action array struct string pi
+    add sub mul div move gt ge eq le lt ne min max limit mux shl shr rol ror len left right mid concat insert delete
+    replace find""",
     )
 )
-"""Words of the language and of the block, which are not case-sensitive."""
+"""Words of the language, its standard functions among them, and of the block; they are not case-sensitive."""
 
 
 class _StructuredTextPrinter(StrPrinter):  # type: ignore[misc]  # sympy has no types
@@ -174,8 +177,8 @@ def _statement(expression: sp.Expr, named: Mapping[str, str], *more: str) -> str
     """An expression in the names of the block."""
     exact = sp.expand_mul(expression)
     long = {r: sp.Float(r, 17) for r in exact.atoms(sp.Rational) if max(abs(r.p), r.q) > _LONGEST}
-    written = exact.xreplace(long).subs({sp.sign(SPEED): sp.Symbol("direction")})
-    words = {POSITION: "position", SPEED: "velocity", ACCELERATION: "acceleration"}
+    written = exact.xreplace(long).subs({sp.sign(SPEED): _DIRECTION})
+    words = {POSITION: "position", SPEED: "velocity", ACCELERATION: "acceleration", _DIRECTION: "direction"}
     names = {**{sp.Symbol(a): b for a, b in named.items()}, **words}
     text = _StructuredTextPrinter().doprint(written.xreplace({a: sp.Symbol(b) for a, b in names.items()}))
     return " + ".join([*more, text]) if text != "0.0" or not more else more[0]

@@ -22,6 +22,7 @@ from symid import (
     Axis,
     Between,
     Body,
+    CoulombFriction,
     Drive,
     PayloadChange,
     Position,
@@ -167,6 +168,16 @@ def test_friction_is_a_line_at_rest_and_words_of_the_language_are_free() -> None
     assert executed(text, velocity=-0.1, rest_speed=0.0)["friction"] == pytest.approx(
         -p["Fc"] - 0.1 * p["Fv"]
     )
+
+
+def test_parameters_may_have_the_names_of_the_block_and_of_standard_functions() -> None:
+    motor, load = Body("motor", mass="force"), Body("load", mass="Max")
+    belt = Spring("belt", Between(first=motor, second=load), stiffness="direction")
+    sliding = CoulombFriction(motor, "friction")
+    axis = Axis("named", (motor, sliding, belt, load), Drive("F", motor), (Position("q", motor),))
+    text = structured_text(axis, {"force": 3.0, "Max": 4.0, "direction": 1e6, "friction": 2.0}).text
+    assert executed(text, velocity=-0.1, acceleration=0.5)["force"] == pytest.approx(7.0 * 0.5 - 2.0)
+    assert "Max_p : LREAL" in text
 
 
 def test_an_axis_without_a_motion_of_its_own_is_refused() -> None:
