@@ -116,7 +116,10 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
             f"{type(frame).__name__} is not a log: give a Log, the path of a file, a data frame of pandas, polars or "
             "pyarrow, or columns by name"
         ) from error
-    return {str(name): native[name] for name in native.columns}
+    except nw.exceptions.DuplicateError as error:
+        repeated = {str(name) for name in given.columns if list(given.columns).count(name) > 1}
+        raise LogError(f"{SOURCE}: several columns are {', '.join(sorted(repeated))}: rename them") from error
+    return {str(name): column for name, column in zip(native.columns, native.iter_columns(), strict=True)}
 
 
 def _are_times(column: Any) -> bool:

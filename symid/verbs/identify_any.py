@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overload
 
 from symid.arrays import FloatArray
 from symid.axis import AnyAxis, Axis, axis_of
 from symid.codegen import GeneratedModel, compiled, model_of
-from symid.data import AnyLog, Log, first_block, in_memory
+from symid.data import AnyLog, ForeignColumns, Log, first_block, in_memory
 from symid.errors import SettingError, SymidError
 from symid.identification import (
     Constraints,
@@ -137,6 +138,13 @@ def identify(
     >>> list(known.physical_parameters), known.status
     (['Fv', 'Fs'], 'ok')
     """
+    prepared, read = [field.name for field in fields(Preparation)], [*ForeignColumns.__annotations__]
+    for name in columns:
+        meant = next(iter(difflib.get_close_matches(name, [*read, *prepared], 1)), "")
+        if meant in prepared:
+            raise SettingError(
+                f"{name!r} is a setting of the preparation: give preparation=Preparation({meant}=...)"
+            )
     given = each_of(logs)
     axis = os.fspath(axis) if isinstance(axis, os.PathLike) else axis
     _require_possible(method, {"bounds": bounds, "prior": prior, "ddof": ddof, "known": known, "loop": loop})
@@ -190,7 +198,7 @@ def _opened(
     model = _model_given(axis)
     # a file or a frame needs the declaration for its units
     runs = [
-        log if isinstance(log, Log) else log_of(axis_of(axis), log, model.measured, **columns)
+        log if isinstance(log, Log) and not columns else log_of(axis_of(axis), log, model.measured, **columns)
         for log in given
     ]
     for log in runs:

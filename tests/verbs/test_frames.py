@@ -109,11 +109,18 @@ def test_columns_units_and_gains_are_as_for_files() -> None:
         ([1, 2], "list is not a log"),
         ("run.csv", "str is not a log"),
         ({"t": T, "q": 3.0}, "differ in length"),
+        (pd.DataFrame(np.array([T, T, T]).T, columns=["t", "q", "q"]), "several columns are q"),
+        (pd.DataFrame({0: T, 1: T}), "no column 't'"),
     ],
 )
 def test_what_is_no_log_is_refused(frame: object, says: str) -> None:
     with pytest.raises(LogError, match=says):
         symid.Log.from_frame(frame)
+
+
+def test_columns_without_names_are_mapped_by_their_numbers() -> None:
+    frame = pd.DataFrame(np.array([T, np.sin(9 * T)]).T)
+    assert symid.Log.from_frame(frame, columns={"t": "0", "q": "1"})["q"] == pytest.approx(np.sin(9 * T))
 
 
 def test_a_period_takes_the_place_of_a_clock() -> None:

@@ -1,5 +1,6 @@
 """An axis, its name or a model, with logs, files or frames: the same result, derived on the spot where needed."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -106,6 +107,35 @@ def test_what_is_no_axis_is_refused(given: object) -> None:
         symid.derive(given)
     with pytest.raises(SymidError):
         symid.identify("no_axis", {"t": [0.0]})
+
+
+@pytest.mark.parametrize("log", ["a.csv", "read"])
+@pytest.mark.parametrize(
+    ("verb", "setting", "says"),
+    [
+        (symid.identify, {"cutoff": 30.0}, r"preparation=Preparation\(cutoff_hz=\.\.\.\)"),
+        (symid.identify, {"layuot": None}, "no setting 'layuot'.* columns, units"),
+        (symid.diagnose, {"column": {"q": "x"}}, "no setting 'column'"),
+    ],
+)
+def test_a_setting_that_does_not_exist_is_refused(
+    verb: Callable[..., object], setting: dict[str, object], says: str, log: str, folder: Path
+) -> None:
+    given = symid.read_axis_log("rigid_1m", "a.csv") if log == "read" else log
+    for axis in (
+        ("rigid_1m", symid.load_generated("rigid_1m", ("q",))) if verb is symid.identify else ("rigid_1m",)
+    ):
+        with pytest.raises(SettingError, match=says):
+            verb(axis, given, **setting)
+
+
+def test_a_log_has_no_columns_to_map(folder: Path) -> None:
+    with pytest.raises(SettingError, match="'columns' is for files and frames"):
+        symid.identify("rigid_1m", symid.read_axis_log("rigid_1m", "a.csv"), columns={"q": "x"})
+
+
+def test_what_is_predicted_is_shown_in_a_line(folder: Path) -> None:
+    assert len(repr(symid.identify("rigid_1m", "a.csv").predict("a.csv"))) < 400
 
 
 def test_what_is_typed_says_so() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from symid.arrays import FloatArray
@@ -24,7 +24,7 @@ class OutputPrediction:
 
     log: str
     """Source of the log."""
-    observation: Observation
+    observation: Observation = field(repr=False)
     """The log, prepared as those that were identified."""
     parameters: FloatArray
     """The identified minimal parameters, those that differ from log to log (unknown zeros) fitted to this one;

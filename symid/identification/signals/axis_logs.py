@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, Unpack, cast
 from symid.axis import Axis, of_any_axis
 from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, LongLog, in_memory, open_log, read_log
 from symid.data.quality.checks import constant_fault
-from symid.errors import LogError
+from symid.errors import LogError, SettingError
 from symid.units import Unit
 
 LogLike: TypeAlias = "AnyLog | str | os.PathLike[str] | Frame"
@@ -167,7 +167,16 @@ def require_changing(log: AnyLog, names: Iterable[str]) -> None:
 
 def log_of(axis: Axis, given: LogLike, measured: Sequence[str] | None = None, **columns: Any) -> AnyLog:
     """A log of an axis; a file or a frame is read and checked, with columns as in `symid.read_axis_log`."""
+    if strange := [name for name in columns if name not in ForeignColumns.__annotations__]:
+        known = ", ".join(ForeignColumns.__annotations__)
+        raise SettingError(
+            f"there is no setting {strange[0]!r}: how files and frames are read is set by {known}"
+        )
     if isinstance(given, (Log, LongLog)):
+        if columns:
+            raise SettingError(
+                f"{next(iter(columns))!r} is for files and frames, not for the Log {given.source}"
+            )
         return given
     return read_axis_log(axis, given, measured=measured, **columns)
 
