@@ -4,7 +4,8 @@ from symid.fleet.batch import Batch, Interrupted, identify_batch
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.batch_summary import summary_of
 from symid.fleet.control_chart import ControlChart
-from symid.fleet.joint_estimate import JointIdentification, identify_jointly, log_factors
+from symid.fleet.factors import log_factors
+from symid.fleet.joint_estimate import JointIdentification, identify_jointly
 from symid.fleet.kept_factors import join_results
 from symid.fleet.results import read_results, units_in
 from symid.fleet.review import AxisReview, FleetReview, ParameterReview, review_fleet

@@ -7,7 +7,10 @@ A_k = W'S^2 W of log k, their sum A, and the corrected covariance C_k of log k a
 
     C = A^-1 (sum_k A_k C_k A_k) A^-1,
 
-since logs are independent. Cost and memory are linear in the number of logs.
+since logs are independent. Where the machine differs from log to log, their scores s_k = W'S^2(y - W X) show it: the
+covariance of clusters A^-1 (sum_k s_k s_k') A^-1 n/(n - 1) counts where it is larger. Systematic errors, such as an
+expected bias, are those of all logs alike, which no number of logs averages out. Cost and memory are linear in the
+number of logs.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,66 +24,12 @@ from threadpoolctl import threadpool_limits
 from symid.arrays import FloatArray, read_only
 from symid.codegen import GeneratedModel
 from symid.errors import SettingError
-from symid.estimation import LeastSquares, TriangularFactor, estimate, triangular_factors
-from symid.identification import Identification, PhysicalEstimate, physical_estimates
+from symid.estimation import LeastSquares, estimate
+from symid.fleet.factors import LogFactors
+from symid.identification import PhysicalEstimate, physical_estimates
 from symid.identification.deviations.log_agreement import LogEstimate, disagreement_between
 from symid.identification.results.identification_result import EstimatedParameters
 from symid.identification.results.verdict import Status, verdict
-
-
-@dataclass(frozen=True, eq=False)
-class LogFactors:
-    """Data of one log for a joint identification."""
-
-    log: str  # source of the log
-    factors: tuple[TriangularFactor, ...]  # one for each equation
-    # shape (n_parameters, n_parameters): covariance of the minimal parameters from this log alone, corrected
-    # for the correlation of its residual; nan where this log does not determine them
-    covariance: FloatArray
-    # rows per independent sample of the residual, 1 for a white one. It is used if `covariance` has nan
-    dependence: float = 1.0
-
-    def __post_init__(self) -> None:
-        if not self.factors:
-            raise SettingError(f"{self.log}: no triangular factor: one for each equation is required")
-        covariance = np.array(self.covariance, dtype=np.float64)
-        if covariance.shape != (self.factors[0].parameters,) * 2:
-            raise SettingError(
-                f"{self.log}: covariance of shape {covariance.shape} for {self.factors[0].parameters} parameters: "
-                "it must be square with a row for each"
-            )
-        object.__setattr__(self, "covariance", read_only(covariance))
-
-
-def log_factors(found: Identification) -> LogFactors:
-    """Triangular factors of an identified log, from which it can be joined without being read again.
-
-    Parameters
-    ----------
-    found : Identification
-        Identification from a single log.
-
-    Raises
-    ------
-    SettingError
-        If it was identified from several logs.
-
-    Examples
-    --------
-    >>> from symid import identify, load_axis, load_generated, read_axis_log
-    >>> from symid.axis import shipped_folder
-    >>> file = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
-    >>> log = read_axis_log(load_axis("emps"), file, columns={"q": "qm"})
-    >>> [factor.R.shape for factor in log_factors(identify(load_generated("emps"), log)).factors]
-    [(5, 5)]
-    """
-    if len(found.logs) != 1:
-        raise SettingError(f"identified from {len(found.logs)} logs: identify each log alone to join them")
-    (seen,) = found.observations
-    count = found.correlated.effective_samples
-    dependence = max(1.0, max(found.fit.rows) / count) if np.isfinite(count) and count > 0 else 1.0
-    factors = triangular_factors(seen.W, seen.y, seen.valid)
-    return LogFactors(found.logs[0], factors, found.covariance, dependence)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +45,11 @@ class JointIdentification(EstimatedParameters):
     covariance: FloatArray
     """Covariance of the minimal parameters, corrected for the correlation of each log's residual; shape (n_minimal,
     n_minimal)."""
+    scatter: FloatArray
+    """Covariance of the minimal parameters by their scatter between the logs; zeros for a single one; shape (n_minimal,
+    n_minimal)."""
+    systematic: FloatArray
+    """Squares of the systematic errors that the logs have in common; shape (n_minimal, n_minimal)."""
     physical: tuple[PhysicalEstimate, ...]
     """One for each branch of the inverse map; may be empty."""
     status: Status
@@ -109,13 +63,31 @@ class JointIdentification(EstimatedParameters):
 
     def to_frame(self) -> pl.DataFrame:
         """Parameters as a polars data frame, as those of an `Identification`."""
-        physical = self.physical[0].propagated_deviations(self.covariance) if self.physical else np.empty(0)
-        return self._as_frame(self.standard_deviations, physical)
+        return self._as_frame(self.standard_deviations, self.physical_deviations)
 
     @property
     def standard_deviations(self) -> FloatArray:
-        """Standard deviations of the minimal parameters, shape (n_minimal,)."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
+        """Standard deviations of the minimal parameters, as they are printed: widened by `widened`."""
+        return self.widened(np.eye(self.fit.solution.size))
+
+    @property
+    def physical_deviations(self) -> FloatArray:
+        """Standard deviations of the physical parameters of the first branch, as they are printed."""
+        return self.widened(self.physical[0].sensitivity) if self.physical else np.empty(0)
+
+    def widened(self, sensitivity: FloatArray) -> FloatArray:
+        """Deviations of functions of the minimal parameters that cover noise, scatter and systematic errors.
+
+        Parameters
+        ----------
+        sensitivity : array of shape (n, n_minimal)
+            Derivatives of the functions. The larger of noise and scatter between the logs counts.
+        """
+        noise, scatter, systematic = (
+            np.einsum("ia,ab,ib->i", sensitivity, matrix, sensitivity)
+            for matrix in (self.covariance, self.scatter, self.systematic)
+        )
+        return np.asarray(np.sqrt(np.maximum(noise, scatter) + systematic))
 
     @property
     def noise(self) -> dict[str, FloatArray]:
@@ -161,6 +133,7 @@ def identify_jointly(
 
     >>> import numpy as np
     >>> from symid import Log, identify, load_generated
+    >>> from symid.fleet import log_factors
     >>> t, draw = np.arange(8000) / 1000, np.random.default_rng(1)
     >>> model, v, a = load_generated("rigid_1m"), 9 * np.cos(9 * t), -81 * np.sin(9 * t)
     >>> def run(noise):
@@ -173,7 +146,7 @@ def identify_jointly(
     _check(model, logs)
     with threadpool_limits(1):  # thousands of small matrices: threads would wait for each other
         fit = estimate([factor for log in logs for factor in log.factors])
-        covariance = _covariance(logs, fit)
+        covariance, scatter, systematic = _covariances(logs, fit)
         physical: tuple[PhysicalEstimate, ...] = ()
         if fit.status == "ok":
             physical = physical_estimates(model, fit.parameters, covariance, nominal)
@@ -187,6 +160,8 @@ def identify_jointly(
         logs=tuple(log.log for log in logs),
         fit=fit,
         covariance=covariance,
+        scatter=scatter,
+        systematic=systematic,
         physical=physical,
         status=status,
         message=message,
@@ -212,19 +187,23 @@ def _check(model: GeneratedModel, logs: Sequence[LogFactors]) -> None:
             )
 
 
-def _covariance(logs: Sequence[LogFactors], fit: LeastSquares) -> FloatArray:
-    """Covariance of the joint estimate; nan where the classical one is."""
+def _covariances(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Covariance of the joint estimate by noise, nan where the classical one is; by scatter; systematic errors."""
     # Sandwich estimator: A_k C_k A_k is the covariance of the scores of log k; without C_k, it is A_k times the
     # number of rows per independent sample.
     inverse = fit.rank.inverse_root @ fit.rank.inverse_root.T
-    scores = np.zeros_like(inverse)
+    by_noise, by_logs, systematic = (np.zeros_like(inverse) for _ in range(3))
     for log, weights in zip(logs, fit.weights.reshape(len(logs), -1), strict=True):
-        R = np.concatenate([w * factor.R[:-1, :-1] for w, factor in zip(weights, log.factors, strict=True)])
-        A = R.T @ R
-        scores += A @ log.covariance @ A if np.all(np.isfinite(log.covariance)) else log.dependence * A
-    covariance = inverse @ scores @ inverse
+        rows = np.concatenate([w * factor.R[:-1] for w, factor in zip(weights, log.factors, strict=True)])
+        R, z = rows[:, :-1], rows[:, -1]
+        A, score = R.T @ R, R.T @ (z - R @ fit.solution)
+        by_noise += A @ log.covariance @ A if np.all(np.isfinite(log.covariance)) else log.dependence * A
+        by_logs += np.outer(score, score)
+        systematic += log.systematic * np.sum(inverse * A) / len(A)  # by its share in the information
+    covariance = inverse @ by_noise @ inverse
     covariance[np.isnan(fit.covariance)] = np.nan
-    return read_only(covariance)
+    scatter = inverse @ by_logs @ inverse * len(logs) / max(len(logs) - 1, 1) * (len(logs) > 1)
+    return read_only(covariance), read_only(scatter), read_only(systematic)
 
 
 @dataclass(frozen=True, eq=False)

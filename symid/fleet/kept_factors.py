@@ -9,7 +9,8 @@ import polars as pl
 from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.estimation import TriangularFactor
-from symid.fleet.joint_estimate import JointIdentification, LogFactors, identify_jointly
+from symid.fleet.factors import LogFactors
+from symid.fleet.joint_estimate import JointIdentification, identify_jointly
 from symid.fleet.results import UNKNOWN, groups
 from symid.fleet.row import FACTORS
 
@@ -18,13 +19,13 @@ def packed(found: LogFactors) -> str:
     """Factors as text: all numbers as little-endian doubles in base 64.
 
     >>> factor = TriangularFactor.empty(1).update(np.array([[3.0], [4.0]]), np.array([3.0, 4.0]))
-    >>> text = packed(LogFactors("a", (factor,), np.eye(1)))
+    >>> text = packed(LogFactors("a", (factor,), np.eye(1), np.zeros((1, 1))))
     >>> len(text), unpacked("a", text).factors[0].rows
-    (96, 2)
+    (108, 2)
     """
     head = [found.dependence, float(len(found.factors)), float(found.factors[0].parameters)]
     rows = [float(factor.rows) for factor in found.factors]
-    matrices = [*(factor.R for factor in found.factors), found.covariance]
+    matrices = [*(factor.R for factor in found.factors), found.covariance, found.systematic]
     every = np.concatenate([np.array(head + rows), *(matrix.ravel() for matrix in matrices)])
     return base64.b64encode(every.astype("<f8").tobytes()).decode()
 
@@ -34,13 +35,13 @@ def unpacked(log: str, text: str) -> LogFactors:
     try:
         numbers = np.frombuffer(base64.b64decode(text, validate=True), "<f8")
         n, p = int(numbers[1]), int(numbers[2])
-        if min(n, p) < 1 or 3 + n + n * (p + 1) ** 2 + p * p != numbers.size:
+        if min(n, p) < 1 or 3 + n + n * (p + 1) ** 2 + 2 * p * p != numbers.size:
             raise ValueError("another length")
-        sizes = (3, n, *[(p + 1) ** 2] * n, p * p)
-        head, rows, *factors, covariance = np.split(numbers, np.cumsum(sizes)[:-1])
+        sizes = (3, n, *[(p + 1) ** 2] * n, p * p, p * p)
+        head, rows, *factors, covariance, systematic = np.split(numbers, np.cumsum(sizes)[:-1])
         Rs = [R.reshape(p + 1, p + 1) for R in factors]
         kept = tuple(TriangularFactor(R, int(count)) for R, count in zip(Rs, rows, strict=True))
-        return LogFactors(log, kept, covariance.reshape(p, p), float(head[0]))
+        return LogFactors(log, kept, covariance.reshape(p, p), systematic.reshape(p, p), float(head[0]))
     except (ValueError, IndexError, OverflowError) as error:
         raise SettingError(f"{log}: its factors are damaged: make the batch with `joint` again") from error
 

@@ -19,7 +19,7 @@ from symid.data import AnyLog, ForeignColumns, Log, columns_in, in_memory
 from symid.errors import LogError
 from symid.files import irregular
 from symid.fleet.batch_settings import ROW_METHODS
-from symid.fleet.joint_estimate import log_factors
+from symid.fleet.factors import log_factors
 from symid.fleet.kept_factors import packed
 from symid.fleet.plan import FleetAxis
 from symid.fleet.row import FACTORS, Row, Value, failure_row, finite, time_text, with_deviations

@@ -1,5 +1,7 @@
 """Joint identification from triangular factors: equal to stacking all rows, weights and intervals as they promise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from symid import Log, Preparation, identify, load_generated
 from symid.errors import SettingError
 from symid.estimation import TriangularFactor
 from symid.fleet import identify_jointly, log_factors
-from symid.fleet.joint_estimate import LogFactors
+from symid.fleet.factors import LogFactors
 
 MODEL = load_generated("rigid_1m")
 TRUTH = np.array([5.0, 1.0, 2.0])
@@ -78,9 +80,35 @@ def test_intervals_hold_the_truth_as_often_as_they_promise() -> None:
     assert np.mean(np.array(disagreements) < 0.05) < 0.2
 
 
-def test_an_axis_that_differs_from_run_to_run_disagrees() -> None:
-    joined = identify_jointly(MODEL, [log_factors(alone(run(k, 1.0, mass=5 + 0.2 * k))) for k in range(4)])
+def test_an_axis_that_differs_from_run_to_run_disagrees_and_the_mean_says_by_how_much() -> None:
+    masses = 5 + 0.2 * np.random.default_rng(3).standard_normal(16)
+    each = [alone(run(k, 1.0, mass)) for k, mass in enumerate(masses)]
+    joined = identify_jointly(MODEL, [log_factors(one) for one in each])
     assert joined.disagreement_probability < 1e-6
+    wanted = np.std(masses, ddof=1) / np.sqrt(masses.size)  # of a mean
+    assert wanted > 20 * max(one.physical_deviations[0] for one in each) / np.sqrt(masses.size)
+    assert joined.physical_deviations[0] == pytest.approx(wanted, rel=0.2)
+    assert joined.to_frame()["std"].to_list()[3] == joined.physical_deviations[0]
+
+
+def test_more_logs_average_noise_out_but_no_systematic_error() -> None:
+    error = np.array([0.02, -0.3, 0.1])
+    kept = [log_factors(alone(run(k, 1.0))) for k in range(40)]
+    biased = [replace(one, systematic=np.outer(error, error)) for one in kept]
+    noise, whole = (identify_jointly(MODEL, logs).standard_deviations for logs in (kept, biased))
+    assert whole**2 == pytest.approx(noise**2 + error**2)
+
+
+def test_a_log_keeps_the_deviations_that_its_identification_prints() -> None:
+    """With a friction that the model lacks, what it may change is most of that of the mass."""
+    log = run(1, 0.05)
+    force = log["F"] + 1.5 * np.sign(log["q"]) * np.abs(log["q"])
+    found = identify(MODEL, replace(log, signals={**log.signals, "F": force}), preparation=PREPARATION)
+    kept = log_factors(found)
+    assert found.standard_deviations[0] > 2 * found.sampling_deviations[0]
+    assert np.sqrt(np.diag(kept.covariance + kept.systematic)) == pytest.approx(
+        found.standard_deviations, rel=1e-6
+    )
 
 
 def test_a_log_that_cannot_stand_alone_adds_what_it_knows() -> None:
@@ -92,7 +120,8 @@ def test_a_log_that_cannot_stand_alone_adds_what_it_knows() -> None:
     for name, rows in (("full", W), ("dependent", still)):
         y = rows @ TRUTH + 0.1 * draw.standard_normal(500)
         covariance = np.full((3, 3), np.nan)
-        logs.append(LogFactors(name, (TriangularFactor.empty(3).update(rows, y),), covariance))
+        kept = (TriangularFactor.empty(3).update(rows, y),)
+        logs.append(LogFactors(name, kept, covariance, np.zeros((3, 3))))
     only, both = identify_jointly(MODEL, logs[:1]), identify_jointly(MODEL, logs)
     assert both.status == "ok"
     assert np.all(both.standard_deviations < only.standard_deviations)
@@ -104,7 +133,7 @@ def test_mistakes_are_reported() -> None:
         identify_jointly(MODEL, [])
     factor = TriangularFactor.empty(2)
     with pytest.raises(SettingError, match="1 equations of 3 parameters"):
-        identify_jointly(MODEL, [LogFactors("other", (factor,), np.eye(2))])
+        identify_jointly(MODEL, [LogFactors("other", (factor,), np.eye(2), np.eye(2))])
     with pytest.raises(SettingError, match="identify each log alone"):
         log_factors(identify(MODEL, [run(1, 1.0), run(2, 1.0)], examine=False))
 

@@ -44,7 +44,7 @@ def _joint(found: JointIdentification | None) -> dict[str, Any] | None:
     deviations = found.standard_deviations
     if found.physical:
         values, units = found.physical_parameters, found.model.physical_units
-        deviations = found.physical[0].standard_deviations
+        deviations = found.physical_deviations
     return {
         "logs": len(found.logs),
         "status": found.status,
