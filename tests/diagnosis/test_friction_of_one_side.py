@@ -1,8 +1,9 @@
 """Friction of a hidden load in one direction is named there, not at the motor that shows the same constant force."""
 
+import numpy as np
 import pytest
 
-from symid import CoulombFriction, OffsetForce, load_axis
+from symid import CoulombFriction, Log, OffsetForce, load_axis
 from symid.diagnosis import LIBRARY, diagnose
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.data import Recorded, data_of
@@ -35,3 +36,23 @@ def test_a_load_with_friction_in_one_direction() -> None:
     assert is_of_new_friction(state.prediction, ("asymmetric_friction", "load"), others)
     assert not is_of_new_friction(state.prediction, ("asymmetric_friction", "motor"), others)
     assert not is_of_new_friction(state.prediction, ("offset_force", "load"), others)
+
+
+def swaying(seed: int) -> Log:
+    """A body that sways both ways, a little more one way, under a constant force and a drag."""
+    t, hertz = 1e-3 * np.arange(8000), (1 + 0.1 * seed) * np.array([0.37, 0.61, 1.13])
+    rates, speeds = 2 * np.pi * hertz, np.array([0.3, 0.25, 0.15])
+    angles = np.outer(rates, t) + np.arange(3)[:, None]
+    v, a = 0.1 + speeds @ np.sin(angles), (speeds * rates) @ np.cos(angles)
+    q = 0.1 * t - (speeds / rates) @ np.cos(angles)
+    force = 100.0 * a + 150.0 * v + 5.0 * np.sign(v) + 700.0 * v * np.abs(v) - 300.0
+    noise = np.random.default_rng(seed).standard_normal((2, t.size))
+    return Log.from_arrays({"q": q + 1e-7 * noise[0], "F": force + noise[1]}, sampling_period=1e-3)
+
+
+def test_a_constant_force_beside_a_drag_that_makes_friction_negative() -> None:
+    """It was refused as the friction is negative without the drag, though a constant force cancels none of it."""
+    nominal = {"M": 100.0, "Fv": 150.0, "Fs": 5.0}
+    found = diagnose("rigid_1m", swaying(1), validation=swaying(2), nominal=nominal)
+    assert {own.effect for own in found.effects} == {"offset_force", "quadratic_drag"}
+    assert found.parameters[2].explained == pytest.approx(5.0, abs=1.0)

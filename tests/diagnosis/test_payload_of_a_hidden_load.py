@@ -7,6 +7,7 @@ from symid import PayloadChange, load_axis
 from symid.diagnosis import LIBRARY, diagnose
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.gauss_newton import converged
+from symid.diagnosis.fitting.moments import timed
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
@@ -55,6 +56,18 @@ def test_the_fit_converges_to_the_masses(loaded: tuple[State, Weighting]) -> Non
     fit = converged(state, weighting)
     assert fit.parameters["Ml"] == pytest.approx(VALUES["Ml"], rel=1e-3)
     assert fit.state.placed[0].shape[0] == pytest.approx(CHANGE, rel=1e-3)
+
+
+def test_its_moment_is_found_to_the_millisecond_where_the_load_rings_from_it_on() -> None:
+    """The error has a valley of some milliseconds there, between times that were tried 80 ms apart."""
+    (body,) = (body for body in SCREW.bodies if body.name == "load")
+    machine, values = SCREW.with_effect(PayloadChange(body, CHANGE, time=1.468)), VALUES | {"Ft": 150.0}
+    path = trapezoids([0.2, 0.1] * 3, 0.6, acceleration=8.0, jerk=400.0, dwell=0.1, sampling_period=1e-3)
+    log = simulate(machine, values, path, tuned_cascade(plant_of(SCREW, values), "qm"), seed=1).log
+    state, weighting = first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, values)
+    effect = next(effect for effect in LIBRARY if effect.name == "payload_change")
+    found = timed(with_effects(state, weighting, (Placed(effect, "load", (CHANGE, 0.3), (1.0,)),)), weighting)
+    assert found.placed[0].shape[1] == pytest.approx(1.468, abs=2e-3)
 
 
 def test_a_much_heavier_structure_is_found_where_most_of_the_log_follows_the_change() -> None:

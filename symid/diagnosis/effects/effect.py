@@ -15,7 +15,6 @@ from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
-from symid.diagnosis.prediction.record import Record
 from symid.units import Unit
 
 Shape = tuple[float, ...]
@@ -73,6 +72,10 @@ class Effect(ABC):
         """Whether the values are of the size of those of machines, and not at a bound of the search."""
         return True
 
+    def recurs(self, found: Placed, here: Placed) -> bool:
+        """Whether values fitted to another log, `here`, are those found, beyond coincidence; not by default."""
+        return False
+
     @abstractmethod
     def places(self, prediction: Prediction) -> Iterable[str]:
         """Places at which the effect is possible."""
@@ -93,8 +96,12 @@ class Effect(ABC):
         """Changes during the log to the parameters of a prediction; none by default."""
         return ()
 
-    def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
+    def shapes_of_log(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
         """Shapes to be tried for another log, if part of the shape is a property of a log."""
+        return ()
+
+    def close_shapes(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
+        """Shapes so close to each other that one of them fits a log if any does, where those of the log do not."""
         return ()
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:

@@ -34,6 +34,9 @@ _CHANGES_WITHIN = np.array([0.1, 0.9])
 """Part of the log in which a mass may change: at its ends, unknown states decay."""
 _MOMENTS = np.linspace(0.03, 0.97, 48)
 """Times of a change that are tried in another log, relative to its length."""
+_CLOSE, _MOST_CLOSE = 2.0, 800
+"""Distance of the times that are tried where those are too coarse, in periods of the highest frequency used, and their
+largest number. A body that rings after the change shows its time to within some milliseconds, and nothing beside."""
 _SMOOTH = 4
 """Points of the fine grid over which a mass changes where the motion has no jump."""
 _FADES = 30.0
@@ -101,10 +104,19 @@ class PayloadChangeEffect(Effect):
         """A hidden body resonates otherwise from the change on: what it does before must not count after it."""
         return prediction.record.is_predicted(prediction.bodies[place].direction)
 
-    def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
+    def shapes_of_log(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
+        record = prediction.record
         # A load that is gripped at rest sets a vertical axis moving.
         begins = record.fine_time[1:][np.diff(record.moving.astype(np.int8)) > 0]
-        return [(shape[0], float(time)) for time in (*_MOMENTS * record.duration, *begins)]
+        return [(placed.shape[0], float(time)) for time in (*_MOMENTS * record.duration, *begins)]
+
+    def close_shapes(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
+        record = prediction.record
+        if not record.is_predicted(prediction.bodies[placed.at].direction):
+            return []
+        count = min(int(record.duration * record.band_hz / _CLOSE), _MOST_CLOSE)
+        times = np.linspace(_MOMENTS[0], _MOMENTS[-1], count) * record.duration
+        return [(placed.shape[0], float(time)) for time in times]
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         """Change of the outputs by the added inertia, computed with the axis that has it throughout.

@@ -28,6 +28,8 @@ _AROUND_MODE = 0.25
 _PEAK = 3.0
 """Gain at a mode relative to the median of its neighbourhood: a damping ratio below some 5 %."""
 _FEWEST_CYCLES = 4.0  # of a disturbance within a log; with fewer, it is any slow course
+_SAME = 0.15
+"""Relative difference of amplitude and frequency in two logs below which it is the same disturbance."""
 _HARMONICS = 5
 """Cycles of a disturbance per cycle of the motion up to which it may be a harmonic of the motion."""
 
@@ -46,6 +48,14 @@ class PeriodicDisturbanceEffect(JointEffect):
         if frequency * prediction.record.duration < _FEWEST_CYCLES:
             return False
         return not is_line_of_motion(prediction, frequency, math.hypot(*placed.amplitudes))
+
+    def recurs(self, found: Placed, here: Placed) -> bool:
+        """It has the same amplitude and frequency, whatever its phase."""
+        pairs = (
+            (math.hypot(*found.amplitudes), math.hypot(*here.amplitudes)),
+            (found.shape[0], here.shape[0]),
+        )
+        return all(abs(other - own) < _SAME * own for own, other in pairs)
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         response = -prediction.response.of_force(prediction.joints[place].direction)

@@ -104,12 +104,18 @@ class Comparison:
         return next(grows, None) if n_effects > 1 else None
 
     def _is_unfit(self, model: int) -> bool:
-        """Whether a model diverges here, or its last effect is fitted to each log and not plausible in this one."""
-        state = self.states[model]
+        """Whether a model diverges here, or its last effect is fitted to each log and not plausible in this one.
+
+        An effect that has the same values when it is fitted to this log beside the others is no coincidence.
+        """
+        state, whole = self.states[model], self.states[-1]
         if state is None:
             return True
         item = state.placed[-1]
-        return item.effect.per_log and not item.effect.is_plausible(state.prediction, item)
+        if not item.effect.per_log or item.effect.is_plausible(state.prediction, item):
+            return False
+        here = whole and fitted_to_log(whole, self.weighting).placed[len(state.placed) - 1]
+        return here is None or not item.effect.recurs(item, here)
 
     @property
     def relative_error(self) -> float:

@@ -174,7 +174,7 @@ def _with_other_shapes(
 ) -> Iterator[State]:
     """States with other moments in the log for an effect that has one, with multiples of its shape for others."""
     item = state.placed[at]
-    shapes = list(item.effect.shapes_of_log(state.prediction.record, item.shape))[1::2]
+    shapes = list(item.effect.shapes_of_log(state.prediction, item))[1::2]
     if not shapes:
         shapes = [tuple(factor * x for x in item.shape) for factor in factors if item.shape]
     for shape in shapes:

@@ -21,6 +21,8 @@ from symid.diagnosis.thresholds import THRESHOLDS
 _OF_MASSES = ("flexible_mode", "payload_change")
 _DIFFERS = ("asymmetric_friction", "position_dependent_friction")
 """Friction that exceeds its mean at some points of the motion and falls below it at others."""
+_OF_DIRECTION = ("offset_force", "asymmetric_friction")
+"""Laws that cancel a Coulomb friction only where a joint moves one way."""
 _DRY = ("coulomb_friction", "presliding_friction")
 _FRICTIONS = (*_DIFFERS, "coulomb_friction", "viscous_friction", "stribeck_friction", "quadratic_drag")
 
@@ -63,7 +65,11 @@ def _turns_friction(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     """Whether a Coulomb friction is clearly negative, and more so than without the last effect: the two cancel.
 
     On an axis that turns one way a constant force does so, or a Stribeck friction that falls over all of the speeds.
+    Where a joint moves both ways, a constant force cannot: a drag that is missing too makes the friction negative.
     """
+    item, prediction = found.state.placed[-1], found.state.prediction
+    if item.effect.name in _OF_DIRECTION and prediction.joints[item.at].moves_both_ways:
+        return False
     laws = [law for law in fit.state.prediction.axis.laws if isinstance(law, CoulombFriction)]
     spread = dict(zip(fit.parameters, np.sqrt(np.diag(blocks.covariance)), strict=False))
     names = {term.parameter for law in laws for term in law.terms()} & spread.keys()
