@@ -114,8 +114,10 @@ class Comparison:
         item = state.placed[-1]
         if not item.effect.per_log or item.effect.is_plausible(state.prediction, item):
             return False
-        here = whole and fitted_to_log(whole, self.weighting).placed[len(state.placed) - 1]
-        return here is None or not item.effect.recurs(item, here)
+        if whole is None:
+            return True
+        here = fitted_to_log(whole, self.weighting).placed[len(state.placed) - 1]
+        return not item.effect.recurs(item, here)
 
     @property
     def relative_error(self) -> float:
