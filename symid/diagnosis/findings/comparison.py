@@ -93,33 +93,6 @@ class Comparison:
         return falls and surely_decreases(self.squares(model - 1, output), self.squares(model, output))
 
     @property
-    def worsened(self) -> int | None:
-        """Index of the first of several effects that clearly increases the error here, or cannot be judged here.
-
-        Motion diverges with it, or its values fitted to this log are not plausible, as of a disturbance with few
-        cycles.
-        """
-        n_effects = len(self.states) - 2
-        grows = (n for n in range(n_effects) if self._is_unfit(n + 2) or self.removed(n + 1, n + 2).high < 0)
-        return next(grows, None) if n_effects > 1 else None
-
-    def _is_unfit(self, model: int) -> bool:
-        """Whether a model diverges here, or its last effect is fitted to each log and not plausible in this one.
-
-        An effect that has the same values when it is fitted to this log beside the others is no coincidence.
-        """
-        state, whole = self.states[model], self.states[-1]
-        if state is None:
-            return True
-        item = state.placed[-1]
-        if not item.effect.per_log or item.effect.is_plausible(state.prediction, item):
-            return False
-        if whole is None:
-            return True
-        here = fitted_to_log(whole, self.weighting).placed[len(state.placed) - 1]
-        return not item.effect.recurs(item, here)
-
-    @property
     def relative_error(self) -> float:
         """Error with the effects that hold, relative to the re-identified model."""
         return self._relative_error(1 + self.validated)

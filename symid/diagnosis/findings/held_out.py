@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from symid.diagnosis.findings.comparison import Comparison
+from symid.diagnosis.fitting.applied import fitted_to_log
 from symid.diagnosis.selection.backward import brought_first, without
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep, accepted_of
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -18,11 +19,43 @@ def without_worsening(
 ) -> tuple[Sequence[SelectionStep], Comparison]:
     """Models on the validation data, without effects beside others that make their error grow there."""
     comparison = on_held_out(steps)
-    if comparison.worsened is None:
+    worsens = _worsening(comparison)
+    if worsens is None:
         return steps, comparison
     found = accepted_of(steps)
-    rest = without(found, comparison.worsened)
+    rest = without(found, worsens)
     return (steps, comparison) if len(rest) == len(found) else without_worsening(rest, on_held_out)
+
+
+def _worsening(comparison: Comparison) -> int | None:
+    """Index of the first of several effects that clearly increases the error, or cannot be judged on these data.
+
+    Motion diverges with it, or its values fitted to this log are not plausible, as of a disturbance with few cycles.
+    """
+    n_effects = len(comparison.states) - 2
+    grows = (
+        n
+        for n in range(n_effects)
+        if _is_unfit(comparison, n + 2) or comparison.removed(n + 1, n + 2).high < 0
+    )
+    return next(grows, None) if n_effects > 1 else None
+
+
+def _is_unfit(comparison: Comparison, model: int) -> bool:
+    """Whether a model diverges here, or its last effect is fitted to each log and not plausible in this one.
+
+    An effect that has the same values when it is fitted to this log beside the others is no coincidence.
+    """
+    state, whole = comparison.states[model], comparison.states[-1]
+    if state is None:
+        return True
+    item = state.placed[-1]
+    if not item.effect.per_log or item.effect.is_plausible(state.prediction, item):
+        return False
+    if whole is None:
+        return True
+    here = fitted_to_log(whole, comparison.weighting).placed[len(state.placed) - 1]
+    return not item.effect.recurs(item, here)
 
 
 def strongest_first(
