@@ -53,6 +53,10 @@ class Thresholds:
     beside_best: float = 0.2
     # share of the gain of a friction that varies along the stroke from which on its level comes first (a load: 0.02)
     level_first: float = 0.2
+    # other_time, far_other_time: deviations, and share of itself, by which the time of a delay or lag must differ on
+    # the validation data to be none: 14 and 0.6 of a robot's joint with an error of its gear (simulated, LuGre)
+    other_time: float = 5.0
+    far_other_time: float = 0.4
     # share of the gain of a delay from which on a lag is tried in its place, and the other way round
     other_timing: float = 0.3
     # share of the best gain from which on a late reading goes first: readings that do not belong together look

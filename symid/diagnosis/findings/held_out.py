@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from symid.diagnosis.findings.comparison import Comparison
+from symid.diagnosis.findings.constant_time import inconstant
 from symid.diagnosis.fitting.applied import fitted_to_log
 from symid.diagnosis.selection.backward import brought_first, without
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep, accepted_of
@@ -17,13 +18,19 @@ OnHeldOut = Callable[[Sequence[SelectionStep]], Comparison]
 def without_worsening(
     steps: Sequence[SelectionStep], on_held_out: OnHeldOut
 ) -> tuple[Sequence[SelectionStep], Comparison]:
-    """Models on the validation data, without effects beside others that make their error grow there."""
-    comparison = on_held_out(steps)
-    worsens = _worsening(comparison)
-    if worsens is None:
+    """Models on the validation data, without effects beside others that make their error grow there.
+
+    Nor with a delay or lag of the force whose time is another one there.
+    """
+    comparison, found = on_held_out(steps), accepted_of(steps)
+    unfit = _worsening(comparison)
+    if unfit is None and found:
+        unfit = inconstant(found[-1].best.fit, comparison)
+    if unfit is None:
         return steps, comparison
-    found = accepted_of(steps)
-    rest = without(found, worsens)
+    if len(found) == 1:
+        return steps, comparison.with_effects(0)
+    rest = without(found, unfit)
     return (steps, comparison) if len(rest) == len(found) else without_worsening(rest, on_held_out)
 
 
