@@ -131,3 +131,12 @@ def test_day_and_time_are_in_one_column_or_two(day: str, between: str, tmp_path:
     assert times == [int(between == ";")]
     (seconds,) = table.read(times)
     np.testing.assert_allclose(seconds, 1e-6 * np.arange(T.size), atol=1e-9)
+
+
+def test_names_of_angles_and_their_derivatives_are_read(tmp_path: Path) -> None:
+    names = ("theta", "theta_dot", "theta_ddot", "omega", "q_dot", "displacement")
+    head = ",".join(("time", *names))
+    row = ",".join(("{t:.6f}", *(["{q:.6f}"] * len(names))))
+    found = guessed(written(tmp_path / "rig.csv", [head], row))
+    wanted = ("position", "velocity", "acceleration", "velocity", "velocity", "position")
+    assert tuple(found[name][0] for name in names) == wanted

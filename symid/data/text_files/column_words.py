@@ -27,8 +27,11 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
         r"t|ts|time|(?:time)?stamps?|zeit\w*|temps|tempo|tiempo|время|\w*[时時][间間]|sec(?:onds?)?|elapsed|uptime|"
         r"ms(?:ec)?|milli(?:s|seconds?)|us(?:ec)?|micro(?:s|seconds?)|ns(?:ec)?|nano(?:s|seconds?)",
     ),
-    ("acceleration", r"acc\w*|acel\w*|(?:ist|soll)?beschl\w*|ddq\w*|ускорение|\w*加速度"),
-    ("velocity", r"vel\w*|speed|(?:ist|soll)?(?:geschw|drehzahl)\w*|vitesse|скорость|\w*(?:速度|转速)|v"),
+    ("acceleration", r"acc\w*|ddot|acel\w*|(?:ist|soll)?beschl\w*|ddq\w*|ускорение|\w*加速度"),
+    (
+        "velocity",
+        r"vel\w*|speed|dot|omega|dtheta|(?:ist|soll)?(?:geschw|drehzahl)\w*|vitesse|скорость|\w*(?:速度|转速)|v",
+    ),
     (
         "force",
         r"torque|trq|tcmd|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|forza|fuerza|coppia|"
@@ -38,7 +41,7 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     ("voltage", r"voltage|volts?|spannung|tensione?|voltaje|напряжение|\w*(?:电压|電圧)"),
     (
         "position",
-        r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|enc(?:oder)?|scale|положение|перемещение|координата|\w*(?:位置|位移|角度)|q\w?|x|y|z",
+        r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|theta|phi|displ\w*|enc(?:oder)?|scale|положение|перемещение|координата|\w*(?:位置|位移|角度)|q\w?|x|y|z",
     ),
     (
         "command",
