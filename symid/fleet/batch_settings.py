@@ -92,6 +92,11 @@ class BatchSettings:
     def __post_init__(self) -> None:
         if self.method not in METHODS:
             raise SettingError(f"method {self.method!r} is not known: choose from {', '.join(METHODS)}")
+        if isinstance(self.held, (bool, str)):
+            raise SettingError(
+                f"held is {self.held!r}: give the forces that are held as a tuple, such as ('F',), or all of them by "
+                "preparation=Preparation(held=True)"
+            )
         if self.joint and self.method not in ROW_METHODS:
             raise SettingError(f"method {self.method!r} leaves no factors to join: take one of wls, ols")
         if self.method == "oe" and (self.bounds or self.prior):

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from glob import glob, has_magic
+from itertools import chain
 from pathlib import Path
 
 import symid
@@ -146,7 +147,7 @@ def _modules(
 
 
 def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] = ()) -> tuple[str, ...]:
-    """Paths of logs without duplicates: files, all logs in folders, and all matches of patterns.
+    """Paths of logs without duplicates: files, all logs in folders, and all matches of patterns, folders among them.
 
     A missing file is kept and becomes a row with an error. Paths to `exclude` and results of other batches are
     dropped. SettingError if a folder or a pattern contains no log.
@@ -178,7 +179,8 @@ def _expanded(item: str) -> list[str]:
     if has_magic(item) and not os.path.exists(item):
         places = glob(os.path.dirname(item) or os.curdir, recursive=True)
         closed = [p for p in places if os.path.isdir(p) and not os.access(p, os.R_OK | os.X_OK)]
-        return sorted([*closed, *(path for path in glob(item, recursive=True) if not os.path.isdir(path))])
+        found = (_logs_in(path) if os.path.isdir(path) else (path,) for path in glob(item, recursive=True))
+        return sorted({*closed, *chain.from_iterable(found)})
     return [item]
 
 

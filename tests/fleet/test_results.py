@@ -4,6 +4,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 import pytest
@@ -144,6 +145,12 @@ def test_a_diagnosis_that_fails_leaves_the_identification(
     assert batch.table["verdict"].null_count() == 6
 
 
+@pytest.mark.parametrize("held", [True, "F"])
+def test_forces_that_are_held_are_given_by_their_signals(held: Any) -> None:
+    with pytest.raises(SettingError, match=r"as a tuple, such as \('F',\)"):
+        BatchSettings(held=held)
+
+
 def test_a_hold_that_the_axis_declares_counts_as_in_python_and_the_command(logs: Path) -> None:
     axis = symid.load_axis("rigid_1m")
     symid.write_axis(replace(axis, name="holding", drive=replace(axis.drive, held=True)), "holding.py")
@@ -179,6 +186,7 @@ def test_folders_patterns_and_files_name_each_log_once(logs: Path) -> None:
     names = [f"logs/{i}.parquet" for i in range(6)]
     assert log_files(logs) == (*names, "logs/deeper/x.PARQUET")
     assert log_files("logs/*.parquet") == tuple(names)
+    assert log_files("logs/d*r") == ("logs/deeper/x.PARQUET",)
     assert log_files(["logs/[01].parquet", logs / "1.parquet", "./logs/2.parquet"]) == (
         *names[:2],
         "./logs/2.parquet",
