@@ -8,14 +8,14 @@ mass of the hidden body and the strength of the effect, each integrated once.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import chain, product
 
 import numpy as np
 
 from symid.axis import Between, Body, Spring
-from symid.diagnosis.effects import BacklashEffect, Effect, JointEffect, Key, Placed
+from symid.diagnosis.effects import BacklashEffect, Effect, JointEffect, Key, Placed, Shape
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import with_shapes_held
@@ -122,21 +122,26 @@ def of_changes(fit: Fit, library: Sequence[Effect]) -> Iterator[Start]:
     present = {item.key for item in fit.state.placed}
     for own in library:
         for place in (at for at in own.places(prediction) if (own.name, at) not in present):
-            cost, start = min(_changes(fit, own, place), key=lambda one: one[0], default=(math.inf, None))
-            if start is not None and cost < _FELT * fit.cost:
-                yield start
+            tried = (_after(fit, own, place, *change) for change in own.changes_to(prediction, place))
+            cost, start = min(chain.from_iterable(tried), key=lambda one: one[0], default=(math.inf, None))
+            if start is None or not cost < _FELT * fit.cost:
+                continue
+            close = own.close_shapes(start.state.prediction, start.placed)
+            closely = _after(fit, own, place, start.state.prediction.parameters, close)
+            yield min((cost, start), *closely, key=lambda one: one[0])[1]
 
 
-def _changes(fit: Fit, effect: Effect, place: str) -> Iterator[tuple[float, Start]]:
-    """Changes by an effect with the sum of squares that each leaves."""
+def _after(
+    fit: Fit, effect: Effect, place: str, parameters: Mapping[str, float], shapes: Iterable[Shape]
+) -> Iterator[tuple[float, Start]]:
+    """Changes by an effect from given parameters on, with the sum of squares that each leaves."""
     weighting = fit.weighting
-    for parameters, shapes in effect.changes_to(fit.state.prediction, place):
-        state = evaluated(fit.state, weighting, parameters, fit.state.placed)
-        kept = state.released(weighting)
-        for change in (Placed(effect, place, shape, (1.0,)) for shape in shapes):
-            rows = weighting.rows(state.prediction.passed_on(change.change(state.prediction)))
-            left = weighting.known(state.rows - rows, state.beginning)
-            yield float(left @ left), Start(kept, weighting, change)
+    state = evaluated(fit.state, weighting, parameters, fit.state.placed)
+    kept = state.released(weighting)
+    for change in (Placed(effect, place, shape, (1.0,)) for shape in shapes):
+        rows = weighting.rows(state.prediction.passed_on(change.change(state.prediction)))
+        left = weighting.known(state.rows - rows, state.beginning)
+        yield float(left @ left), Start(kept, weighting, change)
 
 
 def of_rattling(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
