@@ -11,6 +11,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import force_unit, length_unit
+from symid.diagnosis.prediction.hidden_equation import MassChange
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_named
@@ -83,6 +84,10 @@ class Effect(ABC):
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         """Shapes that the search tries at a place; one empty shape for an effect that is linear in its values."""
         return ((),)
+
+    def mass_change(self, prediction: Prediction, placed: Placed) -> MassChange | None:
+        """The change of a mass that moves otherwise where hidden motion is integrated; None without, as by default."""
+        return None
 
     def free_forces(self, prediction: Prediction, placed: Placed) -> tuple[FreeForce, ...]:
         """Forces on bodies for pulses that set hidden motion of the effect going; none by default."""

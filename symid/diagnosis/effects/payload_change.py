@@ -15,6 +15,7 @@ from symid.diagnosis.effects.effect import (
     best_peaks,
     joint_units,
 )
+from symid.diagnosis.prediction.hidden_equation import MassChange
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
@@ -117,6 +118,12 @@ class PayloadChangeEffect(Effect):
         count = min(int(record.duration * record.band_hz / _CLOSE), _MOST_CLOSE)
         times = np.linspace(_MOMENTS[0], _MOMENTS[-1], count) * record.duration
         return [(placed.shape[0], float(time)) for time in times]
+
+    def mass_change(self, prediction: Prediction, placed: Placed) -> MassChange | None:
+        body, (change, moment) = prediction.bodies[placed.at], placed.shape
+        if not prediction.record.is_predicted(body.direction):
+            return None
+        return MassChange(body.direction, change, _gravity(prediction, body), moment)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         """Change of the outputs by the added inertia, computed with the axis that has it throughout.

@@ -5,7 +5,7 @@ integrated in time, and the frequency response has an equivalent impedance in it
 the outputs are then the linear response.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,15 +20,24 @@ from symid.simulation.law_code import dry_level, not_below_zero
 from symid.simulation.plant import ScaledLaw
 
 
-def changes_by_others(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
-    """Change of the outputs by errors of the readings and changes of masses, of shape (n_outputs, n_bins)."""
+def changes_by_others(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
+    """Change of the outputs by errors of the readings and changes of masses, of shape (n_outputs, n_bins).
+
+    The first mass that changes is a part of hidden motion that is integrated.
+    """
+    integrated = _heavier(prediction, placed) if prediction.of_integrated is not None else None
     others = (JointEffect, TransferEffect)
     changes = (
         item.change(prediction)
         for item in placed
-        if not (item.effect.is_of_command or isinstance(item.effect, others))
+        if not (item is integrated or item.effect.is_of_command or isinstance(item.effect, others))
     )
     return sum(changes, start=np.zeros_like(prediction.outputs))
+
+
+def _heavier(prediction: Prediction, placed: Iterable[Placed]) -> Placed | None:
+    """The first effect that changes the mass of a hidden body during the log."""
+    return next((item for item in placed if item.effect.mass_change(prediction, item) is not None), None)
 
 
 def next_prediction(
@@ -64,7 +73,7 @@ def next_prediction(
             joint = before.along(direction)
             impedances.append((direction, _equivalent(term.parameter * before.laws[i][1][k], joint)))
     like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
-    implicit = any(item.effect.implicit for item in placed)
+    implicit, heavier = any(item.effect.implicit for item in placed), _heavier(before, placed)
     return prediction_of(
         record,
         parameters,
@@ -73,6 +82,7 @@ def next_prediction(
         forces=forces,
         impedances=impedances,
         integrated=integrated,
+        mass_change=heavier.effect.mass_change(before, heavier) if heavier is not None else None,
         integrated_terms=hidden,
         follows=before.follows,
         changes=changes_by_others(before, placed) if implicit else None,

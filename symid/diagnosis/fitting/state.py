@@ -211,12 +211,12 @@ def predicted(
     return prediction, output_errors(prediction, placed)
 
 
-def output_errors(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
+def output_errors(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
     """Measured less predicted outputs with effects, of shape (n_outputs, n_bins)."""
     errors = prediction.record.measured - prediction.passed_on(as_read(prediction, placed))
     return errors if prediction.path is None else errors - prediction.path.withheld
 
 
-def as_read(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
+def as_read(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
     """Outputs with errors of the readings and changes of masses in them, before delays and lags."""
     return prediction.outputs + changes_by_others(prediction, placed)

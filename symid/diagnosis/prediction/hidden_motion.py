@@ -13,14 +13,22 @@ linear response to their forces, so that the force explains nothing by itself.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache, lru_cache
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray, read_only
+from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from symid.diagnosis.prediction.hidden_equation import (
+    Equation,
+    MassChange,
+    by_phase,
+    equation_of,
+    hidden_motion,
+    in_the_step,
+    phase_of,
+)
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Plant
 from symid.simulation.postfix import Program, program
@@ -29,8 +37,6 @@ ARGUMENTS = ("q", "v", "_course", "_z", "_load")
 """First arguments of the programs of laws, written at each step; the values of the law follow."""
 _MOST_ROUNDS = 8
 """Most rounds in which the level of dry friction and the speed in a step settle."""
-_KEPT = 64
-"""Number of cached directions and discretised equations, which derivatives by values of laws share."""
 _OBSERVER_RATE, _OBSERVED_BAND, _LARGEST_CORRECTION = 0.3, 4.0, 0.3
 """Rate at which an error of the observed deflection decays, and band of the force that it follows, in multiples of the
 natural frequency of the hidden body; largest share of the error that a step corrects. Stick-slip with a negative
@@ -71,34 +77,6 @@ def _program(force: str, names: tuple[str, ...]) -> Program:
     return program(force, (*ARGUMENTS, *names))
 
 
-@dataclass(frozen=True, eq=False)
-class HiddenMotion:
-    """The hidden coordinate of a plant whose driven position is measured."""
-
-    free: FloatArray  # shape (n_bodies,): displacements of the bodies for a unit of the hidden coordinate
-    # shape (n_bodies,): static displacements for a unit of the driven position, so that the hidden coordinate is a
-    # pure deflection
-    carried: FloatArray
-    # shape (n_bodies,): combination of the equations of motion without the drive force
-    balance: FloatArray
-
-
-def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
-    """The hidden coordinate of two bodies; `driven` is the sensor row of the driven position."""
-    free, balance = _orthogonal_to(tuple(driven)), _orthogonal_to(tuple(plant.drive))
-    carried = driven / (driven @ driven)
-    stiffness = balance @ plant.stiffness @ free
-    if stiffness:
-        carried = carried - free * (balance @ plant.stiffness @ carried) / stiffness
-    return HiddenMotion(free, carried, balance)
-
-
-@lru_cache(maxsize=_KEPT)
-def _orthogonal_to(row: tuple[float, ...]) -> FloatArray:
-    """Unit vector orthogonal to a row of two entries."""
-    return read_only(np.linalg.svd(np.array([row]))[2][-1])
-
-
 def acts_on_hidden(plant: Plant, other: Plant, driven: FloatArray) -> bool:
     """Whether two plants differ in the equation of the hidden motion, not only in that of the drive."""
     balance = hidden_motion(plant, driven).balance
@@ -116,43 +94,45 @@ def integrated_motion(
     acting: ComplexArray,
     laws: Sequence[tuple[FloatArray, Pointwise]],
     *,
+    change: MassChange | None = None,
     follows: bool = False,
 ) -> tuple[ComplexArray, ComplexArray, tuple[ComplexArray, ...]]:
     """Spectra of the displacements of two bodies as predicted and observed, (2, n_bins), and of the force of each law.
 
-    `acting` are other forces on the bodies, (n_bins, 2). Each law comes with the direction of its joint. Motion that
-    `follows` the measured force is observed, other motion is the predicted one.
+    `acting` are other forces on the bodies, (n_bins, 2). Each law comes with the direction of its joint. A body may
+    `change` its mass. Motion that `follows` the measured force is observed, other motion is the predicted one.
     """
     # The measured position fixes one combination of the two bodies; one coordinate is left. The measured motion enters
     # its equation as a known input, linear in courses that all models share: only this coordinate is integrated.
-    hidden = hidden_motion(plant, plant.sensors[record.signals[0]][0])
-    row, by_state = _drive_balance(plant, hidden)
-
-    def balanced(row: FloatArray) -> FloatArray:
-        """Course of a combination of the equations: forces less those of the motion without the hidden one."""
-        force, matrices = acting @ row, (plant.stiffness, plant.damping, plant.mass)
-        of_motion = [row @ m @ hidden.carried for m in matrices] @ record.driven_courses
-        return np.asarray(record.fine(force) - of_motion if force.any() else -of_motion)
-
-    pushed = balanced(hidden.balance)
-    loaded = follows or any(law.program.asks_for(ARGUMENTS.index("_load")) for _, law in laws)
-    load = -balanced(row) if loaded else np.zeros_like(pushed)
-    mass, damping, stiffness = (
-        float(hidden.balance @ m @ hidden.free) for m in (plant.mass, plant.damping, plant.stiffness)
-    )
     step, (q, v, _) = record.period / record.n_fine, record.driven_courses
-    natural = math.sqrt(abs(stiffness / mass)) if follows else 0.0
-    rest, gain = _observer(record, load, natural, float(by_state[0]), step)
-    equation = _discretised(mass, damping, stiffness, step)
-    driven = _Driven(pushed, load, by_state, q, v, rest, gain)
-    joints = np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d, row @ d) for d, _ in laws])
+    hidden = hidden_motion(plant, plant.sensors[record.signals[0]][0])
+    loaded = follows or any(law.program.asks_for(ARGUMENTS.index("_load")) for _, law in laws)
+    first = phase_of(record, plant, acting, hidden, loaded=loaded)
+    phases, phase = [first], np.zeros(record.n_fine, dtype=np.intp)
+    if change is not None:
+        last = phase_of(record, *change.after(plant, acting, record.n_extended), hidden, loaded=loaded)
+        phase, share = change.phases(step, record.n_fine)
+        mass, part = in_the_step(share, first.mass, last.mass)
+        pushed = (1 - part) * first.pushed + part * last.pushed
+        phases += [replace(last, mass=mass, pushed=pushed), last]
+    damping, stiffness = (float(hidden.balance @ m @ hidden.free) for m in (plant.damping, plant.stiffness))
+    load, by_state = by_phase([own.load for own in phases], phase), np.stack([own.by_state for own in phases])
+    natural = math.sqrt(abs(stiffness / first.mass)) if follows else 0.0
+    rest, gain = _observer(record, load, natural, float(first.by_state[0]), step)
+    equation = equation_of([own.mass for own in phases], damping, stiffness, step)
+    ends = by_phase([own.pushed for own in phases], phase)
+    begins = by_phase([np.roll(own.pushed, 1) for own in phases], phase)
+    driven = _Driven(phase, begins, ends, load, by_state, q, v, rest, gain)
+    joints = np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d) for d, _ in laws])
+    on_drive = np.array([[own.row @ d for d, _ in laws] for own in phases])
     acting_laws, n_log = [law for _, law in laws], math.ceil(record.duration / step)
     # Forces on the driven body alone change none of this: the motion is the last one.
-    given = mass, damping, stiffness, *(x.tobytes() for x in (pushed, load, by_state, gain, joints))
+    courses = (first.pushed, load, by_state, gain, joints, on_drive)
+    given = first.mass, damping, stiffness, *(x.tobytes() for x in courses), change and change.key
     spectra = record.memory.of(
         "hidden motion",
         (*given, *(law.key for law in acting_laws)),
-        lambda: record.from_grid(_periodic(equation, driven, joints, acting_laws, n_log)),
+        lambda: record.from_grid(_periodic(equation, driven, joints, on_drive, acting_laws, n_log)),
     )
     moved = [
         hidden.carried[:, None] * record.motion + hidden.free[:, None] * x for x in spectra[: -len(laws)]
@@ -176,21 +156,16 @@ def _observer(
     return rest, np.where(record.moves(record.speeds[0]) & record.in_log, share / elastic, 0.0)
 
 
-class _Equation(NamedTuple):
-    """Exact step of the hidden coordinate and its rate: transition, responses to falling, rising and held forces."""
-
-    transition: FloatArray  # shape (2, 2)
-    falling: FloatArray  # shape (2,): of a force that falls from 1 to 0
-    rising: FloatArray
-    held: FloatArray
-
-
 class _Driven(NamedTuple):
     """Motion and forces that the measured motion determines, on the fine grid, each (n_fine,)."""
 
-    pushed: FloatArray  # force on the hidden coordinate without that of laws
+    phase: IntArray  # entry of the equation for the step that ends at each point
+    begins: FloatArray  # force on the hidden coordinate without that of laws, at the beginning of the step
+    ends: FloatArray  # at its end
     load: FloatArray  # drive force without what the hidden coordinate and laws add
-    by_state: FloatArray  # shape (2,): shares of the hidden coordinate and its rate in the drive force
+    by_state: (
+        FloatArray  # shape (n_phases, 2): shares of the hidden coordinate and its rate in the drive force
+    )
     q: FloatArray  # driven position
     v: FloatArray  # its velocity
     rest: FloatArray  # measured drive force less `load`
@@ -203,7 +178,7 @@ class _JointLaws(NamedTuple):
     by_driven: FloatArray  # displacement of the joint for a unit of the driven position
     by_hidden: FloatArray  # displacement for a unit of the hidden coordinate
     on_hidden: FloatArray  # share of the force in that on the hidden coordinate
-    on_drive: FloatArray  # share in the drive force
+    on_drive: FloatArray  # shape (n_phases, n_laws): share in the drive force
     reach: FloatArray  # of Dahl's state
     dry: BoolArray
     # most rounds in which its level and the speed in a step settle: one for a level that has no speed in it
@@ -216,27 +191,18 @@ class _JointLaws(NamedTuple):
     stack: FloatArray  # space for the programs
 
 
-def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, FloatArray]:
-    """Combination of the equations of motion with drive force 1 and without the hidden acceleration.
-
-    Returns a row over the bodies, and the shares of the hidden coordinate and its rate in the drive force.
-    """
-    body = int(np.argmax(np.abs(plant.drive)))
-    row = np.eye(len(plant.bodies))[body]
-    row = row - hidden.balance * (row @ plant.mass @ hidden.free) / (
-        hidden.balance @ plant.mass @ hidden.free
-    )
-    row = row / plant.drive[body]
-    return row, np.array([row @ plant.stiffness @ hidden.free, row @ plant.damping @ hidden.free])
-
-
 def _periodic(
-    equation: _Equation, driven: _Driven, joints: FloatArray, laws: Sequence[Pointwise], n_log: int
+    equation: Equation,
+    driven: _Driven,
+    joints: FloatArray,
+    on_drive: FloatArray,
+    laws: Sequence[Pointwise],
+    n_log: int,
 ) -> FloatArray:
     """Hidden coordinate as predicted, as observed where it is, and the force of each law, as periodic courses."""
     # A log begins at rest or in an unknown state, for which the rows allow: the deflection begins at 0. On the way back
     # from the end of the log to its beginning courses return to their first values, which closes the period.
-    predicted, observed, forces = _stepped(equation, driven, joints, laws)
+    predicted, observed, forces = _stepped(equation, driven, joints, on_drive, laws)
     if not np.isfinite(predicted).all():
         raise OverflowError("the hidden motion grows without bound")
     courses = np.stack([predicted, *([observed] if driven.gain.any() else []), *forces])
@@ -246,7 +212,7 @@ def _periodic(
 
 
 def _stepped(
-    equation: _Equation, driven: _Driven, joints: FloatArray, laws: Sequence[Pointwise]
+    equation: Equation, driven: _Driven, joints: FloatArray, on_drive: FloatArray, laws: Sequence[Pointwise]
 ) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
     """The same on the fine grid, from rest on."""
     from symid.diagnosis.prediction.hidden_steps import (
@@ -260,7 +226,7 @@ def _stepped(
         arguments[i, own : own + len(law.values)] = list(law.values.values())
         if law.course is not None:
             courses[i] = law.course
-    by_driven, by_hidden, on_hidden, on_drive = joints.T.copy()
+    by_driven, by_hidden, on_hidden = joints.T.copy()
     in_joints = _JointLaws(
         by_driven,
         by_hidden,
@@ -281,17 +247,3 @@ def _stepped(
         if law.dry:
             force[:] = (force + np.append(force[1:], 0.0)) / 2
     return predicted, observed, list(forces)
-
-
-@lru_cache(maxsize=_KEPT)
-def _discretised(mass: float, damping: float, stiffness: float, step: float) -> _Equation:
-    system = np.zeros((4, 4))
-    system[0, 1] = 1.0
-    system[1] = [-stiffness / mass, -damping / mass, 1 / mass, 0.0]
-    system[2, 3] = 1 / step
-    with np.errstate(over="ignore", invalid="ignore"):
-        whole = scipy.linalg.expm(system * step)
-    if not np.isfinite(whole).all():
-        raise OverflowError("the hidden motion grows without bound")
-    held, ramp = whole[:2, 2], whole[:2, 3]
-    return _Equation(whole[:2, :2], held - ramp, ramp, held)

@@ -11,6 +11,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray, add_outer
 from symid.axis import Axis, Spring
 from symid.diagnosis.prediction.force_path import ForcePath
+from symid.diagnosis.prediction.hidden_equation import MassChange
 from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
@@ -247,6 +248,7 @@ def prediction_of(
     forces: ComplexArray | None = None,
     impedances: Sequence[Impedance] = (),
     integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
+    mass_change: MassChange | None = None,
     integrated_terms: tuple[tuple[int, int], ...] = (),
     follows: bool = False,
     changes: ComplexArray | None = None,
@@ -254,11 +256,10 @@ def prediction_of(
 ) -> Prediction:
     """The axis under a record at physical parameters, SI.
 
-    The law forces of the prediction `before` move hidden joints; without it, only the linear part does. The frequency
-    response and impedances of the prediction `like` are reused. Effects add `forces` on the bodies, of shape (n_bins,
-    n_bodies), `impedances`, and laws `integrated` with the hidden motion by direction; `integrated_terms` are the
-    declared terms among them, see `Prediction`. The motion at which these act `follows` the measured force, or not.
-    Gains, limits, delays and lags of the drives are in the `path` of their forces.
+    The law forces of the prediction `before` move hidden joints; without it, only the linear part does. The response
+    and impedances of the prediction `like` are reused. Effects add `forces`, (n_bins, n_bodies), `impedances`, laws
+    `integrated` with the hidden motion by direction, and a `mass_change` in it; `integrated_terms` are the declared
+    terms among them. Their motion `follows` the measured force, or not. The `path` has what drives do to their forces.
     """
     if before is not None and before.integrated_terms != integrated_terms:
         before = replace(before, integrated_terms=integrated_terms)
@@ -270,11 +271,11 @@ def prediction_of(
     else:
         response = response_of(record, parameters, impedances)
     plant, of_integrated = response.plant, None
-    n = len(plant.bodies)
-    of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
+    of_effects = np.zeros((record.n_bins, len(plant.bodies)), complex) if forces is None else forces
     if integrated:
         acting = of_effects if before is None else of_effects + before.law_forces_of(plant)
-        moved, observed, pushes = integrated_motion(record, plant, acting, integrated, follows=follows)
+        of_laws = integrated_motion(record, plant, acting, integrated, change=mass_change, follows=follows)
+        moved, observed, pushes = of_laws
         of_integrated = np.zeros_like(of_effects)
         for push, (direction, _) in zip(pushes, integrated, strict=True):
             add_outer(of_integrated, push, -direction)
