@@ -42,3 +42,10 @@ def test_what_no_log_determines_vetoes_no_effect():
     # plain script with weight and friction
     assert weight.parameters["Gc"].value + found.parameters[2].explained == pytest.approx(1.7, abs=0.1)
     assert friction.parameters["Fs"].value == pytest.approx(0.35, abs=0.05)
+
+
+def test_a_limit_that_a_third_of_the_samples_exceed_takes_no_small_rest_away():
+    """Beside the friction it left noise alone in one run, and a Stribeck friction took the place of both."""
+    (effect,) = found_in("arm-1-viscous").effects
+    assert effect.effect == "coulomb_friction"
+    assert effect.parameters["Fs"].value == pytest.approx(0.146, rel=0.05)  # plain script

@@ -16,6 +16,7 @@ from symid.diagnosis.fitting.fit import Fit, stiffnesses
 from symid.diagnosis.fitting.gauss_newton import keeps_inertia
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.drive_force import drive_force_of
+from symid.diagnosis.selection.step import is_clear
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _OF_MASSES = ("flexible_mode", "payload_change")
@@ -36,7 +37,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     explains = _explains_all(fit, found)
     if not item.effect.is_possible(prediction, item):
         return False
-    if not (explains or item.effect.is_plausible(prediction, item)):
+    if not ((explains and is_clear(fit)) or item.effect.is_plausible(prediction, item)):
         return False
     if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks, explains):
         return False

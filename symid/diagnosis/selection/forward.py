@@ -11,6 +11,7 @@ from symid.diagnosis.fitting.gauss_newton import fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import evaluated, with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, converged_from, prefer_coulomb, ranked
+from symid.diagnosis.selection.evidence import probabilities
 from symid.diagnosis.selection.late_forces import in_band_of_forces, other_predicts_better
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.stages import (
@@ -50,7 +51,8 @@ def forward_selection(
     # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and
     # presliding friction may be all friction or a part of it. Where one of them comes first, the search is also run to
     # its end from the other one, and the better prediction of blocks left out decides. The other timing is then first
-    # put in the place of the one found: where it predicts worse there, its search is not run.
+    # put in the place of the one found: where it predicts worse there, its search is not run. Where a clear gap is left
+    # in the end, the search is also run from candidates that were indistinguishable from the first effect.
     if not first.accepts:
         return _together(fit, first, library, nominal)
     timings = first.other_timing()
@@ -58,8 +60,17 @@ def forward_selection(
     found = _continued(fit, first, library, nominal)
     others = [step for step in timings if other_predicts_better(step, found, weighting)]
     others += first.whole_before_part()
+    if found[-1].accepts and is_clear(found[-1].best.fit):
+        others += _tied(first)
     branches = [found, *(_continued(fit, step, library, nominal) for step in others)]
     return max(branches, key=lambda steps: penalised_likelihood(steps, steps[-1].best.fit.state, weighting))
+
+
+def _tied(step: SelectionStep) -> list[SelectionStep]:
+    """The step led by other effects of the drive or a joint that are as probable as the best one."""
+    chance = probabilities(step)
+    rivals = (own for own in step.confirmed[1:] if chance.get(own.key, 0.0) >= THRESHOLDS.indistinguishable)
+    return [step.led_by(own) for own in rivals if own.key[0] != step.best.key[0]]
 
 
 def _together(
