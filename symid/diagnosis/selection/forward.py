@@ -51,8 +51,8 @@ def forward_selection(
     # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and
     # presliding friction may be all friction or a part of it. Where one of them comes first, the search is also run to
     # its end from the other one, and the better prediction of blocks left out decides. The other timing is then first
-    # put in the place of the one found: where it predicts worse there, its search is not run. Where a clear gap is left
-    # in the end, the search is also run from candidates that were indistinguishable from the first effect.
+    # put in the place of the one found: where it predicts worse there, its search is not run. Where a clear gap stays,
+    # a search from a candidate that was as probable as the first effect counts if it leaves hardly anything.
     if not first.accepts:
         return _together(fit, first, library, nominal)
     timings = first.other_timing()
@@ -60,17 +60,17 @@ def forward_selection(
     found = _continued(fit, first, library, nominal)
     others = [step for step in timings if other_predicts_better(step, found, weighting)]
     others += first.whole_before_part()
-    if found[-1].accepts and is_clear(found[-1].best.fit):
-        others += _tied(first)
     branches = [found, *(_continued(fit, step, library, nominal) for step in others)]
-    return max(branches, key=lambda steps: penalised_likelihood(steps, steps[-1].best.fit.state, weighting))
+    best = max(branches, key=lambda steps: penalised_likelihood(steps, steps[-1].best.fit.state, weighting))
+    left = best[-1].best.fit
+    tied = (_continued(fit, step, library, nominal) for step in _tied(first) if is_clear(left))
+    return next((steps for steps in tied if _leaves_noise(steps, left)), best)
 
 
 def _tied(step: SelectionStep) -> list[SelectionStep]:
-    """The step led by other effects of the drive or a joint that are as probable as the best one."""
-    chance = probabilities(step)
-    rivals = (own for own in step.confirmed[1:] if chance.get(own.key, 0.0) >= THRESHOLDS.indistinguishable)
-    return [step.led_by(own) for own in rivals if own.key[0] != step.best.key[0]]
+    """The step led by other effects that are as probable as the best one."""
+    likely = {key for key, chance in probabilities(step).items() if chance >= THRESHOLDS.indistinguishable}
+    return [step.led_by(c) for c in step.confirmed if c.key in likely and c.effect.name != step.best.key[0]]
 
 
 def _together(
@@ -83,9 +83,13 @@ def _together(
     if not (first.confirmed and is_clear(fit) and first.best.certainty > THRESHOLDS.least_tentative):
         return (first,)
     steps = _continued(fit, replace(first, beside_others=True), library, nominal)
-    last = steps[-1].best.fit if len(steps) > 1 and steps[-1].accepts else fit
-    explained = last.mean_square < THRESHOLDS.hardly * fit.mean_square and not is_clear(last)
-    return steps if explained else (first,)
+    return steps if len(steps) > 1 and _leaves_noise(steps, fit) else (first,)
+
+
+def _leaves_noise(steps: Sequence[SelectionStep], before: Fit) -> bool:
+    """Whether the effects of some steps leave hardly anything of the error of another model."""
+    last = steps[-1].best.fit if steps[-1].accepts else before
+    return last.mean_square < THRESHOLDS.hardly * before.mean_square and not is_clear(last)
 
 
 def _with_least_inertia(fit: Fit, nominal: Fit | None) -> tuple[Fit, Fit | None]:
