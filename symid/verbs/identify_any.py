@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overload
 
@@ -138,13 +138,7 @@ def identify(
     >>> list(known.physical_parameters), known.status
     (['Fv', 'Fs'], 'ok')
     """
-    prepared, read = [field.name for field in fields(Preparation)], [*ForeignColumns.__annotations__]
-    for name in columns:
-        meant = next(iter(difflib.get_close_matches(name, [*read, *prepared], 1)), "")
-        if meant in prepared:
-            raise SettingError(
-                f"{name!r} is a setting of the preparation: give preparation=Preparation({meant}=...)"
-            )
+    _require_no_preparation(columns)
     given = each_of(logs)
     axis = os.fspath(axis) if isinstance(axis, os.PathLike) else axis
     _require_possible(method, {"bounds": bounds, "prior": prior, "ddof": ddof, "known": known, "loop": loop})
@@ -225,6 +219,17 @@ def _model_given(axis: AnyAxis) -> GeneratedModel:
     if not hasattr(axis, "axis"):
         axis_of(axis)
     return compiled(cast("GeneratedModel | DerivedModel", axis))
+
+
+def _require_no_preparation(settings: Iterable[str]) -> None:
+    """Refuse settings of the preparation, also misspelt ones, among those by which files and frames are read."""
+    prepared, read = [field.name for field in fields(Preparation)], [*ForeignColumns.__annotations__]
+    for name in settings:
+        meant = next(iter(difflib.get_close_matches(name, [*read, *prepared], 1)), "")
+        if meant in prepared:
+            raise SettingError(
+                f"{name!r} is a setting of the preparation: give preparation=Preparation({meant}=...)"
+            )
 
 
 def _require_possible(method: str, given: Mapping[str, object]) -> None:

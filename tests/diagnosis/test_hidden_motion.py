@@ -8,7 +8,7 @@ import pytest
 import scipy
 
 from symid.arrays import FloatArray
-from symid.axis import CoulombFriction, LoadDependentFriction, PayloadChange, StiffnessNonlinearity, load_axis
+from symid.axis import CoulombFriction, LoadDependentFriction, StiffnessNonlinearity, load_axis
 from symid.data import Log
 from symid.diagnosis.effects import LIBRARY, Placed, effects_of
 from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect
@@ -19,7 +19,6 @@ from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.hidden_equation import equation_of
 from symid.diagnosis.prediction.hidden_motion import (
     Pointwise,
@@ -27,10 +26,9 @@ from symid.diagnosis.prediction.hidden_motion import (
     _stepped,
     acts_on_hidden,
 )
-from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.prediction import prediction_of
 from symid.diagnosis.prediction.record import record_of
-from symid.simulation import Cascade, forward_dynamics, plant_of, simulate, trapezoids, tuned_cascade
+from symid.simulation import Cascade, forward_dynamics, plant_of, simulate, trapezoids
 
 MASS, DAMPING, STIFFNESS = 2.0, 3.0, 4000.0
 STEP, N = 2e-4, 8000
@@ -238,26 +236,3 @@ def test_a_play_within_which_a_spring_is_hardly_softer_is_none() -> None:
         for share in (-0.1, 0.08, 0.5, 1.0)
     ]
     assert possible == [False, False, True, True]
-
-
-def left_with_payload(change: float) -> float:
-    """What true values leave of a simulated screw whose load has dry friction and becomes heavier."""
-    screw = load_axis("ballscrew_2m1s").with_signal("qm", noise=3e-8).with_signal("Fm", noise=2.0)
-    values = {"Mm": 124.0, "Fvm": 71.0, "Fsm": 36.0, "Kt": 6.9e6, "Ft": 620.0, "Ml": 135.0, "Fvl": 180.0}
-    (body,) = (body for body in screw.bodies if body.name == "load")
-    machine = screw.with_effect(CoulombFriction(body, "Fsl"), PayloadChange(body, change, time=1.468))
-    path = trapezoids([0.2, 0.1] * 3, 0.6, acceleration=8.0, jerk=400.0, dwell=0.1, sampling_period=1e-3)
-    loop = tuned_cascade(plant_of(screw, values), "qm")
-    log = simulate(machine, values | {"Fsl": 80.0}, path, loop, seed=1).log
-    state, weighting = first_state(data_of(screw, (joined([log]), None), Recorded({}, True)).record, values)
-    effects = {effect.name: effect for effect in LIBRARY}
-    friction = Placed(effects["coulomb_friction"], "load", (), (80.0,), integrated=True)
-    payload = Placed(effects["payload_change"], "load", (change, 1.468), (1.0,))
-    for _ in range(3):
-        state = with_effects(state, weighting, (friction, payload))
-    return Fit(state, weighting).mean_square
-
-
-def test_a_mass_that_changes_under_dry_friction_moves_as_simulated():
-    """The friction acts on the motion after the change: on that of the lighter load it left 47 times as much."""
-    assert left_with_payload(60.0) < 1.2 * left_with_payload(1e-3)

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from symid import PayloadChange, load_axis
+from symid import CoulombFriction, PayloadChange, load_axis
 from symid.diagnosis import LIBRARY, diagnose
 from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import converged
 from symid.diagnosis.fitting.moments import timed
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
@@ -18,6 +19,7 @@ from symid.simulation import multisine, plant_of, simulate, trapezoids, tuned_ca
 SCREW = load_axis("ballscrew_2m1s").with_signal("qm", noise=3e-8).with_signal("Fm", noise=2.0)
 VALUES = {"Mm": 124.0, "Fvm": 71.0, "Fsm": 36.0, "Kt": 6.9e6, "Ft": 620.0, "Ml": 135.0, "Fvl": 180.0}
 CHANGE, MOMENT = 47.0, 2.0
+EFFECTS = {effect.name: effect for effect in LIBRARY}
 
 
 @pytest.fixture(scope="module")
@@ -31,8 +33,8 @@ def loaded() -> tuple[State, Weighting]:
     log = simulate(machine, VALUES, shaking, tuned_cascade(plant_of(SCREW, VALUES), "qm"), seed=1).log
     wrong = VALUES | {"Kt": 6.8e6, "Ml": 138.0, "Mm": 122.5}
     state, weighting = first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, wrong)
-    effect = next(effect for effect in LIBRARY if effect.name == "payload_change")
-    return with_effects(state, weighting, (Placed(effect, "load", (42.0, MOMENT), (1.0,)),)), weighting
+    payload = Placed(EFFECTS["payload_change"], "load", (42.0, MOMENT), (1.0,))
+    return with_effects(state, weighting, (payload,)), weighting
 
 
 def test_derivatives_by_stiffness_and_mass_hold_what_the_change_takes_back(
@@ -58,16 +60,38 @@ def test_the_fit_converges_to_the_masses(loaded: tuple[State, Weighting]) -> Non
     assert fit.state.placed[0].shape[0] == pytest.approx(CHANGE, rel=1e-3)
 
 
+def moved(change: float, time: float, level: float = 0.0, damping: float = 620.0) -> tuple[State, Weighting]:
+    """The screw in moves with a change, and with dry friction of its load, at its values without both."""
+    (body,) = (body for body in SCREW.bodies if body.name == "load")
+    friction = [CoulombFriction(body, "Fsl")] if level else []
+    machine = SCREW.with_effect(*friction, PayloadChange(body, change, time=time))
+    values = VALUES | {"Ft": damping}
+    path = trapezoids([0.2, 0.1] * 3, 0.6, acceleration=8.0, jerk=400.0, dwell=0.1, sampling_period=1e-3)
+    loop, own = tuned_cascade(plant_of(SCREW, values), "qm"), {"Fsl": level} if level else {}
+    log = simulate(machine, values | own, path, loop, seed=1).log
+    return first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, values)
+
+
 def test_its_moment_is_found_to_the_millisecond_where_the_load_rings_from_it_on() -> None:
     """The error has a valley of some milliseconds there, between times that were tried 80 ms apart."""
-    (body,) = (body for body in SCREW.bodies if body.name == "load")
-    machine, values = SCREW.with_effect(PayloadChange(body, CHANGE, time=1.468)), VALUES | {"Ft": 150.0}
-    path = trapezoids([0.2, 0.1] * 3, 0.6, acceleration=8.0, jerk=400.0, dwell=0.1, sampling_period=1e-3)
-    log = simulate(machine, values, path, tuned_cascade(plant_of(SCREW, values), "qm"), seed=1).log
-    state, weighting = first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, values)
-    effect = next(effect for effect in LIBRARY if effect.name == "payload_change")
-    found = timed(with_effects(state, weighting, (Placed(effect, "load", (CHANGE, 0.3), (1.0,)),)), weighting)
+    state, weighting = moved(CHANGE, 1.468, damping=150.0)
+    payload = Placed(EFFECTS["payload_change"], "load", (CHANGE, 0.3), (1.0,))
+    found = timed(with_effects(state, weighting, (payload,)), weighting)
     assert found.placed[0].shape[1] == pytest.approx(1.468, abs=2e-3)
+
+
+def test_a_mass_that_changes_under_dry_friction_moves_as_simulated() -> None:
+    """The friction acts on the motion after the change: on that of the lighter load it left 47 times as much."""
+
+    def left(change: float) -> float:
+        state, weighting = moved(change, 1.468, level=80.0)
+        friction = Placed(EFFECTS["coulomb_friction"], "load", (), (80.0,), integrated=True)
+        payload = Placed(EFFECTS["payload_change"], "load", (change, 1.468), (1.0,))
+        for _ in range(3):
+            state = with_effects(state, weighting, (friction, payload))
+        return Fit(state, weighting).mean_square
+
+    assert left(60.0) < 1.2 * left(1e-3)
 
 
 def test_a_much_heavier_structure_is_found_where_most_of_the_log_follows_the_change() -> None:

@@ -6,6 +6,8 @@ import numpy as np
 
 from symid import Log, load_axis
 from symid.diagnosis import LIBRARY
+from symid.diagnosis.effects import Effect
+from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.data import Recorded, data_of
@@ -30,12 +32,17 @@ def slide() -> Log:
     return Log("by hand", 0.0, 1e-3, {"q": q + 1e-7 * noise[0], "F": recorded + noise[1]})
 
 
-def uncertain(*names: str) -> tuple[SelectionStep, ...]:
-    """Steps of the search after a first one whose candidates would not be certain enough."""
+def first_step(*names: str) -> tuple[Fit, list[Effect], SelectionStep]:
+    """The slide re-identified, effects by their names, and the first step of a search among these."""
     data = data_of(load_axis("rigid_1m"), (joined([slide()]), None), Recorded({}, True))
     fit = fitted_axis(*first_state(data.record, {"M": 58.0, "Fv": 100.0, "Fs": 35.0}))
     library = [effect for effect in LIBRARY if effect.name in names]
-    first = forward._selection_step(fit, library, None)
+    return fit, library, forward._selection_step(fit, library, None)
+
+
+def uncertain(*names: str) -> tuple[SelectionStep, ...]:
+    """Steps of the search after a first one whose candidates would not be certain enough."""
+    fit, library, first = first_step(*names)
     doubtful = tuple(replace(own, certainty=0.9) for own in first.confirmed)
     first = replace(first, confirmed=doubtful)
     assert not first.accepts
@@ -54,10 +61,7 @@ def test_an_uncertain_effect_that_leaves_a_gap_is_none() -> None:
 
 def test_a_search_goes_on_from_effects_as_probable_as_the_first() -> None:
     """Of a structure with a limited force and a changed mass a bent gain came first, by a hair, and hid both."""
-    data = data_of(load_axis("rigid_1m"), (joined([slide()]), None), Recorded({}, True))
-    fit = fitted_axis(*first_state(data.record, {"M": 58.0, "Fv": 100.0, "Fs": 35.0}))
-    library = [effect for effect in LIBRARY if effect.name in NAMES]
-    step = forward._selection_step(fit, library, None)
+    _, _, step = first_step(*NAMES)
     best, other = step.confirmed
     assert forward._tied(step) == []
     tied = replace(other, gain=best.penalised_gain + other.gain - other.penalised_gain, squares=best.squares)

@@ -43,6 +43,7 @@ from symid.diagnosis.effects.signals import (
     SensorDelayEffect,
     TransferEffect,
     force_at,
+    time_of,
     with_alike,
 )
 
@@ -107,6 +108,7 @@ __all__ = [
     "force_at",
     "imperfection_of",
     "is_part",
+    "time_of",
     "with_alike",
     "with_parts",
 ]

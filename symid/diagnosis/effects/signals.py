@@ -14,6 +14,12 @@ LATE_FORCES = ("delay", "actuator_lag")
 """Effects that are nearly equal, so that a log does not determine both."""
 
 
+def time_of(item: Placed) -> float:
+    """Time of a delay or lag of a force, s."""
+    (time,) = item.shape or item.amplitudes
+    return time
+
+
 def with_alike(keys: Iterable[Key]) -> frozenset[Key]:
     """Effects and places, with those that are nearly equal to one of them: a delay and a lag of the same drive."""
     present = frozenset(keys)

@@ -6,7 +6,7 @@ behind a delay, and its time depends on the motion: the clock of a recorder and 
 
 import numpy as np
 
-from symid.diagnosis.effects import LATE_FORCES, Placed
+from symid.diagnosis.effects import LATE_FORCES, time_of
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
@@ -33,14 +33,9 @@ def inconstant(found: Fit, comparison: Comparison) -> int | None:
     for i, (item, here) in enumerate(zip(found.state.placed, own.state.placed, strict=True)):
         if item.effect.name not in LATE_FORCES:
             continue
-        time, other = _time(item), _time(here)
+        time, other = time_of(item), time_of(here)
         at = found.state.values_of[i].stop - 1
         deviation = np.hypot(*(each[at] for each in deviations))
         if abs(other - time) > max(THRESHOLDS.other_time * deviation, THRESHOLDS.far_other_time * abs(time)):
             return i
     return None
-
-
-def _time(item: Placed) -> float:
-    """Time of a delay or lag, s."""
-    return float(item.shape[0] if item.shape else item.amplitudes[0])

@@ -44,12 +44,12 @@ def _timed_closely(state: State, weighting: Weighting, at: int) -> State:
 
     The error has a valley of some milliseconds at such a moment and does not show the way to it from outside.
     """
-    item, left = state.placed[at], Fit(state, weighting).mean_square
+    item = state.placed[at]
+    shapes = list(item.effect.close_shapes(state.prediction, item))
+    left = Fit(state, weighting).mean_square if shapes else 0.0
     if left < THRESHOLDS.explained:
         return state
-    other = _enclosed(
-        _best(state, weighting, at, item.effect.close_shapes(state.prediction, item)), weighting, at
-    )
+    other = _enclosed(_best(state, weighting, at, shapes), weighting, at)
     return other if Fit(other, weighting).mean_square < THRESHOLDS.far_less * left else state
 
 

@@ -163,9 +163,8 @@ class _Driven(NamedTuple):
     begins: FloatArray  # force on the hidden coordinate without that of laws, at the beginning of the step
     ends: FloatArray  # at its end
     load: FloatArray  # drive force without what the hidden coordinate and laws add
-    by_state: (
-        FloatArray  # shape (n_phases, 2): shares of the hidden coordinate and its rate in the drive force
-    )
+    # shape (n_phases, 2): shares of the hidden coordinate and its rate in the drive force
+    by_state: FloatArray
     q: FloatArray  # driven position
     v: FloatArray  # its velocity
     rest: FloatArray  # measured drive force less `load`

@@ -1,6 +1,6 @@
 """Detection of a held force, which acts half a sample after its record without any delay."""
 
-from symid.diagnosis.effects import LATE_FORCES, DelayEffect, Placed
+from symid.diagnosis.effects import LATE_FORCES, DelayEffect, Placed, time_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects
@@ -63,5 +63,4 @@ def is_held(fit: Fit) -> bool:
 def _is_half_a_sample(item: Placed, period: float) -> bool:
     if item.effect.name not in LATE_FORCES:
         return False
-    (time,) = item.shape or item.amplitudes
-    return abs(time / period - 0.5) < THRESHOLDS.half_sample
+    return abs(time_of(item) / period - 0.5) < THRESHOLDS.half_sample
