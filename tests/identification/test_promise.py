@@ -73,7 +73,7 @@ FAULTS = {
     "clipped": (
         lambda F, r: np.clip(F, -0.5 * F.max(), 0.5 * F.max()) + 0.3 * r.standard_normal(F.size),
         "poor_fit",
-        "clipped",
+        "the true force went beyond it",
     ),
     "soft limit in noise": (
         lambda F, r: (

@@ -24,9 +24,11 @@ from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares, independent_rows
 from symid.identification.delays.lag_scan import shown_late
 from symid.identification.deviations.motion_shapes import (
+    FRICTION,
     OF_ACCELERATION,
     QUARTER,
     Motion,
+    has_speeds,
     shapes_of,
     speeds_of,
     waves,
@@ -48,10 +50,9 @@ _AS_MUCH = 0.5
 """Part of what the best column explains from which the log does not distinguish another one from it."""
 _INDEPENDENT = 0.025
 """Part of a column's power that the model does not explain from which it counts as any other: with less, the effect
-would have to be six times as large as what it explains (drawn machines with small effects; with 0.01, EMPS unfiltered
-has Fv within 59 %). One with less, such as a constant force beside the weight of a pendulum, or drag beside viscous
-friction, counts where it explains most; three deviations make it certain, as few are imitated (mass on a sine: with
-four, drag in the noise had Fv off by 30 % at 20 deviations)."""
+would be six times as large as what it explains (with 0.01, EMPS unfiltered has Fv within 59 %). One with less, such as
+a constant force beside the weight of a pendulum, counts where it explains most; three deviations make it certain, as
+few are imitated (mass on a sine: with four, drag in the noise had Fv off by 30 % at 20 deviations)."""
 _LARGEST = 0.1
 """Size of one with less, as part of the output, beyond which it is no small effect, but noise that is made large."""
 _MAINLY = 0.25
@@ -128,15 +129,17 @@ class _Columns:
     def all(self) -> dict[str, FloatArray]:
         """Columns of all effects that are tried, by their names."""
         found = {f"{_LATE} {name}": self._late(name) for name in self.late}
-        if not any(self.model.sliding):
+        if not has_speeds(self.model):
             return found
-        found["friction that turns at another moment"] = self._turned()
+        if any(self.model.sliding):
+            found["friction that turns at another moment"] = self._turned()
         motions = [Motion.of(part) for part in self.parts]
         middle = float(np.mean(np.concatenate([motion.time for motion in motions])))
         shapes = [shapes_of(*pair, middle) for pair in zip(motions, self._drive(), strict=True)]
         shapes = [one | wave for one, wave in zip(shapes, waves(motions, self._rests()), strict=True)]
         found |= {name: self._by_force([one[name] for one in shapes]) for name in shapes[0]}
-        if len(self.model.output_names) > 1:  # a force on one body is in some of the equations
+        # A force on one body is in some of the equations. Where nothing rubs, only the body of the drive is tried.
+        if any(self.model.sliding) and len(self.model.output_names) > 1:
             equations = np.concatenate([np.full(r.residual.size, r.equation) for r in self.rows])
             shapes = [shapes_of(motion) for motion in motions]
             for name in shapes[0]:
@@ -235,6 +238,8 @@ def _pursued(columns: _Columns, *, is_noisy: bool) -> Iterator[Discrepancy]:
     along = np.linalg.lstsq(Z, C, rcond=None)[0]
     own = C - Z @ along
     whole = np.maximum(np.sum(C**2, axis=0), np.finfo(float).tiny / _RESOLVED)
+    # A friction law that the model has is none that it may lack, whatever filters leave of its column.
+    own[:, np.isin(names, FRICTION) & (np.sum(own**2, axis=0) <= _INDEPENDENT * whole)] = 0.0
     # Noise of W is in what the model leaves of a column that holds none itself, and in the residual.
     quiet = np.array([not name.startswith((*OF_ACCELERATION, _LATE)) for name in names], dtype=float)
     (noise, both), largest = columns.noise(), _LARGEST**2 * float(predicted @ predicted)

@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
 from symid.identification.rows.coulomb import direction
 from symid.identification.rows.excerpts import Excerpt, running_integral
 from symid.identification.rows.observation import sliding_velocities
+from symid.signal_names import derivative_name
 
 _WIDTHS = (0.05, 0.2)
 """Speeds, over the highest one, within which friction decays."""
@@ -18,6 +20,8 @@ _PATHS = (0.03, 0.1)
 """Distances behind a reversal, over the stroke, within which friction builds up."""
 QUARTER = "cogging a quarter further"
 """Name of cogging a quarter of a period away from that which is named alone."""
+FRICTION = "Coulomb friction", "viscous friction"
+"""Names of the laws of friction that models have as a rule."""
 OF_ACCELERATION = "friction with the load", "a spring that is not linear", "play"
 """Beginnings of the names of effects whose courses hold the noise of the acceleration, as W does."""
 _MOST_PERIODS, _STEP = 120.0, 0.5
@@ -26,7 +30,7 @@ _MOST_PERIODS, _STEP = 120.0, 0.5
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Motion of the first joint with friction at the rows of a part of a log."""
+    """Motion of the first joint with friction at the rows of a part of a log, as `speeds_of`."""
 
     velocity: FloatArray
     position: FloatArray  # from its mean
@@ -35,7 +39,7 @@ class Motion:
 
     @classmethod
     def of(cls, part: Excerpt) -> Motion:
-        """Motion of a part whose model has a law that jumps at standstill."""
+        """Motion of a part whose model `has_speeds`."""
         seen, log = part.observation, part.log
         velocity = np.interp(
             seen.time, log.start + log.sampling_period * np.arange(log.n_samples), speeds_of(part)
@@ -45,10 +49,18 @@ class Motion:
         return cls(velocity, position - np.mean(position), period, seen.time)
 
 
+def has_speeds(model: GeneratedModel) -> bool:
+    """Whether a model has Coulomb friction, or a position whose velocity is that of a joint."""
+    return any(model.sliding) or model.highest_derivatives[model.most_differentiated] > 0
+
+
 def speeds_of(part: Excerpt) -> FloatArray:
-    """First sliding velocity at every sample of a part."""
-    chosen = replace(part.observation.preparation, trim=None)
-    return part.kept("speeds", lambda: sliding_velocities(part.model, part.log, chosen)[0])
+    """First sliding velocity at every sample of a part; without Coulomb friction that of the scale."""
+    model, chosen = part.model, replace(part.observation.preparation, trim=None)
+    if not any(model.sliding):
+        velocity = derivative_name(model.most_differentiated, 1)
+        model = replace(model, signals=(velocity,), sliding_velocities=lambda v: v[None])
+    return part.kept("speeds", lambda: sliding_velocities(model, part.log, chosen)[0])
 
 
 def decaying(velocity: FloatArray, highest: float) -> dict[str, FloatArray]:
@@ -84,6 +96,8 @@ def shapes_of(motion: Motion, drive: FloatArray | None = None, middle: float = 0
     if drive is None:
         return found | {"Coulomb friction": sign}
     return found | {
+        "Coulomb friction": sign,
+        "viscous friction": velocity / highest,
         "Coulomb friction that drifts": sign * (motion.time - middle),
         "viscous friction that drifts": velocity * (motion.time - middle) / highest,
         "friction that builds up along the stroke": sign * np.exp(-since / _PATHS[1]),

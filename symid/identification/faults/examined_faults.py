@@ -11,6 +11,7 @@ from symid.identification.deviations.stability import Change
 from symid.identification.deviations.whitened import whitened
 from symid.identification.faults.constant_force import constant_force
 from symid.identification.faults.lagging import ac_coupling_of, smoothing_by_residual
+from symid.identification.faults.missing_friction import friction_shape, missing_friction
 from symid.identification.faults.modes import folding_of, lost_mode, mode_above
 from symid.identification.faults.nonlinearity import ColumnTests
 from symid.identification.faults.poor_fit import contradicting_part, unexplained, unexplained_outputs
@@ -52,12 +53,13 @@ def faults_of(
         or more.force_nonlinearity()
         or _change_statement(found, change)
         or more.gain_drift()
-        or more.friction_shape(found)
+        or friction_shape(more, found)
         or more.force_limit()
         or _structure_fault(found)
         or _mode_beyond_band(found, parts, fit)
         or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
         drift=drift,
+        missing_friction=missing_friction(more, found, found.timing),
         noise_alone=noise_alone,
         constant_force=constant_force(model, parts),
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),

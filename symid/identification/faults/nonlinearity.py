@@ -18,13 +18,10 @@ from symid.data.quality.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import shiftable
-from symid.identification.deviations.motion_shapes import decaying, speeds_of
 from symid.identification.deviations.whitened import WhitenedRows
 from symid.identification.faults.added_column import AddedColumn
 from symid.identification.faults.constant_force import direction, used_samples
 from symid.identification.faults.poor_fit import unexplained
-from symid.identification.results.identification_result import Identification
-from symid.identification.results.reliability import is_beyond_intervals
 from symid.identification.rows.excerpts import Excerpt
 from symid.identification.rows.noise import noise_of_rows
 
@@ -59,14 +56,13 @@ class ColumnTests:
             rows, Z, rest, y = _of_equation(self.rows, j)
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
             cubic = AddedColumn.of(Z, rest, (y / scale) ** 3, y)
-            certain = self._certain(rest, CRITERIA.gain_certain)
+            certain = self.certain(rest, CRITERIA.gain_certain)
             is_curved = cubic.share > min(CRITERIA.nonlinear, certain)
             if is_curved and abs(cubic.size) > CRITERIA.nonlinear_output:
                 less = "less" if cubic.factor < 0 else "more"
-                lacking = "" if any(self.model.sliding) else "the model lacks Coulomb friction, or "
                 return (
                     f"where {force} is large it is {less} than in proportion to the motion (a cubic explains "
-                    f"{100 * cubic.share:.2g} % of the residual's power): {lacking}it is clipped, limited, or its gain "
+                    f"{100 * cubic.share:.2g} % of the residual's power): it is clipped, limited, or its gain "
                     "changes with it; record with a wider range"
                 )
             if any(name.startswith(f"{force}_d") for name in self.model.signals):
@@ -89,13 +85,13 @@ class ColumnTests:
         The columns are the size of the recorded force, and that force with the sign of a friction law; beside a
         constant force, which is an offset and no gain.
         """
-        Z, rest, y = _of_all(self.rows)
+        Z, rest, y = of_all(self.rows)
         ones = np.eye(len(self.model.output_names))
         Z = np.concatenate(
             [Z, np.concatenate([np.tile(ones[r.equation], (r.residual.size, 1)) for r in self.rows])], axis=1
         )
         rest = rest - Z @ np.linalg.lstsq(Z, rest, rcond=None)[0]
-        least = max(CRITERIA.nonlinear, self._certain(rest, CRITERIA.gain_beyond_noise))
+        least = max(CRITERIA.nonlinear, self.certain(rest, CRITERIA.gain_beyond_noise))
         for force in self.model.forces:
             courses = [[np.sign(part.log[force]) for part in self.parts]]
             courses += [[direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
@@ -107,7 +103,7 @@ class ColumnTests:
                 shapes = [
                     part.log[force] * (sign - mean) for part, sign in zip(self.parts, signs, strict=True)
                 ]
-                column = AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
+                column = AddedColumn.of(Z, rest, self.made_by(force, shapes), y)
                 if column.share > least and CRITERIA.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
                     return (
                         f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
@@ -130,7 +126,7 @@ class ColumnTests:
         The cube of the recorded force models the loss by a soft limit. Its sign in the uppermost part of its range
         models the loss by clipping.
         """
-        Z, rest, y = _of_all(self.rows)
+        Z, rest, y = of_all(self.rows)
         for force in self.model.forces:
             largest = max(float(np.max(np.abs(part.log[force]))) for part in self.parts) or 1.0
             relative = [part.log[force] / largest for part in self.parts]
@@ -140,7 +136,7 @@ class ColumnTests:
                 ("its cube explains", cube, CRITERIA.nonlinear, 0.0),
                 ("its largest values explain", limit, CRITERIA.cut, CRITERIA.nonlinear_output),
             ):
-                column = AddedColumn.of(Z, rest, self._made_by(force, shapes), y)
+                column = AddedColumn.of(Z, rest, self.made_by(force, shapes), y)
                 is_short = column.factor < -CRITERIA.bent_force * largest
                 if is_short and column.share > share and -column.size > size:
                     return (
@@ -149,33 +145,7 @@ class ColumnTests:
                     )
         return ""
 
-    def friction_shape(self, found: Identification) -> str:
-        """Statement on friction of another course over the speed, where that moves parameters beyond their intervals.
-
-        The columns are friction that decays exponentially with the speed, within two parts of the highest one.
-        """
-        if not any(self.model.sliding):
-            return ""
-        Z, rest, y = _of_all(self.rows)
-        speeds = [speeds_of(part) for part in self.parts]
-        highest = max(float(np.max(np.abs(v))) for v in speeds) or 1.0
-        each = [decaying(v, highest) for v in speeds]
-        for name in each[0]:
-            shapes = [one[name] for one in each]
-            made = self._made_by(self.model.force, shapes)
-            column = AddedColumn.of(Z, rest, made, y)
-            certain = self._certain(rest, CRITERIA.gain_certain)
-            without = self.fit.solution - self.fit.rank.inverse_root @ (Z.T @ made) * column.factor
-            if column.share > max(CRITERIA.friction_shape, certain) and is_beyond_intervals(found, without):
-                more = "more" if column.factor > 0 else "less"
-                return (
-                    f"friction is not constant beside its viscous part ({more} of it at low speed explains "
-                    f"{100 * column.share:.2g} % of the residual's power), which biases parameters: see what `symid "
-                    "diagnose` finds, and declare its law (StribeckFriction, QuadraticDrag)"
-                )
-        return ""
-
-    def _made_by(self, force: str, shapes: Sequence[FloatArray]) -> FloatArray:
+    def made_by(self, force: str, shapes: Sequence[FloatArray]) -> FloatArray:
         """The column that a force of some course in each part makes, prepared as the recorded one."""
         made = [part.made_by(force, shape) for part, shape in zip(self.parts, shapes, strict=True)]
         return np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows])
@@ -188,7 +158,7 @@ class ColumnTests:
             rows, Z, rest, y = _of_equation(self.rows, j)
             grown = [self._growing(r, self.parts[r.part].moved(force).rows) for r in rows]
             drift = AddedColumn.of(Z, rest, np.concatenate(grown), y)
-            certain = self._certain(rest, CRITERIA.gain_certain)
+            certain = self.certain(rest, CRITERIA.gain_certain)
             if drift.share > certain and CRITERIA.gain_drift < abs(drift.factor) < _OTHER_CAUSE:
                 return (
                     f"{force} changes by {100 * drift.factor:+.2g} % from the start to the end of the log against "
@@ -202,13 +172,13 @@ class ColumnTests:
 
         Equations tie signals together: a mass multiplies the second derivative of a scale as it does an acceleration.
         """
-        Z, rest, y = _of_all(self.rows)
+        Z, rest, y = of_all(self.rows)
         for name in shiftable(self.model):
             if name in self.model.forces:
                 continue
             own = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
             gain = AddedColumn.of(Z, rest, np.concatenate(own), y)
-            certain = self._certain(rest, CRITERIA.gain_certain)
+            certain = self.certain(rest, CRITERIA.gain_certain)
             if abs(gain.factor - 1.0) < _FREE:
                 continue  # free parameters multiply all of its terms, and absorb its gain
             is_wrong = gain.share > certain and abs(gain.factor) > CRITERIA.sensor_gain
@@ -240,12 +210,12 @@ class ColumnTests:
                 in_column += float(np.einsum("j,a,jab,b->", rows, kept, noise, kept))
                 in_both += float(np.einsum("j,a,jab,b->", rows, kept, noise, error))
         power, taken = float(own @ own), float(own @ residual) - in_both
-        certain = self._certain(residual, CRITERIA.gain_beyond_noise)
+        certain = self.certain(residual, CRITERIA.gain_beyond_noise)
         is_small = abs(taken) <= CRITERIA.sensor_gain * (power - in_column)
         is_little = power < in_column  # beyond the model the sensor holds nothing but noise
         return is_small or is_little or taken**2 <= certain * power * float(residual @ residual)
 
-    def _certain(self, residual: FloatArray, deviations: float) -> float:
+    def certain(self, residual: FloatArray, deviations: float) -> float:
         """Part of the residual's power that a column takes away whose parameter is a number of deviations from 0."""
         ratio = deviations**2 * self.inflation / residual.size
         return ratio / (1.0 + ratio)
@@ -272,7 +242,7 @@ class ColumnTests:
         return np.asarray(weight * (y[j] - W[j] @ self.fit.solution)[part.observation.valid[j]])
 
 
-def _of_all(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def of_all(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Columns, residual and prediction of all equations and parts."""
     Z, rest, y = (
         np.concatenate([getattr(r, name) for r in every]) for name in ("Z", "residual", "prediction")
@@ -285,4 +255,4 @@ def _of_equation(
 ) -> tuple[list[WhitenedRows], FloatArray, FloatArray, FloatArray]:
     """Rows of an equation by part, and of all parts together columns, residual and prediction."""
     rows = [r for r in every if r.equation == equation]
-    return rows, *_of_all(rows)
+    return rows, *of_all(rows)

@@ -4,6 +4,7 @@ The residual over the whole log is a mean: a clipped sensor, or a tenth of the l
 parameters but hardly raises the mean. Both are visible in the part of the log where they occur.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -19,6 +20,12 @@ from symid.identification.rows.excerpts import Excerpt, estimate_of
 
 _CLIPPED_SAMPLES = 5
 """Shortest run of an extreme value that counts as a limit, not as a peak."""
+_NOISE_AT_LIMIT = 7.0
+"""Range, in deviations of the noise, of the samples at a limit: noise was added to a force that had been clipped."""
+_PILED = 3.0
+"""Ratio of the samples in this range to those in the next one from which they are at a limit: a sine has 2.4."""
+_NARROW = 0.1
+"""Largest part of the whole range that it may be."""
 _LEAST_ROWS = 10
 _CLIPPED_SHARE = 0.01
 _ROWS_A_PARAMETER = 4
@@ -100,7 +107,8 @@ def _clipped(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     The estimate then changes if rows at the end of the range are left out. A limit of the true force, which acts on the
     axis as well, does not change it.
     """
-    limits = [_at_limit(part.log[force]) for part in parts]
+    noise = [math.sqrt(part.levels[force] * part.log.sampling_frequency / 2) for part in parts]
+    limits = [_at_limit(part.log[force], one) for part, one in zip(parts, noise, strict=True)]
     share = float(np.mean(np.concatenate(limits)))
     if share < _CLIPPED_SHARE or all(is_switched(part.log[force]) for part in parts):
         return ""
@@ -110,9 +118,13 @@ def _clipped(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     where = f"{force} is at the end of its range in {100 * share:.3g} % of the log"
     cure = "record with a wider range, or cut those parts out"
     if min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok":
+        if not any(_at_limit(part.log[force], 0.0).any() for part in parts):
+            return ""  # a drive that is mostly at its limits looks like that, too
         return f"{where}, and the rest is too short to decide whether the true force went beyond it: {cure}"
-    moved = np.abs(other.solution - _of_rows(parts, [o.valid for o in seen]).solution)
-    certain = _CERTAIN * np.sqrt(np.diag(other.covariance))
+    every = _of_rows(parts, [o.valid for o in seen])
+    moved = np.abs(other.solution - every.solution)
+    # variance of the difference to an efficient estimate of which the rows are a part (Hausman, Econometrica 46, 1978)
+    certain = _CERTAIN * np.sqrt(np.maximum(np.diag(other.covariance) - np.diag(every.covariance), 0.0))
     if not np.any((moved > certain) & (moved > _NOTICEABLE * np.abs(other.solution))):
         return ""
     return f"{where}, and without those parts the parameters differ, so that the true force went beyond it: {cure}"
@@ -123,9 +135,15 @@ def _of_rows(parts: Sequence[Excerpt], valid: Sequence[BoolArray]) -> LeastSquar
     return estimate_of(replace(p.observation, valid=v) for p, v in zip(parts, valid, strict=True))
 
 
-def _at_limit(force: FloatArray) -> BoolArray:
-    """Samples in runs of the largest or the smallest value, unless that is 0."""
+def _at_limit(force: FloatArray, noise: float) -> BoolArray:
+    """Samples in runs of the largest or the smallest value, unless that is 0, or within the noise of a limit."""
     flags = ((force == force.max()) | (force == force.min())) & (force != 0.0)
+    width = _NOISE_AT_LIMIT * noise
+    for sign in (1.0, -1.0) if width < _NARROW * np.ptp(force) else ():
+        below = np.max(sign * force) - sign * force
+        near, next_to = below < width, (below >= width) & (below < 2.0 * width)
+        if np.count_nonzero(near) > _PILED * np.count_nonzero(next_to):
+            flags |= near
     for start, stop in runs_of_true(flags):
         if stop - start < _CLIPPED_SAMPLES:
             flags[start:stop] = False

@@ -28,6 +28,8 @@ _ALIKE, _MOSTLY = 0.01, 0.5
 """Share of samples outside held spans that may repeat the last one, and share that held spans may be."""
 _ROUGH, _ROUNDING = 0.6, 1e-9
 """Share of fourth differences that change sign, 0.8 of white noise; and their part of the signal by rounding."""
+_BENDS = 0.25
+"""Change of an acceleration within a span, over its rms along the log, during which no force stays the same."""
 _JUMP = 2.0
 """Times the usual steps that a reading catches up with at the end of a held span."""
 _FEW_TURNS = 30
@@ -113,8 +115,8 @@ def held_fault(x: FloatArray, name: str, mover: FloatArray | None) -> str:
 def _held(x: FloatArray, mover: FloatArray | None) -> int:
     """Spans in which a channel keeps one value, inside its range, though others of its values are hardly ever alike.
 
-    A force counts if it is noisy, and while the mover moves as usual; a reading without a mover if it jumps at the end
-    of the span as it never does else.
+    A force counts while the mover moves as usual, if it is noisy or the acceleration changes; a reading without a mover
+    if it jumps at the end of the span as it never does else.
     """
     step = np.diff(x)
     spans = runs_of_true(step == 0.0)
@@ -133,12 +135,22 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
     else:
         rough = np.diff(x, 4)[free[3:]]
         is_noise = np.median(np.abs(rough)) > _ROUNDING * np.sqrt(np.mean(x**2))
-        if not is_noise or np.mean(rough[1:] * rough[:-1] < 0.0) < _ROUGH:
-            return 0
         pace = np.array([np.sqrt(np.mean((mover[k:] - mover[:-k]) ** 2)) for k in length])
         odd = np.abs(mover[spans[:, 1]] - mover[spans[:, 0]]) > 0.25 * pace
+        if not is_noise or np.mean(rough[1:] * rough[:-1] < 0.0) < _ROUGH:
+            odd &= [_bends(mover, *span) for span in spans]
     found = int(np.count_nonzero(inside & odd))
     return found if found >= FEWEST else 0
+
+
+def _bends(mover: FloatArray, start: int, stop: int) -> bool:
+    """Whether the acceleration of the mover changes within a span: a drive that follows no noise must do so as well.
+
+    It is the second difference over a quarter of the span, in which the noise of an encoder hardly counts.
+    """
+    k = max((stop - start) // 4, 1)
+    bent = mover[2 * k :] - 2.0 * mover[k:-k] + mover[: -2 * k]
+    return bool(np.ptp(bent[start : stop - 2 * k + 1]) > _BENDS * np.sqrt(np.mean(bent**2)))
 
 
 def _undriven(model: GeneratedModel, log: Log, name: str) -> list[int]:

@@ -32,7 +32,7 @@ _GAIN_OF_DIFFERENCES = 0.997
 
 @dataclass(frozen=True)
 class Faults:
-    """Statements that contradict an estimate, empty without a fault: on samples, the residual, the clock, the force.
+    """Statements that contradict an estimate, empty without a fault: on samples, residual, clock, friction, force.
 
     `hint` is what may be a cause of another status and is none by itself; `noise_alone` is whether the residual is no
     larger than the noise of the signals makes it.
@@ -41,6 +41,7 @@ class Faults:
     recording: str = ""
     poor_fit: str = ""
     drift: str = ""
+    missing_friction: str = ""
     constant_force: str = ""
     hint: str = ""
     noise_alone: bool = False
@@ -50,8 +51,8 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
     """The identification with status, message and notes about all that was examined.
 
     A status that it has already stays, and learns of a fault or the timing as a possible cause. Otherwise the first of
-    these is the status: a constant force, a fault of a channel, the timing, a bias by noise, a poor fit, another bias,
-    a parameter that is not determined.
+    these is the status: a constant force, a fault of a channel, a friction law that is missing, the timing, a bias by
+    noise, a poor fit, another bias, a parameter that is not determined.
     """
     timing = found.timing if found.timing is not None and _matters(found, found.timing) else None
     status, message, notes = found.status, found.message, list(found.notes)
@@ -63,6 +64,7 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
     causes: list[tuple[Status, str]] = [
         ("undetermined", faults.constant_force),  # then all else that is tested means nothing
         ("recording", faults.recording),
+        ("poor_fit", faults.missing_friction),
         ("timing", faults.drift),
         ("timing", timing.statement if timing and _is_fault(found, timing, faults.noise_alone) else ""),
         ("biased", large_bias if _NOISE_IN_W in large_bias else ""),
@@ -77,6 +79,7 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
         hints = [
             faults.constant_force,
             faults.recording,
+            faults.missing_friction,
             faults.drift,
             timing.statement if timing is not None else "",
         ]

@@ -1,0 +1,87 @@
+"""Tests of friction: of a law that the model lacks, and of Coulomb friction of another course over the speed."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.identification.criteria import CRITERIA
+from symid.identification.delays.timing import Timing
+from symid.identification.deviations.motion_shapes import decaying, has_speeds, speeds_of
+from symid.identification.faults.added_column import AddedColumn
+from symid.identification.faults.nonlinearity import ColumnTests, of_all
+from symid.identification.results.identification_result import Identification
+from symid.identification.results.reliability import is_beyond_intervals
+from symid.identification.rows.coulomb import direction
+
+_LAWS = {"Coulomb friction": "CoulombFriction", "viscous friction": "ViscousFriction"}
+"""Laws by the names of their courses, as they are declared."""
+_LACKING = 0.025
+"""Part of a law's column that the columns of a model without it leave: filters leave less of one that it has."""
+
+
+def missing_friction(tests: ColumnTests, found: Identification, timing: Timing | None) -> str:
+    """Statement on a friction law that the model lacks, where it explains more than a delay; empty without one.
+
+    It does so where it moves parameters beyond their intervals. Friction without its law looks like a late force, as
+    both are in phase with the velocity where the motion reverses.
+    """
+    if not has_speeds(tests.model):
+        return ""
+    by_delay = 1.0 - timing.remaining**2 if timing is not None and timing.is_significant else 0.0
+    speeds = [speeds_of(part) for part in tests.parts]
+    courses = {"viscous friction": speeds}
+    if not any(tests.model.sliding):
+        courses["Coulomb friction"] = [direction(v) for v in speeds]
+    shares = {}
+    for law, shapes in courses.items():
+        column, outside, moves = _beside(tests, found, shapes)
+        is_lacking = column.factor > 0.0 and outside > _LACKING  # friction takes power
+        if is_lacking and moves and column.share > max(CRITERIA.friction_shape, by_delay):
+            shares[law] = column.share
+    if not shares:
+        return ""
+    law = max(shares, key=shares.__getitem__)
+    return (
+        f"the model lacks {law}, which explains {100 * shares[law]:.0f} % of the residual's power: declare "
+        f"{_LAWS[law]}, and see what `symid diagnose` finds"
+    )
+
+
+def friction_shape(tests: ColumnTests, found: Identification) -> str:
+    """Statement on friction of another course over the speed, where that moves parameters beyond their intervals.
+
+    The columns are friction that decays exponentially with the speed, within two parts of the highest one.
+    """
+    if not any(tests.model.sliding):
+        return ""
+    speeds = [speeds_of(part) for part in tests.parts]
+    highest = max(float(np.max(np.abs(v))) for v in speeds) or 1.0
+    each = [decaying(v, highest) for v in speeds]
+    for name in each[0]:
+        column, _, moves = _beside(tests, found, [one[name] for one in each])
+        if column.share > CRITERIA.friction_shape and moves:
+            more = "more" if column.factor > 0 else "less"
+            return (
+                f"friction is not constant beside its viscous part ({more} of it at low speed explains "
+                f"{100 * column.share:.2g} % of the residual's power), which biases parameters: see what `symid "
+                "diagnose` finds, and declare its law (StribeckFriction, QuadraticDrag)"
+            )
+    return ""
+
+
+def _beside(
+    tests: ColumnTests, found: Identification, shapes: Sequence[FloatArray]
+) -> tuple[AddedColumn, float, bool]:
+    """Effect of a friction of some course, the part of its column that the model leaves, and whether it counts.
+
+    It counts if it is certain and moves parameters beyond their intervals.
+    """
+    Z, rest, y = of_all(tests.rows)
+    made = tests.made_by(tests.model.force, shapes)
+    column = AddedColumn.of(Z, rest, made, y)
+    along = Z.T @ made
+    outside = 1.0 - float(along @ along) / max(float(made @ made), np.finfo(float).tiny)
+    without = tests.fit.solution - tests.fit.rank.inverse_root @ along * column.factor
+    is_certain = column.share > tests.certain(rest, CRITERIA.gain_certain)
+    return column, outside, is_certain and is_beyond_intervals(found, without)
