@@ -114,7 +114,7 @@ KINDS = (
     Kind("gain_nonlinearity", GainNonlinearity(0.001, power=2)),
     Kind("gain_nonlinearity", GainNonlinearity(2e-6, power=3)),
     Kind("gain_nonlinearity", GainAsymmetry(0.08)),
-    Kind("force_constant_ripple", ForceConstantRipple(MOTOR, 0.06, -0.03, pitch=0.024)),
+    Kind("force_constant_ripple", ForceConstantRipple(0.06, -0.03, pitch=0.024)),
     Kind("encoder_ripple", EncoderRipple("q", 3e-6, 2e-6, pitch=0.01)),
     Kind("stiffness_nonlinearity", StiffnessNonlinearity(COUPLING, "k3"), {"k3": 1.5e13}, ELASTIC),
     Kind("spring_damping", SpringDamping(COUPLING, "C"), {}, UNDAMPED),

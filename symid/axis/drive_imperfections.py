@@ -1,5 +1,6 @@
 """Elements of the drive that no regressor contains: between the force that is sent and the force that acts."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -10,6 +11,7 @@ __all__ = [
     "ActuatorDelay",
     "ActuatorLag",
     "DriveImperfection",
+    "ForceConstantRipple",
     "ForceLimit",
     "GainAsymmetry",
     "GainNonlinearity",
@@ -133,8 +135,35 @@ class GainAsymmetry(DriveImperfection):
     shown: ClassVar = "f = F - {difference:.4g} abs(F)"
 
 
+@dataclass(frozen=True)
+class ForceConstantRipple(DriveImperfection):
+    """Ripple of the force constant along the stroke: f = F - F (As sin(2 pi q/pitch) + Ac cos(2 pi q/pitch)).
+
+    q is the displacement in the joint of the drive, and F has passed its other imperfections; `law` is the part that is
+    lost. It acts in the joint, as the motion changes it between two samples.
+
+    Parameters
+    ----------
+    sine, cosine : float
+        As and Ac, relative to the mean force constant.
+    pitch : float
+        Length of a period, m or rad.
+
+    Examples
+    --------
+    >>> ForceConstantRipple(0.03, 0.02, pitch=0.024, drive="F2").formula
+    'f = F - F (0.03 sin(2 pi q/0.024) + 0.02 cos(2 pi q/0.024)), of F2'
+    """
+
+    sine: float
+    cosine: float
+    pitch: float
+    law: ClassVar = f"F*(sine*sin({math.tau!r}*q/pitch) + cosine*cos({math.tau!r}*q/pitch))"
+    shown: ClassVar = "f = F - F ({sine:.4g} sin(2 pi q/{pitch:.4g}) + {cosine:.4g} cos(2 pi q/{pitch:.4g}))"
+
+
 def in_order(drive: Iterable[DriveImperfection]) -> tuple[DriveImperfection, ...]:
-    """Imperfections of a drive in the order in which a force passes them: gain, limit, lag, delay.
+    """Imperfections of a drive in the order in which a force passes them: gain, limit, lag, delay; without ripples.
 
     >>> [type(item).__name__ for item in in_order([ActuatorLag(1e-3), ForceLimit(9.0), GainAsymmetry(0.1)])]
     ['GainAsymmetry', 'ForceLimit', 'ActuatorLag']

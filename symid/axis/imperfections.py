@@ -15,7 +15,6 @@ from symid.axis.laws.law import is_finite
 
 __all__ = [
     "EncoderRipple",
-    "ForceConstantRipple",
     "FrictionDrift",
     "FrictionTrend",
     "Imperfection",
@@ -154,27 +153,6 @@ class PeriodicForce(JointImperfection):
     frequency: float
     law: ClassVar = f"sine*sin({_TURN}*frequency*t) + cosine*cos({_TURN}*frequency*t)"
     shown: ClassVar = "{sine:.4g} sin(2 pi {frequency:.4g} t) + {cosine:.4g} cos(2 pi {frequency:.4g} t)"
-
-
-@dataclass(frozen=True)
-class ForceConstantRipple(JointImperfection):
-    """Ripple of the force constant: of F, F (As sin(2 pi q/pitch) + Ac cos(2 pi q/pitch)) is lost.
-
-    Parameters
-    ----------
-    at : Body or Between
-        The joint of the drive.
-    sine, cosine : float
-        As and Ac, relative to the mean force constant.
-    pitch : float
-        Length of a period, m or rad.
-    """
-
-    sine: float
-    cosine: float
-    pitch: float
-    law: ClassVar = f"F*(sine*sin({_TURN}*q/pitch) + cosine*cos({_TURN}*q/pitch))"
-    shown: ClassVar = "F ({sine:.4g} sin(2 pi q/{pitch:.4g}) + {cosine:.4g} cos(2 pi q/{pitch:.4g}))"
 
 
 @dataclass(frozen=True)

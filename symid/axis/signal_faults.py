@@ -18,7 +18,6 @@ from symid.axis.elements import (
 )
 from symid.axis.imperfections import (
     EncoderRipple,
-    ForceConstantRipple,
     Imperfection,
     JointImperfection,
     PayloadChange,
@@ -118,6 +117,8 @@ def label_of(element: object) -> str:
     if isinstance(element, Drive):
         return f"drive {element.signal!r}"
     at = getattr(element, "at", None) or getattr(element, "body", None)
+    if at is None:  # an imperfection of a drive or a reading
+        return kind
     ends = (
         " and ".join(repr(name) for name in ends_of(at))
         if isinstance(at, Between)
@@ -184,20 +185,6 @@ def _laws_beside_nonlinear_spring(
     there = [e for e in elements if isinstance(e, (Law, JointImperfection)) and e.at == spring.at]
     own = [e for e in there if isinstance(e, Law) and e.in_spring]
     return [e for e in there if e not in own] if own else []
-
-
-def force_ripple_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[str]:
-    """Ripples of the force constant that are not in the joint of the one drive whose force they share."""
-    for element in elements:
-        if not isinstance(element, ForceConstantRipple):
-            continue
-        if len(drives) > 1:
-            yield f"ForceConstantRipple: the axis has {len(drives)} drives, one is required: leave the ripple out"
-        elif drives and element.at != drives[0].at:
-            yield (
-                f"ForceConstantRipple at {joint_label(element.at)!r}: a force constant is of the drive: "
-                f"put it at {joint_label(drives[0].at)!r}"
-            )
 
 
 def drive_imperfection_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[str]:

@@ -129,8 +129,8 @@ class _Parts:
         for law in self.terms.laws:
             force = sp.cancel(law.parameter.as_expr()) * law.expression.xreplace(_OF_JOINT)
             forces.setdefault(self._row(law.displacement), []).append(force)
-        for element, force, memory in self.imperfect.joints:
-            direction = self._direction(element.at)
+        for at, force, memory in self.imperfect.joints:
+            direction = self._direction(at)
             forces.setdefault(direction, []).append(force.xreplace(_OF_JOINT))
             if memory is not None:
                 gain, decay = (rate.xreplace(_OF_JOINT) for rate in (memory.gain, memory.decay))

@@ -11,7 +11,9 @@ from symid.axis import (
     CoulombFriction,
     Drive,
     DriveImperfection,
+    ForceConstantRipple,
     Imperfection,
+    Joint,
     JointImperfection,
     PayloadChange,
     PreslidingFriction,
@@ -54,7 +56,7 @@ class Memory:
 class JointForce(NamedTuple):
     """An imperfection in a joint: its force in terms of q, v, acting forces, `NOW` and the state of its memory."""
 
-    element: JointImperfection
+    at: Joint
     law: sp.Expr
     memory: Memory | None
 
@@ -102,7 +104,11 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
             declared = sp.Add(*(parameter_symbol(w.named("level")) for w in levels))
             law = law / element.level * sp.Min(element.level, declared)
         known = {FORCE: load, TIME: NOW} | ({MEMORY: memory.symbol} if memory else {})
-        return JointForce(element, law.xreplace(known), memory)
+        return JointForce(element.at, law.xreplace(known), memory)
+
+    def ripple(drive: Drive, element: Imperfection) -> JointForce:
+        scale = parameter_symbol(drive.constant) if drive.constant else sp.Integer(1)
+        return JointForce(drive.at, scale * imperfection_law(element).xreplace({FORCE: acting(drive)}), None)
 
     def path(drive: Drive) -> DrivePath:
         passed, place = in_order(axis.imperfections_of(drive)), drive.signal if several else "drive"
@@ -114,12 +120,18 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
     # friction that grows with the load feels the sum of the sizes of all forces
     load = sp.Add(*(sp.Abs(acting(d)) for d in axis.drives)) if several else acting(axis.only_drive)
     drives = tuple(map(path, axis.drives))
-    joints = tuple(force(e) for e in axis.elements if isinstance(e, JointImperfection))
+    joints = [force(e) for e in axis.elements if isinstance(e, JointImperfection)]
+    joints += [
+        ripple(drive, e)
+        for drive in axis.drives
+        for e in axis.imperfections_of(drive)
+        if isinstance(e, ForceConstantRipple)
+    ]
     changes = tuple(e for e in axis.elements if isinstance(e, PayloadChange))
     is_timed = bool(changes) or any(NOW in joint.law.free_symbols for joint in joints)
     return Imperfect(
         drives=drives,
-        joints=joints,
+        joints=tuple(joints),
         memories=tuple(memories),
         changes=changes,
         clock=f"x[{first + len(memories)}]" if is_timed else "",

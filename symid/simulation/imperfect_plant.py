@@ -1,6 +1,7 @@
 """Plants with imperfections: laws that depend on time, on a memory, or on the drive force."""
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
@@ -13,6 +14,7 @@ from symid.axis import (
     Axis,
     CoulombFriction,
     EncoderRipple,
+    ForceConstantRipple,
     Imperfection,
     JointImperfection,
     PayloadChange,
@@ -56,6 +58,10 @@ def stages(axis: Axis, parameters: Mapping[str, float]) -> tuple[list[PlantStage
                 added.append((direction, _law(limited, memory)))
             else:
                 added.append((direction, _law(element)))
+    for i, drive in enumerate(axis.drives):
+        ripples = [e for e in axis.imperfections_of(drive) if isinstance(e, ForceConstantRipple)]
+        scale = values[drive.constant] if drive.constant else 1.0
+        added += [(direction_of(drive.at, plant.bodies), _ripple(e, i, scale)) for e in ripples]
     found = [PlantStage(0.0, _with_laws(plant, added))]
     changes = (element for element in axis.elements if isinstance(element, PayloadChange))
     for change in sorted(changes, key=lambda change: change.time):
@@ -82,10 +88,16 @@ def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | 
     return lambda values: function(values, values, values)
 
 
-def _law(element: JointImperfection, memory: int = -1) -> ScaledLaw:
+def _law(element: JointImperfection | ForceConstantRipple, memory: int = -1) -> ScaledLaw:
     """The law of an imperfection; as a function of the motion alone that under a unit load, without memory."""
     law = imperfection_function(element)
     return ScaledLaw(1.0, lambda q, v: law(q, v, 1.0, 0.0, 0.0), imperfection_code(element), memory)
+
+
+def _ripple(element: ForceConstantRipple, drive: int, scale: float) -> ScaledLaw:
+    """Force that a ripple takes from that of a drive, of which `scale` is the force per unit of the signal."""
+    law = _law(element)
+    return law._replace(parameter=scale, code=re.sub(r"\bF\b", f"F{drive}", law.code))
 
 
 @cache

@@ -15,6 +15,7 @@ from symid.simulation.mode import StickSlipMode, StickSlipModes
 from symid.simulation.postfix import Program, program
 
 _ARGUMENTS: tuple[str, ...] = ("q", "v", "F", "t", "z")
+"""What a formula may depend on, before the forces of the drives, F0, F1 and so on; F is the load of the joints."""
 
 IntArray = np.ndarray[Any, np.dtype[np.int64]]
 
@@ -48,10 +49,11 @@ class LawNumbers(NamedTuple):
         """The laws of a loop's plant, and the reading errors of its controlled sensors."""
         plant, n = loop.plant, len(loop.plant.bodies)
         terms = [term for law in plant.laws for term in law.terms]
-        programs = [_program(term.code, _ARGUMENTS) for term in terms]
+        arguments = (*_ARGUMENTS, *(f"F{i}" for i in range(loop.n_drives)))
+        programs = [_program(term.code, arguments) for term in terms]
         programs += [_program(r.misread, ("y",)) for r in loop.controlled if r.misread is not None]
         nonlinearities = len(programs) + np.cumsum([0, *map(len, loop.nonlinearities)])
-        programs += [_program(code, _ARGUMENTS) for code in chain.from_iterable(loop.nonlinearities)]
+        programs += [_program(code, arguments) for code in chain.from_iterable(loop.nonlinearities)]
         return cls(
             directions=np.array([law.direction for law in plant.laws]).reshape(-1, n),
             any_timed=any(law.timed for law in plant.laws),
@@ -62,7 +64,7 @@ class LawNumbers(NamedTuple):
             operations=np.concatenate([np.zeros(0, np.int64), *(p.operations for p in programs)]),
             operands=np.concatenate([np.zeros(0), *(p.operands for p in programs)]),
             ends=np.cumsum([0, *(p.operations.size for p in programs)]),
-            arguments=np.zeros(len(_ARGUMENTS)),
+            arguments=np.zeros(len(arguments)),
             stack=np.zeros(max((p.depth for p in programs), default=1)),
             slides=np.array([memory.direction for memory in loop.memories]).reshape(-1, n),
             reaches=np.array([memory.reach for memory in loop.memories], dtype=float),

@@ -165,13 +165,13 @@ def _remember(state, laws):  # type: ignore[no-untyped-def]
 
 @inner
 def _set_moment(k, forces, channels, laws):  # type: ignore[no-untyped-def]
-    """Set load and time on which laws depend."""
-    load = forces[k, 0]
-    if forces.shape[1] > 1:
-        load = 0.0
-        for i in range(forces.shape[1]):
-            load += abs(forces[k, i])
-    laws.arguments[2], laws.arguments[3] = load, (k + 0.5) * channels.period
+    """Set load, time, and forces of the drives on which laws depend."""
+    sizes = 0.0
+    for i in range(forces.shape[1]):
+        sizes += abs(forces[k, i])
+        laws.arguments[5 + i] = forces[k, i]
+    laws.arguments[2] = sizes if forces.shape[1] > 1 else forces[k, 0]
+    laws.arguments[3] = (k + 0.5) * channels.period
 
 
 @compiled

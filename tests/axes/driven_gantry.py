@@ -17,6 +17,10 @@ STRIBECK, SLOW = 18.0, 0.03
 """Further friction of the right carriage at rest, N, and the speed at which it has mostly gone, m/s."""
 COGGING, PITCH = 6.0, 0.024
 """Force ripple of the left motor, N and m."""
+LOAD, LOADED = 12.0, 1.9
+"""What the beam carries from a moment on, kg and s."""
+RIPPLE = 0.15
+"""Of the force constant of the left motor, relative to its mean, with the pitch of the cogging."""
 DELAY = 1.7e-3
 """Of the left drive, s."""
 GAIN, HASTE = 8e3, 50.0
@@ -94,14 +98,17 @@ def log(
     """A recorded run, on its reference from the beginning; a force that acts late is recorded ahead of its time."""
     command = _Commanded(seed)
     mass = np.diag([31.5, 31.5]) + beam / 4 + TRUE["J"] * _TURN
-    lighter = np.linalg.inv(mass)
+    inverses = [np.linalg.inv(mass + more / 4) for more in (0.0, LOAD if hidden == "payload" else 0.0)]
     damping = np.diag([friction, TRUE["Fv2"]]) + TRUE["Cy"] * _TURN
     begin = np.concatenate(command.reference(np.zeros(1)))[:, 0]
 
     def slope(t: float, state: np.ndarray) -> np.ndarray:
         x, v = state[:2, None], state[2:, None]
-        force = command.force(np.array([t]), x, v) - damping @ v - _STIFFNESS @ x - _resisting(hidden, x, v)
-        return np.concatenate([v, lighter @ force])[:, 0]
+        acting = command.force(np.array([t]), x, v)
+        if hidden == "force constant":
+            acting[0] *= 1.0 - RIPPLE * np.sin(2 * np.pi * x[0] / PITCH)
+        force = acting - damping @ v - _STIFFNESS @ x - _resisting(hidden, x, v)
+        return np.concatenate([v, inverses[t > LOADED] @ force])[:, 0]
 
     t = np.arange(round(seconds * RATE)) / RATE
     run = solve_ivp(slope, (0.0, seconds + 0.01), begin, "LSODA", dense_output=True, rtol=1e-8, atol=1e-11)

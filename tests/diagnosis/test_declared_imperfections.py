@@ -32,7 +32,7 @@ from symid.diagnosis import diagnose
         GainNonlinearity(4e-4, power=2),
         GainAsymmetry(0.05),
         EncoderRipple("q", 2e-6, 1e-6, 0.02),
-        ForceConstantRipple(MOTOR, 0.08, 0.03, 0.02),
+        ForceConstantRipple(0.08, 0.03, 0.02),
         PeriodicForce(MOTOR, 4.0, 3.0, frequency=17.0),
         PayloadChange(MOTOR, 5.0, time=1.5),
         FrictionDrift(MOTOR, 5.0, 30.0, time_constant=2.0),

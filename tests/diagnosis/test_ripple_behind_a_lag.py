@@ -17,7 +17,7 @@ def found() -> Diagnosis:
     """A stage that crosses a pitch in as little time as that of the lag."""
     axis, values = load_axis("rigid_1m"), {"M": 220.0, "Fv": 290.0, "Fs": 105.0}
     noisy = axis.with_signal("q", noise=1.4e-7).with_signal("F", noise=NOISE_OF_FORCE)
-    ripple = ForceConstantRipple(axis.bodies[0], SINE, COSINE, pitch=PITCH)
+    ripple = ForceConstantRipple(SINE, COSINE, pitch=PITCH)
     machine = replace(noisy, elements=(*noisy.elements, ripple, ActuatorLag(LAG)))
     moves = trapezoids(0.3, [0.3, 0.15], acceleration=4.0, jerk=100.0, dwell=0.1, sampling_period=1e-3)
     log = simulate(machine, values, moves, tuned_cascade(plant_of(axis, values), "q"), seed=1).log

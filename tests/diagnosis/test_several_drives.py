@@ -9,16 +9,46 @@ from pathlib import Path
 import numpy as np
 import pytest
 from axes import gantry
-from axes.driven_gantry import COGGING, DELAY, GAIN, HASTE, PITCH, SLOW, STRIBECK, TRUE, axis, log
+from axes.driven_gantry import (
+    BEAM,
+    COGGING,
+    DELAY,
+    GAIN,
+    HASTE,
+    LOAD,
+    LOADED,
+    PITCH,
+    RIPPLE,
+    SLOW,
+    STRIBECK,
+    TRUE,
+    axis,
+    log,
+)
 
-from symid import Axis, Body, Diagnosis, Drive, Log, Position, ViscousFriction, diagnose
-from symid.diagnosis import next_experiment_of
+from symid import (
+    Axis,
+    Body,
+    Diagnosis,
+    Drive,
+    ForceConstantRipple,
+    Geared,
+    Log,
+    PayloadChange,
+    Position,
+    ViscousFriction,
+    diagnose,
+)
+from symid.diagnosis import explained_axis, next_experiment_of
 from symid.diagnosis.experiment import discrimination
 from symid.diagnosis.experiment.discrimination import shares_of
 from symid.errors import LogError, SettingError
 from symid.report.pages.diagnosis_page import write_html
 from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
 from symid.simulation import Cascade
+
+R = 0.0127 / 2
+"""Half the radius of the pulleys of crossed belts, m/rad."""
 
 
 @cache
@@ -162,7 +192,9 @@ def test_the_next_experiment_is_simulated_with_both_drives(monkeypatch: pytest.M
     monkeypatch.setattr(discrimination, "candidate_motions", lambda envelope: every(envelope)[:2])
     named = found("cogging")
     planned = next_experiment_of(named)
-    assert planned.causes == (("cogging", "left"), ("encoder_ripple", "q2"))
+    (cause, rival) = planned.causes
+    assert cause == ("cogging", "left")
+    assert rival in (("encoder_ripple", "q2"), ("force_constant_ripple", "F1"))
     assert planned.probability > 0.9
     assert planned.simulated is not None
     for name, force in planned.simulated.forces.items():
@@ -208,3 +240,53 @@ def test_least_squares_is_another_start_where_springs_between_the_drives_lead_as
     plain = diagnose(gantry.AXIS, gantry.log(), nominal=off, held=False, library=())
     for change in plain.parameters:
         assert change.reidentified == pytest.approx(gantry.TRUE[change.name], rel=0.01), change.name
+
+
+def test_a_ripple_of_one_force_constant_is_that_of_its_drive() -> None:
+    named = found("force constant")
+    assert [(e.effect, e.at) for e in named.effects] == [("force_constant_ripple", "F1")], named.sentence
+    (ripple,) = explained_axis(named).axis.imperfections
+    assert isinstance(ripple, ForceConstantRipple)
+    assert ripple.drive == "F1"
+    assert ripple.sine == pytest.approx(RIPPLE, rel=0.05)
+    assert ripple.pitch == pytest.approx(PITCH, rel=1e-3)
+
+
+def test_a_load_of_a_body_that_two_drives_move_is_found_there() -> None:
+    named = found("payload")
+    assert [(e.effect, e.at) for e in named.effects] == [("payload_change", "beam")], named.sentence
+    values = named.effects[0].parameters
+    assert values["dm"].value == pytest.approx(LOAD, rel=0.03)
+    assert values["t0"].value == pytest.approx(LOADED, abs=0.01)
+    (change,) = explained_axis(named).axis.imperfections
+    assert isinstance(change, PayloadChange)
+    assert change.body == BEAM
+
+
+def test_friction_of_a_body_that_two_drives_move_is_found_there() -> None:
+    """The slide of crossed belts moves by the difference of two motors; its motion is that of no other body."""
+    one, other = Body("one", inertia=2.3e-4), Body("other", inertia=2.3e-4)
+    across = Body("across", mass="Mx", geared=(Geared(to=one, ratio=R), Geared(to=other, ratio=R)))
+    along = Body("along", mass="My", geared=(Geared(to=one, ratio=R), Geared(to=other, ratio=-R)))
+    slides = (one, other, across, along, ViscousFriction(across, "Fvx"), ViscousFriction(along, "Fvy"))
+    sensors = (Position("q1", one), Position("q2", other))
+    crossed = Axis("crossed", slides, (Drive("T1", one), Drive("T2", other)), sensors)
+    t, rng = np.arange(12000) / 2000, np.random.default_rng(1)
+    tones = np.array([[0.9, 3.3, 11.0], [0.7, 4.1, 13.0]]) * 2 * np.pi
+    sizes = np.array([[0.08, 0.02, 0.002], [0.06, 0.02, 0.002]])
+    phases = rng.uniform(0, 2 * np.pi, (2, 3))
+    angles = tones[..., None] * t + phases[..., None]
+    (x, y), (vx, vy), (ax, ay) = (
+        np.einsum("ij,ijn->in", sizes * tones**order, wave)
+        for order, wave in enumerate((np.sin(angles), np.cos(angles), -np.sin(angles)))
+    )
+    fx, fy = 3.1 * ax + 14.0 * vx, 1.9 * ay + 9.0 * vy + 4.0 * np.sign(vy)
+    moved = {"q1": (x + y) / (2 * R), "q2": (x - y) / (2 * R)}
+    inertial = {"T1": 2.3e-4 * (ax + ay) / (2 * R), "T2": 2.3e-4 * (ax - ay) / (2 * R)}
+    torques = {"T1": inertial["T1"] + R * (fx + fy), "T2": inertial["T2"] + R * (fx - fy)}
+    noisy = {name: force + 3e-3 * rng.standard_normal(t.size) for name, force in torques.items()}
+    run = Log("crossed", 0.0, 1 / 2000, {**moved, **noisy})
+    nominal = {"Mx": 3.1 * 1.15, "My": 1.9 * 0.85, "Fvx": 14.0 * 1.15, "Fvy": 9.0 * 0.85}
+    named = diagnose(crossed, run, nominal=nominal, held=False)
+    assert [(e.effect, e.at) for e in named.effects] == [("coulomb_friction", "along")], named.sentence
+    assert named.effects[0].parameters["Fs"].value == pytest.approx(4.0, rel=0.02)

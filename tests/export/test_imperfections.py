@@ -1,5 +1,6 @@
 """What acts beyond the equations of motion, exported: compiled or loaded, and moved as the simulation moves it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import fmpy
@@ -13,6 +14,7 @@ from symid import (
     ActuatorDelay,
     ActuatorLag,
     Axis,
+    Drive,
     EncoderRipple,
     ForceConstantRipple,
     ForceLimit,
@@ -52,7 +54,7 @@ ELEMENTS: dict[str, tuple[Imperfection, ...]] = {
     "periodic": (PeriodicForce(MOTOR, 5.0, -3.0, frequency=11.0),),
     "drift": (FrictionDrift(MOTOR, 4.0, 15.0, time_constant=0.4),),
     "trend": (FrictionTrend(MOTOR, 5.0, 20.0),),
-    "force_constant": (ForceConstantRipple(MOTOR, 0.2, -0.1, pitch=0.01),),
+    "force_constant": (ForceConstantRipple(0.2, -0.1, pitch=0.01),),
     "load": (LoadDependentFriction(MOTOR, 0.2),),
     "payload": (PayloadChange(MOTOR, 3.0, time=0.3),),
     "presliding": (PreslidingFriction(MOTOR, 4.0, reach=1e-3),),
@@ -208,3 +210,12 @@ def test_a_limit_of_the_force_is_one_of_the_command_in_mujoco() -> None:
     model = mujoco.MjModel.from_xml_string(mjcf(axis, VALUES["emps"]).text)
     np.testing.assert_allclose(model.actuator_ctrlrange[0], [-1.0, 1.0])
     assert model.actuator_dynprm[0, 0] == 2e-3
+
+
+def test_a_ripple_of_an_unknown_force_constant_scales_with_it(tmp_path: Path) -> None:
+    driven = replace(AXIS, drive=Drive("i", MOTOR, gain="Kt", unit="A"))
+    axis, current = driven.with_effect(ForceConstantRipple(0.2, -0.1, pitch=0.01)), FORCE / 12.5
+    (found,) = by_c(axis, tmp_path, RIGID | {"Kt": 12.5}, current)
+    wanted = simulated(axis_with("force_constant"))["q"]
+    assert simulated(axis, RIGID | {"Kt": 12.5}, current)["q"] == pytest.approx(wanted)
+    assert np.abs(found - wanted).max() < 1e-3 * np.ptp(wanted)

@@ -20,6 +20,7 @@ from symid import (
     Axis,
     Body,
     Drive,
+    ForceConstantRipple,
     ForceLimit,
     GainAsymmetry,
     LoadDependentFriction,
@@ -33,6 +34,7 @@ from symid.export import c_source, mjcf, write_fmu
 from symid.export.feedforward import feedforward
 from symid.symbolic import derive
 
+RIPPLE = ForceConstantRipple(0.2, 0.1, pitch=0.002, drive="F2")
 COMMANDED = replace(AXIS, drive=(AXIS.drives[0], Drive("F2", RIGHT, gain=-2.5, command="u2")))
 SMOOTH = TRUE | {"Fs1": 0.0, "Fs2": 0.0}
 PERIOD, N = 1e-3, 300
@@ -106,7 +108,7 @@ def acting(forces: np.ndarray, step: float) -> np.ndarray:
 
 def test_each_drive_has_its_own_imperfections_and_friction_feels_all_of_them(tmp_path: Path) -> None:
     own = (ActuatorLag(3e-3, drive="F1"), GainAsymmetry(0.05, drive="F1"))
-    other = (ForceLimit(150.0, drive="F2"), ActuatorDelay(2e-3, drive="F2"))
+    other = (ForceLimit(150.0, drive="F2"), ActuatorDelay(2e-3, drive="F2"), RIPPLE)
     axis, step, n = AXIS.with_effect(*own, *other, LoadDependentFriction(LEFT, 0.2)), 2e-5, 120
     code = Compiled.of(c_source(derive(axis), SMOOTH), "gantry", tmp_path)
     forces = held_forces()[:n]
@@ -119,9 +121,10 @@ def test_each_drive_has_its_own_imperfections_and_friction_feels_all_of_them(tmp
     place, speed, wanted = np.zeros(3), np.zeros(3), []
     for f in acting(forces, step):
         friction = 0.2 * np.abs(f).sum() * np.sign(speed[0])
-        speed = speed + step * np.linalg.solve(
-            M, np.append(f, 0.0) - C @ speed - K @ place - [friction, 0, 0]
-        )
+        wave = 2 * np.pi * place[1] / RIPPLE.pitch
+        lost = f[1] * (RIPPLE.sine * np.sin(wave) + RIPPLE.cosine * np.cos(wave))
+        acts = np.append(f, 0.0) - [friction, lost, 0]
+        speed = speed + step * np.linalg.solve(M, acts - C @ speed - K @ place)
         place = place + step * speed
         wanted.append(place)
     assert np.abs(np.array(read) - wanted).max() < 1e-3 * np.ptp(wanted)

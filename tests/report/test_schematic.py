@@ -55,7 +55,7 @@ IMPERFECT = {
         PeriodicForce(_RIGID.bodies[0], 5.0, -3.0, frequency=11.0),
         FrictionDrift(_RIGID.bodies[0], 4.0, 15.0, time_constant=600.0),
         PreslidingFriction(_RIGID.bodies[0], 4.0, reach=1e-4),
-        ForceConstantRipple(_RIGID.bodies[0], 0.03, 0.02, pitch=0.024),
+        ForceConstantRipple(0.03, 0.02, pitch=0.024),
     ),
     "imperfect_screw": _TWO.with_effect(
         EncoderRipple("ql", 2e-6, 1e-6, pitch=0.01),

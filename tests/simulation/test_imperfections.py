@@ -122,7 +122,7 @@ CASES = {
         lambda: by_hand(friction=lambda t, q, v: (6.0 + 0.2 * abs(held(t)), 0.0)),
     ),
     "force_constant": (
-        ForceConstantRipple(MOTOR, 0.2, -0.1, pitch=0.01),
+        ForceConstantRipple(0.2, -0.1, pitch=0.01),
         lambda: by_hand(
             friction=lambda t, q, v: (
                 6.0,
@@ -198,12 +198,8 @@ def test_faults_are_reported_and_files_written() -> None:
         DeclarationError, match=r"PreslidingFriction at 'load': .* declare CoulombFriction there too"
     ):
         two.with_effect(PreslidingFriction(two.bodies[1], 5.0, reach=1e-4))
-    with pytest.raises(
-        DeclarationError, match=r"at 'load': a force constant is of the drive: put it at 'motor'"
-    ):
-        two.with_effect(ForceConstantRipple(two.bodies[1], 0.1, 0.0, pitch=0.02))
-    with pytest.raises(DeclarationError, match="the axis has 2 drives, one is required"):
-        gantry.AXIS.with_effect(ForceConstantRipple(gantry.AXIS.bodies[0], 0.1, 0.0, pitch=0.02))
+    with pytest.raises(DeclarationError, match=r"drive='F3' is not a drive: choose from F1, F2"):
+        gantry.AXIS.with_effect(ForceConstantRipple(0.1, 0.0, pitch=0.02, drive="F3"))
     better = AXIS.with_effect(*(element for element, _ in CASES.values()))
     space: dict[str, object] = {}
     exec(axis_source(better), space)

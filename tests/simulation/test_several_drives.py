@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from axes.gantry import AXIS, LEFT, NOISE, TRUE, matrices
+from axes.gantry import AXIS, LEFT, NOISE, RIGHT, TRUE, matrices
 from driven import called
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from symid import Acceleration, ActuatorLag, derive, identify
+from symid import Acceleration, ActuatorLag, Drive, ForceConstantRipple, derive, identify
 from symid.errors import SettingError
 from symid.simulation import (
     Cascade,
@@ -118,6 +118,26 @@ def test_an_imperfection_of_the_drive_is_in_each() -> None:
     run = simulate(lagging, SMOOTH, references(20 * PERIOD), [OpenLoop(sent), OpenLoop(-sent)])
     assert run.forces[:, 0] == pytest.approx(-run.forces[:, 1])
     assert run.log["F2"] == pytest.approx(-1.0)
+
+
+def test_a_ripple_of_a_force_constant_is_of_its_drive() -> None:
+    """The current of the right motor has a force constant, of which a part varies along the motor's own stroke."""
+    ripple = ForceConstantRipple(0.2, -0.1, pitch=0.004, drive="i2")
+    driven = replace(AXIS, drive=(AXIS.drives[0], Drive("i2", RIGHT, gain="Kt", unit="A")))
+    t = PERIOD * np.arange(401)
+    first, current = 60.0 * np.sin(20.0 * t), 4.0 * np.cos(31.0 * t)
+    sent = [OpenLoop(first), OpenLoop(current)]
+    run = simulate(driven.with_effect(ripple), SMOOTH | {"Kt": 25.0}, references(0.2), sent, steps=4)
+    M, C, K = matrices(SMOOTH)
+
+    def slope(now: float, y: np.ndarray) -> np.ndarray:
+        k, wave = int(now / PERIOD + 1e-9), 2 * np.pi * y[1] / 0.004
+        acting = 25.0 * current[k] * (1.0 - 0.2 * np.sin(wave) + 0.1 * np.cos(wave))
+        return np.concatenate([y[3:], np.linalg.solve(M, [first[k], acting, 0.0] - C @ y[3:] - K @ y[:3])])
+
+    found = solve_ivp(slope, (0, t[-1]), np.zeros(6), t_eval=t, rtol=1e-8, atol=1e-12, max_step=PERIOD / 2).y
+    plain = simulate(driven, SMOOTH | {"Kt": 25.0}, references(0.2), sent).states[:, :3]
+    np.testing.assert_allclose(run.states[:, :3], found[:3].T, atol=1e-3 * np.abs(plain - found[:3].T).max())
 
 
 def test_each_drive_needs_a_controller_and_a_trajectory() -> None:

@@ -34,7 +34,6 @@ from symid.diagnosis.effects.signals import (
     GainAsymmetryEffect,
     GainNonlinearityEffect,
     SaturationEffect,
-    drive_at,
 )
 from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
@@ -55,15 +54,15 @@ def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
             return GainNonlinearity(amplitudes[0], power=effect.power, drive=drive)
         case GainAsymmetryEffect():
             return GainAsymmetry(amplitudes[0], drive=drive)
-        case ForceConstantRippleEffect() if drive is None:
-            return ForceConstantRipple(axis.drives[0].at, *amplitudes, *shape)
+        case ForceConstantRippleEffect():
+            return ForceConstantRipple(*amplitudes, *shape, drive=drive)
         case EncoderRippleEffect():
             return EncoderRipple(item.at, *amplitudes, *shape)
         case PeriodicDisturbanceEffect():
             return PeriodicForce(place_named(axis, item.at), *amplitudes, *shape)
         case PayloadChangeEffect():
             change, moment = shape
-            body = next(b for b in axis.free_bodies if b.name == item.at)
+            body = next(b for b in axis.bodies if b.name == item.at)
             return PayloadChange(body, amplitudes[0] * change, time=moment)
         case FrictionDriftEffect():
             coulomb, viscous = amplitudes[0] * effect.coulomb, amplitudes[-1] * effect.viscous
@@ -96,9 +95,6 @@ def effects_of_element(prediction: Prediction, element: Imperfection) -> tuple[P
             places = (element.body.name,)
         case DriveImperfection(drive=str(signal)) if len(prediction.axis.drives) > 1:
             places = (signal,)
-        case ForceConstantRipple():
-            drives = prediction.axis.drives
-            places = [place for place in possible if drives[drive_at(prediction, place)].at == element.at]
         case JointImperfection():
             named = prediction.joints
             places = [name for name in named if place_named(prediction.axis, name) == element.at]

@@ -69,6 +69,9 @@ class FlexibleModeEffect(LinearEffect):
     def joint(self, prediction: Prediction, place: str) -> Joint:
         return prediction.bodies[place]
 
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        return tuple(prediction.bodies)
+
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         lowest, highest = _modes_seen(prediction.record)
         octaves = max(math.log(highest / lowest), 0.0)

@@ -57,10 +57,10 @@ class PayloadChangeEffect(Effect):
     per_log = True
 
     def places(self, prediction: Prediction) -> Iterable[str]:
-        return tuple(prediction.bodies)
+        return tuple(prediction.loaded)
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        body, record = prediction.bodies[place], prediction.record
+        body, record = prediction.loaded[place], prediction.record
         response = -prediction.response.of_force(body.direction)
         load = _load(prediction, body)
         inertial = record.from_grid(load)
@@ -74,7 +74,7 @@ class PayloadChangeEffect(Effect):
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
         step = max(1, score.size // 400)
         times = best_peaks(score[::step], record.fine_time[::step], _TRIALS)
-        mass = abs(float(body.direction @ prediction.response.plant.mass @ body.direction))
+        mass = abs(_felt_mass(prediction, body))
         first, last = _CHANGES_WITHIN * record.log.n_samples * record.log.sampling_period
         spread = record.duration * _MOMENTS_TRIED
         moments = {
@@ -84,8 +84,7 @@ class PayloadChangeEffect(Effect):
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """The larger of both masses is less than twice the other: else one of them has lost its inertia."""
-        direction = prediction.bodies[placed.at].direction
-        before = float(direction @ prediction.response.plant.mass @ direction)
+        before = _felt_mass(prediction, prediction.loaded[placed.at])
         smaller, larger = sorted((before, before + placed.shape[0]))
         return larger < _MOST_OF_OTHER * smaller
 
@@ -94,7 +93,7 @@ class PayloadChangeEffect(Effect):
         record, values = prediction.record, dict(prediction.parameters)
         names = {body.name: body.inertial for body in prediction.axis.free_bodies}
         name = names.get(place)
-        if name not in values or not record.is_predicted(prediction.bodies[place].direction):
+        if name not in values or not record.is_predicted(prediction.loaded[place].direction):
             return
         for share in _LARGE_CHANGES:
             before = values[name] / (1 + share)
@@ -103,7 +102,7 @@ class PayloadChangeEffect(Effect):
 
     def varies_with_parameters(self, prediction: Prediction, place: str) -> bool:
         """A hidden body resonates otherwise from the change on: what it does before must not count after it."""
-        return prediction.record.is_predicted(prediction.bodies[place].direction)
+        return prediction.record.is_predicted(prediction.loaded[place].direction)
 
     def shapes_of_log(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
         record = prediction.record
@@ -113,14 +112,14 @@ class PayloadChangeEffect(Effect):
 
     def close_shapes(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
         record = prediction.record
-        if not record.is_predicted(prediction.bodies[placed.at].direction):
+        if not record.is_predicted(prediction.loaded[placed.at].direction):
             return []
         count = min(int(record.duration * record.band_hz / _CLOSE), _MOST_CLOSE)
         times = np.linspace(_MOMENTS[0], _MOMENTS[-1], count) * record.duration
         return [(placed.shape[0], float(time)) for time in times]
 
     def mass_change(self, prediction: Prediction, placed: Placed) -> MassChange | None:
-        body, (change, moment) = prediction.bodies[placed.at], placed.shape
+        body, (change, moment) = prediction.loaded[placed.at], placed.shape
         if not prediction.record.is_predicted(body.direction):
             return None
         return MassChange(body.direction, change, _gravity(prediction, body), moment)
@@ -133,7 +132,7 @@ class PayloadChangeEffect(Effect):
         from then on. The hidden bodies keep their motion at t0.
         """
         record, (change, moment) = prediction.record, shape
-        body = prediction.bodies[place]
+        body = prediction.loaded[place]
         other, free = prediction.response.memory.of(
             (self, place), change, lambda: self._with_change(prediction, body.direction, change)
         )
@@ -169,6 +168,12 @@ class PayloadChangeEffect(Effect):
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
         return "1", str(force * Unit.of("s") ** 2 / length), "s"
+
+
+def _felt_mass(prediction: Prediction, body: Joint) -> float:
+    """Mass of the axis at a body, while the others move as little as they can."""
+    d = body.direction
+    return float(d @ prediction.response.plant.mass @ d) / float(d @ d) ** 2
 
 
 def _load(prediction: Prediction, body: Joint) -> FloatArray:

@@ -13,5 +13,5 @@ def place_of(spring: Spring) -> str:
 def place_named(axis: Axis, name: str) -> Joint:
     """Joint of the body or spring with a name."""
     springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
-    found = next((body for body in axis.free_bodies if body.name == name), None)
+    found = next((body for body in axis.bodies if body.name == name), None)
     return found if found is not None else next(s.at for s in springs if place_of(s) == name)

@@ -9,29 +9,20 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, add_outer
-from symid.axis import Axis, Spring
+from symid.diagnosis.prediction.axis_motion import AxisMotion
 from symid.diagnosis.prediction.force_path import ForcePath
 from symid.diagnosis.prediction.hidden_equation import MassChange
 from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
-from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.prediction.response import Impedance, Response, as_measured, noise_weights, response_of
+from symid.diagnosis.prediction.response import Impedance, as_measured, noise_weights, response_of
 from symid.simulation import Plant
-from symid.simulation.plant import direction_of
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
+class Prediction(AxisMotion):
     """Motion of every joint of an axis under a record, and its outputs, at given parameters."""
 
-    record: Record  # the log
-    parameters: Mapping[str, float]  # physical parameters, SI
-    response: Response  # frequency responses of the axis at these parameters
-    # shape (n_bodies, n_bins): motion of the bodies that follows from the driven positions
-    displacements: ComplexArray
-    # the same, corrected to the readings of further position sensors; laws are evaluated at it
-    observed: ComplexArray
     forces: ComplexArray  # shape (n_bins, n_bodies): forces of effects on the bodies
     # shape (n_bins, n_bodies): forces of effects that were integrated with the hidden motion; `displacements` are then
     # the integrated ones, and the response has equivalent springs and dampers in place of these effects
@@ -104,10 +95,6 @@ class Prediction:
         total[0] += plant.constant * self.record.n_extended
         return total
 
-    def along(self, direction: FloatArray) -> Joint:
-        """The motion along a direction over the bodies."""
-        return self._joint("", direction)
-
     @cached_property
     def outputs(self) -> ComplexArray:
         """Drive forces and further readings without effects of drives and of sensors, shape (n_outputs, n_bins)."""
@@ -143,59 +130,6 @@ class Prediction:
         """Outputs for forces along each of `free_directions`, of shape (n_outputs, n_bins) each."""
         return tuple(self.response.of_force(direction) for direction in self.free_directions)
 
-    @cached_property
-    def driven_rows(self) -> FloatArray:
-        """Driven positions as products with the displacements of the bodies, of shape (n_drives, n_bodies)."""
-        return np.stack([self.response.plant.sensors[name].row for name in self.record.driven])
-
-    @property
-    def free_directions(self) -> FloatArray:
-        """Directions over the bodies that leave the driven positions at rest, of shape (n, n_bodies)."""
-        rows = self.driven_rows
-        free = self.record.memory.of("free", rows.tobytes(), lambda: np.linalg.svd(rows)[2])
-        return np.asarray(free[self.record.n_drives :])
-
-    @cached_property
-    def joints(self) -> Mapping[str, Joint]:
-        """Joints of the bodies that have a mass."""
-        return {
-            body.name: self._joint(body.name, direction_of(body, self.response.plant.bodies))
-            for body in self.axis.free_bodies
-            if body.name in self.record.dynamics.bodies
-        }
-
-    @cached_property
-    def joints_of_drives(self) -> tuple[Joint, ...]:
-        """Displacements along which the drives act."""
-        columns = self.response.plant.drives.T
-        return tuple(self._joint(name, row) for name, row in zip(self.record.forces, columns, strict=True))
-
-    def drive_of(self, joint: Joint) -> int:
-        """The drive that pushes most along a joint."""
-        return int(np.argmax(np.abs(joint.direction @ self.response.plant.drives)))
-
-    @cached_property
-    def springs(self) -> Mapping[str, Joint]:
-        """Joints with a spring, by the name of a spring between bodies, or of the body in whose joint the spring is."""
-        bodies = self.response.plant.bodies
-        return {
-            place_of(element): self._joint(place_of(element), direction_of(element.at, bodies))
-            for element in self.axis.elements
-            if isinstance(element, Spring)
-        }
-
-    @cached_property
-    def bodies(self) -> Mapping[str, Joint]:
-        """Absolute motion of the bodies that have a mass, along which inertia acts."""
-        names, heavy = self.response.plant.bodies, self.record.dynamics.bodies
-        rows = zip(names, np.eye(len(names)), strict=True)
-        return {name: self._joint(name, row) for name, row in rows if name in heavy}
-
-    @property
-    def axis(self) -> Axis:
-        """The axis as declared, without the effects that were found."""
-        return self.record.dynamics.axis
-
     def column(self, joint: Joint, force: ComplexArray) -> ComplexArray:
         """Change of the predicted outputs by forces that oppose the motion of a joint, of shape (..., n_bins).
 
@@ -206,37 +140,6 @@ class Prediction:
             if place == joint.name:
                 change[..., i, :] += force
         return change
-
-    def driven_shares(self, direction: FloatArray) -> FloatArray | None:
-        """Displacement along a direction for a unit of each driven position; None if it depends on other motion too."""
-        rows, key = self.driven_rows, ("driven shares", direction.tobytes())
-        return self.record.memory.of(key, rows.tobytes(), lambda: _shares(rows, direction))
-
-    def _joint(self, name: str, direction: FloatArray) -> Joint:
-        sensors = self.response.plant.sensors
-        n_positions = sum(sensors[name][1] == 0 for name in self.record.signals)
-        # With redundant position sensors, the displacement is their least-squares estimate.
-        shares = None if n_positions > direction.size else self.driven_shares(direction)
-        if shares is not None:  # measured motion, whatever the model: one joint for all predictions
-            spectrum = np.asarray(shares @ self.record.motions)
-            made = Joint(name, direction, spectrum, spectrum, self.record)
-            known: Joint = self.record.driven_joints.setdefault((name, direction.tobytes()), made)
-            return known
-        observed, modelled = (_along(direction, x) for x in (self.observed, self.displacements))
-        return Joint(name, direction, observed, modelled, self.record)
-
-
-def _shares(rows: FloatArray, direction: FloatArray) -> FloatArray | None:
-    shares = np.asarray(np.linalg.solve(rows @ rows.T, rows @ direction))
-    return shares if np.allclose(direction, shares @ rows, rtol=0, atol=1e-12) else None
-
-
-def _along(direction: FloatArray, displacements: ComplexArray) -> ComplexArray:
-    """Displacement along a direction over the bodies."""
-    found = np.zeros(displacements.shape[1], dtype=complex)
-    for i in np.flatnonzero(direction):
-        found += direction[i] * displacements[i]
-    return found
 
 
 def prediction_of(
