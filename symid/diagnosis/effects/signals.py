@@ -65,8 +65,9 @@ class CommandEffect(DriveEffect):
         """Force that it adds to a logged one, for a unit amplitude."""
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        record, force = prediction.record, _whole_force(prediction, place)
-        change = record.memory.of((self, place), shape, lambda: record.from_grid(self.added(force, shape)))
+        record, force, key = prediction.record, _whole_force(prediction, place), (self, place)
+        signal = force_at(record.forces, place)
+        change = record.memory.of(key, shape, lambda: record.in_time(signal, self.added(force, shape)))
         return self._force(prediction, place, change)
 
 

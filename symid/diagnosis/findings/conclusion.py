@@ -15,7 +15,7 @@ from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.found_effects import Alternative, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.findings.gap_of_comparison import gap_of
-from symid.diagnosis.findings.location import is_stationary, located, maps
+from symid.diagnosis.findings.location import is_stationary, joint_at, located, maps
 from symid.diagnosis.findings.parameter_changes import effect_values, lost, parameter_changes
 from symid.diagnosis.findings.wording import next_experiment
 from symid.diagnosis.fitting.fit import Fit
@@ -171,7 +171,7 @@ def _effects(
     chances: Outcome,
     nonparametric: LackOfFit,
 ) -> tuple[FoundEffect, ...]:
-    last, known = fits[-1], len(fits[0].state.placed)
+    last, known, axis = fits[-1], len(fits[0].state.placed), comparison.record.dynamics.axis
     values = effect_values(last)[known:]
     named = {item.key for item in last.state.placed[known:]}
     # An effect that explains the gap alone has taken over nothing.
@@ -185,8 +185,8 @@ def _effects(
         there = chances.effect if i == 0 else THRESHOLDS.further_effect * is_there(step)
         if _may_be_an_order(item, last.state.placed):
             there *= THRESHOLDS.other_order
-        # An effect at the place of an outdone first one makes up for the wrong shape of that.
-        if nonparametric.outdoes and item.at == last.state.placed[known].at:
+        # An effect in the joint of an outdone first one makes up for the wrong shape of that.
+        if nonparametric.outdoes and joint_at(axis, item.at) == joint_at(axis, last.state.placed[known].at):
             there = min(there, chances.effect)
         felt = comparison.felt_by(i + 2)
         found.append(

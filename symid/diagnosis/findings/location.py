@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
-from symid.axis import length_unit
+from symid.axis import Axis, length_unit
+from symid.axis.elements import joint_label
+from symid.diagnosis.effects.effect import ACTUATOR
 from symid.diagnosis.findings.comparison import ENOUGH, Comparison
 from symid.diagnosis.findings.gap import Location, MapCell
 from symid.diagnosis.fitting.fit import Fit
@@ -146,6 +148,17 @@ def _density(comparison: Comparison, model: int) -> tuple[FloatArray, FloatArray
     """Power density of the error of a model, relative to noise."""
     frequency, power = comparison.power(model, _SEGMENT)
     return frequency, power * comparison.row_rate / 2 / comparison.kept_share * comparison.record.freedom
+
+
+def joint_at(axis: Axis, place: str) -> str:
+    """Name of the joint at a place of an effect: that in which a drive acts, or the place itself.
+
+    >>> from symid import load_axis
+    >>> joint_at(load_axis("direct_2m1s"), "actuator"), joint_at(load_axis("direct_2m1s"), "structure")
+    ('motor', 'structure')
+    """
+    drives = (drive for drive in axis.drives if place in (ACTUATOR, drive.signal))
+    return next((joint_label(drive.at) for drive in drives), place)
 
 
 def located(found: Mapping[str, tuple[MapCell, ...]], shares: Mapping[str, float]) -> tuple[Location, ...]:

@@ -57,6 +57,8 @@ def acting_force(prediction: Prediction, drive: int) -> FloatArray:
 def _beyond_band(record: Record, drive: int) -> ComplexArray:
     """Spectrum of the recorded force of a drive beyond the band, less its noise; the band is empty."""
     force = np.asarray(scipy.fft.rfft(record.whole_forces[drive]))
+    omega = np.asarray(2 * np.pi / record.period * np.arange(force.size), dtype=np.float64)
+    force = force * record.clock(record.forces[drive], omega)
     force[: record.n_bins] = 0.0
     of_noise = record.noise_of_outputs[drive] ** 2 * record.n_extended * (force.size - record.n_bins)
     share = max(1 - of_noise / max(float(np.sum(np.abs(force) ** 2)), of_noise), 0.0)

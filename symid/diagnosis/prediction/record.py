@@ -139,20 +139,24 @@ class Record(PeriodicLog):
     @cached_property
     def measured(self) -> ComplexArray:
         """Spectra of the drive forces and of the other sensors, of shape (n_outputs, n_bins)."""
-        forces = map(self._in_time, self.forces, self.whole_forces)
+        forces = map(self.in_time, self.forces, self.whole_forces)
         return np.stack([*forces, *map(self._read, self.readings)])
 
     def _read(self, name: str) -> ComplexArray:
         """Spectrum of a reading."""
-        return self._in_time(name, self.continued(self.log[name], smoothly=True))
+        return self.in_time(name, self.continued(self.log[name], smoothly=True))
 
-    def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
-        """Spectrum of a signal, corrected for the time by which it was recorded late, and for a hold.
+    def in_time(self, name: str, values: FloatArray) -> ComplexArray:
+        """Spectrum of values at the samples of a signal, at the time at which they act or were read."""
+        return np.asarray(self.from_grid(values) * self.clock(name, self.omega))
+
+    def clock(self, name: str, omega: FloatArray) -> ComplexArray:
+        """Correction of a spectrum for the time by which a signal was recorded late, and for a hold.
 
         A force held for T is the mean over T of the force that was recorded: the factor is sin(w T/2)/(w T/2).
         """
-        held = np.sinc(self.omega * self.holds.get(name, 0.0) / (2 * np.pi))
-        return np.asarray(self.from_grid(values) * held * np.exp(1j * self.omega * self.time_late(name)))
+        held = np.sinc(omega * self.holds.get(name, 0.0) / (2 * np.pi))
+        return np.asarray(held * np.exp(1j * omega * self.time_late(name)), dtype=np.complex128)
 
     def time_late(self, name: str) -> float:
         """Time by which a signal was recorded late, s; a held force acts half its hold after it is recorded."""
