@@ -105,8 +105,11 @@ class Effect(ABC):
         """Shapes to be tried for another log, if part of the shape is a property of a log."""
         return ()
 
-    def close_shapes(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
-        """Shapes so close to each other that one of them fits a log if any does, where those of the log do not."""
+    def close_shapes(self, prediction: Prediction, placed: Placed, reach: float) -> Iterable[Shape]:
+        """Shapes so close to each other that one of them fits a log if any does, where those of the log do not.
+
+        Their moments are at most `reach` from that of the effect, relative to the log.
+        """
         return ()
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:

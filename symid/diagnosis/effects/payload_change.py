@@ -35,9 +35,9 @@ _CHANGES_WITHIN = np.array([0.1, 0.9])
 """Part of the log in which a mass may change: at its ends, unknown states decay."""
 _MOMENTS = np.linspace(0.03, 0.97, 48)
 """Times of a change that are tried in another log, relative to its length."""
-_CLOSE, _MOST_CLOSE = 2.0, 800
-"""Distance of the times that are tried where those are too coarse, in periods of the highest frequency used, and their
-largest number. A body that rings after the change shows its time to within some milliseconds, and nothing beside."""
+_CLOSE = 2.0
+"""Distance of the times that are tried where those are too coarse, in periods of the highest frequency used. A body
+that rings after the change shows its time to within some milliseconds, and nothing beside."""
 _SMOOTH = 4
 """Points of the fine grid over which a mass changes where the motion has no jump."""
 _FADES = 30.0
@@ -110,13 +110,14 @@ class PayloadChangeEffect(Effect):
         begins = record.fine_time[1:][np.diff(record.moving.astype(np.int8)) > 0]
         return [(placed.shape[0], float(time)) for time in (*_MOMENTS * record.duration, *begins)]
 
-    def close_shapes(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
+    def close_shapes(self, prediction: Prediction, placed: Placed, reach: float) -> Iterable[Shape]:
         record = prediction.record
         if not record.is_predicted(prediction.loaded[placed.at].direction):
             return []
-        count = min(int(record.duration * record.band_hz / _CLOSE), _MOST_CLOSE)
-        times = np.linspace(_MOMENTS[0], _MOMENTS[-1], count) * record.duration
-        return [(placed.shape[0], float(time)) for time in times]
+        change, moment = placed.shape
+        earliest, latest = np.clip(moment / record.duration + np.array([-reach, reach]), *_MOMENTS[[0, -1]])
+        times = np.arange(earliest * record.duration, latest * record.duration, _CLOSE / record.band_hz)
+        return [(change, float(time)) for time in times]
 
     def mass_change(self, prediction: Prediction, placed: Placed) -> MassChange | None:
         body, (change, moment) = prediction.loaded[placed.at], placed.shape

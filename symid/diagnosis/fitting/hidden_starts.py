@@ -19,6 +19,7 @@ from symid.diagnosis.effects import BacklashEffect, Effect, JointEffect, Key, Pl
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import with_shapes_held
+from symid.diagnosis.fitting.moments import NEAR
 from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
@@ -126,7 +127,7 @@ def of_changes(fit: Fit, library: Sequence[Effect]) -> Iterator[Start]:
             cost, start = min(chain.from_iterable(tried), key=lambda one: one[0], default=(math.inf, None))
             if start is None or not cost < _FELT * fit.cost:
                 continue
-            close = own.close_shapes(start.state.prediction, start.placed)
+            close = own.close_shapes(start.state.prediction, start.placed, NEAR)
             closely = _after(fit, own, place, start.state.prediction.parameters, close)
             yield min((cost, start), *closely, key=lambda one: one[0])[1]
 

@@ -17,6 +17,9 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _FIRST_STEP, _LAST_STEP = 0.02, 0.1
 """Steps by which a moment is moved: relative to the log, and in periods of the highest frequency used."""
+NEAR, ANYWHERE = 0.06, 1.0
+"""How far from the best moment found others are tried closely, relative to the log: first near it, and in all of the log
+where much is left."""
 _GROWTH = 1.5
 _POSSIBLE, _HOPELESS = 3.0, 4.0
 """Growth of the steps to the end of the time in which a moment may lie; its limit in standard deviations, and the rise
@@ -45,12 +48,15 @@ def _timed_closely(state: State, weighting: Weighting, at: int) -> State:
     The error has a valley of some milliseconds at such a moment and does not show the way to it from outside.
     """
     item = state.placed[at]
-    shapes = list(item.effect.close_shapes(state.prediction, item))
-    left = Fit(state, weighting).mean_square if shapes else 0.0
-    if left < THRESHOLDS.explained:
-        return state
-    other = _enclosed(_best(state, weighting, at, shapes), weighting, at)
-    return other if Fit(other, weighting).mean_square < THRESHOLDS.far_less * left else state
+    for reach, enough in ((NEAR, THRESHOLDS.explained), (ANYWHERE, THRESHOLDS.clear_gap)):
+        shapes = list(item.effect.close_shapes(state.prediction, item, reach))
+        left = Fit(state, weighting).mean_square if shapes else 0.0
+        if left < enough:
+            break
+        other = _enclosed(_best(state, weighting, at, shapes), weighting, at)
+        if Fit(other, weighting).mean_square < THRESHOLDS.far_less * left:
+            return other
+    return state
 
 
 def _enclosed(state: State, weighting: Weighting, at: int) -> State:
