@@ -14,6 +14,7 @@ from typing import Final, TypeAlias
 from symid.data.columns import TIME, split_unit
 from symid.data.formats.array_files import open_matlab, open_numpy
 from symid.data.formats.channels import Channel, short_names, table_of_channels
+from symid.data.formats.codesys_trace import is_codesys_trace, open_codesys_trace
 from symid.data.formats.columnar import open_feather, open_parquet
 from symid.data.formats.compressed import OPENERS, open_compressed
 from symid.data.formats.excel import open_excel
@@ -94,14 +95,16 @@ Reader: TypeAlias = "Callable[[Path, int | None], Table]"
 
 
 def _open_text(path: Path, memory: int | None = None) -> Table:
-    """Table in a CSV file, or in the text of a scope or serial monitor."""
+    """Table in a CSV file, or in the text of a scope, a controller's trace or a serial monitor."""
     return _special_text(path) or open_csv(path)
 
 
 def _special_text(path: Path) -> Table | None:
-    """Table in the text of a scope or serial monitor; None of other files."""
+    """Table in the text of a scope, a controller's trace or a serial monitor; None of other files."""
     scope = writer_of(path)
-    return open_scope_text(path, *scope) if scope else open_serial_text(path)
+    if scope:
+        return open_scope_text(path, *scope)
+    return open_codesys_trace(path) if is_codesys_trace(path) else open_serial_text(path)
 
 
 READERS: Final[Mapping[str, Reader]] = MappingProxyType(
@@ -141,12 +144,10 @@ FOLDER_SUFFIXES: Final = tuple(
 
 
 def layout_found(path: Path, encoding: str | None = None) -> Layout | None:
-    """Layout that a text file seems to have; None of other files, and of the text of scopes."""
-    return (
-        guessed_layout(path, encoding)
-        if path.is_file() and _is_text(path) and writer_of(path) is None and open_serial_text(path) is None
-        else None
-    )
+    """Layout that a text file seems to have; None of other files, and of the text of scopes and traces."""
+    if not path.is_file() or not _is_text(path) or writer_of(path) or is_codesys_trace(path):
+        return None
+    return guessed_layout(path, encoding) if open_serial_text(path) is None else None
 
 
 def _is_text(path: Path) -> bool:

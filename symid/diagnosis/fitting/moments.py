@@ -18,7 +18,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 _FIRST_STEP, _LAST_STEP = 0.02, 0.1
 """Steps by which a moment is moved: relative to the log, and in periods of the highest frequency used."""
 NEAR, ANYWHERE = 0.06, 1.0
-"""How far from the best moment found others are tried closely, relative to the log: first near it, and in all of the log
+"""How far from the best moment found others are tried closely, relative to the log: first near it, then in all of it
 where much is left."""
 _GROWTH = 1.5
 _POSSIBLE, _HOPELESS = 3.0, 4.0
