@@ -85,7 +85,7 @@ def next_prediction(
         mass_change=heavier.effect.mass_change(before, heavier) if heavier is not None else None,
         integrated_terms=hidden,
         follows=before.follows,
-        changes=changes_by_others(before, placed) if implicit else None,
+        changes=changes_by_others(before, placed) if implicit or before.follows else None,
         path=_path(before, placed),
     )
 

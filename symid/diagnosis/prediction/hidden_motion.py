@@ -96,11 +96,13 @@ def integrated_motion(
     *,
     change: MassChange | None = None,
     follows: bool = False,
+    changes: ComplexArray | None = None,
 ) -> tuple[ComplexArray, ComplexArray, tuple[ComplexArray, ...]]:
     """Spectra of the displacements of two bodies as predicted and observed, (2, n_bins), and of the force of each law.
 
     `acting` are other forces on the bodies, (n_bins, 2). Each law comes with the direction of its joint. A body may
-    `change` its mass. Motion that `follows` the measured force is observed, other motion is the predicted one.
+    `change` its mass. Motion that `follows` the measured force is observed, other motion is the predicted one. Other
+    effects make `changes` of the drive force, (n_bins,).
     """
     # The measured position fixes one combination of the two bodies; one coordinate is left. The measured motion enters
     # its equation as a known input, linear in courses that all models share: only this coordinate is integrated.
@@ -117,6 +119,8 @@ def integrated_motion(
         phases += [replace(last, mass=mass, pushed=pushed), last]
     damping, stiffness = (float(hidden.balance @ m @ hidden.free) for m in (plant.damping, plant.stiffness))
     load, by_state = by_phase([own.load for own in phases], phase), np.stack([own.by_state for own in phases])
+    if loaded and changes is not None:
+        load = load + record.fine(changes)
     natural = math.sqrt(abs(stiffness / first.mass)) if follows else 0.0
     rest, gain = _observer(record, load, natural, float(first.by_state[0]), step)
     equation = equation_of([own.mass for own in phases], damping, stiffness, step)

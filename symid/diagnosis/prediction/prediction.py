@@ -177,8 +177,10 @@ def prediction_of(
     of_effects = np.zeros((record.n_bins, len(plant.bodies)), complex) if forces is None else forces
     if integrated:
         acting = of_effects if before is None else of_effects + before.law_forces_of(plant)
-        of_laws = integrated_motion(record, plant, acting, integrated, change=mass_change, follows=follows)
-        moved, observed, pushes = of_laws
+        of_drive = None if changes is None else changes[0]
+        moved, observed, pushes = integrated_motion(
+            record, plant, acting, integrated, change=mass_change, follows=follows, changes=of_drive
+        )
         of_integrated = np.zeros_like(of_effects)
         for push, (direction, _) in zip(pushes, integrated, strict=True):
             add_outer(of_integrated, push, -direction)
