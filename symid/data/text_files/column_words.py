@@ -1,5 +1,6 @@
 """Words and units by which columns of foreign files are named, in the languages of drives and scopes."""
 
+import re
 from typing import Final, Literal
 
 Quantity = Literal[
@@ -66,6 +67,10 @@ COUNTS: Final = (
     r"ticks?|steps?|bits?"
 )
 """Units of unknown length."""
+IN_TURNS: Final = re.compile(r"(?:^|[\W_])(?:(?:pos|vel)_(?:estimate|setpoint)|input_(?:pos|vel))$")
+"""Names of ODrive, whose positions count turns."""
+ANGLES: Final = r"theta|phi|angle|winkel|\w*角度|угол|d?theta|omega|q\w?"
+"""Words of a position or velocity that is an angle in rad or deg, not a number of turns."""
 NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 """Words of columns that number the samples."""
 SPELLED: Final = {

@@ -1,6 +1,8 @@
 """Guesses about the columns of a foreign log: quantity, unit and part, each with its reason."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Final
 
 import numpy as np
@@ -10,7 +12,16 @@ from symid.data.quality.coarse_clock import change_between, is_coarse, period_of
 from symid.data.table import Table
 from symid.data.text_files.clock_columns import counts_up, rises_evenly, rises_unevenly, step_of_clock
 from symid.data.text_files.column_names import is_in_doubt, match, measured_in, named, split_header, words_of
-from symid.data.text_files.column_words import CLOCKS_NAMED, COUNTS, DIFFERENCE, NUMBERS, SETPOINT, Quantity
+from symid.data.text_files.column_words import (
+    CLOCKS_NAMED,
+    COUNTS,
+    DIFFERENCE,
+    IN_TURNS,
+    NUMBERS,
+    SETPOINT,
+    Quantity,
+)
+from symid.data.text_files.unit_by_motion import Rate, unit_by_motion
 from symid.errors import LogError
 from symid.units import to_si
 
@@ -24,6 +35,7 @@ _COUNTED: Final = "it rises by 1: numbers of samples, or ms"
 LONGEST_STROKE: Final = (
     10.0  # m: a position that covers more is in a smaller unit, and one of more mm in counts
 )
+_MOST_TURNS: Final = 1e3
 _ENCODER: Final = "enc(?:oder)?"
 
 
@@ -93,7 +105,34 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
         else:
             why = f"{column.reason}; rows of one time are equal: remove the repeated rows"
             found[i] = replace(column, reason=why)
-    return tuple(found.values())
+    return tuple({**found, **_by_motion(found, finite)}.values())
+
+
+def _by_motion(
+    found: Mapping[int, ForeignColumn], values: Mapping[int, FloatArray]
+) -> dict[int, ForeignColumn]:
+    """Measured positions and velocities without a stated unit, whose rates tell it."""
+    times = [(i, column.unit) for i, column in found.items() if column.quantity == "time" and column.unit]
+    if not times:
+        return {}
+    clock, unit = times[0]
+    time, told = values[clock] * to_si(unit), dict[int, ForeignColumn]()
+    pairs: tuple[tuple[Rate, Rate], ...] = ("velocity", "position"), ("position", "velocity")
+    for known, wanted in pairs:
+        of_known = [
+            i for i, c in found.items() if c.quantity == known and c.stated and not c.setpoint and c.unit
+        ]
+        lacking = [i for i, c in found.items() if c.quantity == wanted and not (c.stated or c.setpoint)]
+        for i, j in product(lacking, of_known):
+            if i in told or not values[i].size == values[j].size == time.size:
+                continue
+            place, speed = (i, j) if wanted == "position" else (j, i)
+            read = unit_by_motion(values[place], values[speed], time, known, found[j].unit or "")
+            if read is not None:
+                moves = "it moves at" if wanted == "position" else "it is the rate of"
+                why = f"{moves} what column {found[j].header!r} reads in {found[j].unit}"
+                told[i] = replace(found[i], unit=read, scaled=False, reason=why)
+    return told
 
 
 def described_column(header: str, values: FloatArray) -> ForeignColumn:
@@ -229,6 +268,13 @@ def _without_unit(
             return ForeignColumn(header, "time", unit, setpoint, reason, False)
         fits = f"steps of {step:g} fit no unit" if step else "it does not rise from row to row"
         return ForeignColumn(header, "time", None, setpoint, f"{evidence}; {fits}", False)
+    if quantity in ("position", "velocity") and not written and IN_TURNS.search(header):
+        reason = f"{evidence}; {header!r} is a name of ODrive, which counts turns"
+        if np.all(values % 1 == 0) or np.ptp(values) > _MOST_TURNS:
+            reason = f"{reason}, or counts in early versions"
+            return ForeignColumn(header, quantity, None, setpoint, reason, False, scaled=True)
+        unit = "turn" if quantity == "position" else "turn/s"
+        return ForeignColumn(header, quantity, unit, setpoint, reason, False)
     if quantity == "position" and np.ptp(values) > LONGEST_STROKE:
         reason = f"{evidence}; a stroke of {np.ptp(values):.3g} is too long for metres"
         is_whole = bool(np.all(values % 1 == 0))

@@ -4,9 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symid.data import ForeignColumn
-from symid.data.text_files.column_names import split_header
+from symid.data.text_files.column_names import match, split_header, words_of
+from symid.data.text_files.column_words import ANGLES
 from symid.errors import LogError, SettingError
 from symid.units import Unit, to_si
+
+_AS_LARGE = 2.0
+"""Largest ratio of the strokes of a commanded position and its measured one."""
 
 
 def may_command(column: ForeignColumn) -> bool:
@@ -23,6 +27,28 @@ def in_degrees(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColu
         else c
         for c in columns
     ]
+
+
+def in_doubt_of_angle(column: ForeignColumn, unit: Unit) -> str:
+    """Units in which the column of a sensor in `unit` may be, if that is an angle and nothing tells which of them.
+
+    >>> pos = ForeignColumn("position", "position", None, False, "no unit", False)
+    >>> in_doubt_of_angle(pos, Unit.of("rad")), in_doubt_of_angle(pos, Unit.of("m"))
+    ('rad, deg or turn', '')
+    """
+    known = column.stated or column.unit or column.scaled or column.quantity is None
+    if known or match(words_of(split_header(column.header)[0]), ANGLES):
+        return ""
+    return {Unit.of("rad"): "rad, deg or turn", Unit.of("rad/s"): "rad/s, deg/s, rpm or turn/s"}.get(unit, "")
+
+
+def like_position(column: ForeignColumn, position: ForeignColumn) -> ForeignColumn:
+    """The column of a commanded position without a stated unit, in that of a measured one of about its extent."""
+    sizes = [abs(c.extent[1] - c.extent[0]) for c in (column, position)]
+    if position.unit in (None, column.unit) or not min(sizes) > max(sizes) / _AS_LARGE:
+        return column
+    why = "no unit, that of the position is taken, which moves as far"
+    return replace(column, unit=position.unit, scaled=False, reason=why)
 
 
 def column_called(

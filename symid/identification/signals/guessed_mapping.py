@@ -11,15 +11,16 @@ from symid.data.text_files.foreign import LONGEST_STROKE, quantity_named, with_u
 from symid.identification.signals.fitting_columns import (
     column_called,
     in_degrees,
+    in_doubt_of_angle,
     is_unit_of_drive,
+    like_position,
     may_command,
 )
 from symid.identification.signals.mapping import LogMapping, require_known
 from symid.units import Unit, to_si
 
 _MOST_LISTED = 12  # columns in a message
-_MOTION = "position", "velocity", "acceleration"
-"""Quantities that a name without a unit suggests, and an answer refutes."""
+_MOTION = "position", "velocity", "acceleration"  # that a name without a unit suggests, and an answer refutes
 
 
 def guessed_mapping(
@@ -106,6 +107,7 @@ class _Guess:
         self.gains: dict[str, float] = {}
         self.period: float | None = None
         self.count: str | None = None  # unit of a position in counts
+        self.position: ForeignColumn | None = None  # the column of the first position
         self.guesses: list[str] = []
         self.missing: list[str] = []
 
@@ -114,8 +116,8 @@ class _Guess:
         column = self.named.get(signal, next(iter(candidates), None))
         return with_unit(column, self.given[signal]) if column and signal in self.given else column
 
-    def take(self, signal: str, column: ForeignColumn, unit: str | None = None) -> None:
-        """Decide that a column is a signal."""
+    def take(self, signal: str, column: ForeignColumn, unit: str | None = None, of_angle: str = "") -> None:
+        """Decide that a column is a signal; `of_angle` are the units that it may have if it is one."""
         self.free = [other for other in self.free if other.header != column.header]
         self.names[signal] = column.header
         written = unit or column.unit
@@ -127,7 +129,8 @@ class _Guess:
             moves = column.quantity == "position"
             such = "mm, '5000 counts/mm' or '4096 counts/rev'" if moves else "the size of one, '0.2 um/s'"
             self.missing.append(
-                f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as {such}"
+                f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as "
+                f"{of_angle or such}"
             )
         if column.doubt:
             self.guesses.append(f"{signal} is column {column.header!r}, whose values {column.doubt}")
@@ -190,6 +193,8 @@ class _Guess:
                 )
                 return
             column = replace(column, unit=self.count, reason="its counts are taken for those of the position")
+        elif self.position and not column.stated and REFERENCE not in (*self.named, *self.given):
+            column = like_position(column, self.position)
         self.take(REFERENCE, column)
 
     def called(self, signal: str) -> list[ForeignColumn]:
@@ -212,7 +217,11 @@ class _Guess:
             if signal in self.named and column.quantity is None and long:
                 why = f"{column.extent[0]:.4g} to {column.extent[1]:.4g} are too far apart for SI"
                 column = replace(column, quantity="position", scaled=True, reason=why)
-            self.take(signal, column, None if column.unit or column.scaled else str(unit))
+            units = "" if signal in (column.header, *self.given) else in_doubt_of_angle(column, unit)
+            if units:
+                column = replace(column, scaled=True, reason=f"it may be in {units}")
+            self.position = self.position or (column if quantity == "position" else None)
+            self.take(signal, column, None if column.unit or column.scaled else str(unit), units)
             self.name_others(signal, column, found, alike)
         elif needed:
             self.missing.append(
