@@ -203,3 +203,15 @@ def test_scopes_without_values_are_one_line(cut: int, tmp_path: Path) -> None:
     with pytest.raises(LogError, match=r"x\.csv: ") as caught:
         read_log(path, expected=EXPECTED, columns=NAMES)
     assert "\n" not in str(caught.value)
+
+
+def test_names_above_units_are_no_properties_of_a_scope(folder: Path) -> None:
+    rows = "\n".join(
+        f"{i};{t:.3f};{1e3 * q:.6f};{f:.4f}" for i, (t, q, f) in enumerate(zip(T, Q, F, strict=True))
+    )
+    path = folder / "x.csv"
+    path.write_text(f"Name;Time;Position;Force\nUnit;s;mm;N\n{rows}\n", encoding="utf-8")
+    assert run("import", "x.csv", "--axis", "rigid_1m", "-o", "m.json") == 0
+    assert run("identify", "rigid_1m", "x.csv", "--mapping", "m.json", "--json", "f.json") == 0
+    found = json.loads(Path("f.json").read_text(encoding="utf-8"))["physical"]
+    assert found["M"]["value"] == pytest.approx(12.0, rel=0.02)

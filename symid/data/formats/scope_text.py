@@ -23,10 +23,11 @@ Writer = Literal["twincat", "dspace"]
 
 _BEGINNING: Final = 800_000
 _SEPARATORS: Final = ("\t", ";", ",")
-_TWINCAT: Final = ("Name", "SymbolComment", "Data-Type", "SampleTime[ms]", "SymbolName", "NetID", "Unit")
-"""Properties of channels."""
+_OF_CHANNELS: Final = ("SymbolComment", "Data-Type", "SampleTime[ms]", "SymbolName", "NetID")
+"""Properties of channels that no other program writes."""
+_TWINCAT: Final = ("Name", *_OF_CHANNELS, "Unit")
 _OF_EXPORT: Final = ("Starttime of export", "StartRecord")
-"""Properties of a file; with ``Name``, one of them or two of channels begin lines of such a file."""
+"""Properties of a file; with ``Name``, one of them or of the channels begins a line of such a file."""
 _STAMP, _ROUNDED = 1e-7, 32.0
 """Seconds in a full time stamp, and stamps by which one may be off as a number of 64 bit, which keeps 16 of them."""
 _VALUES: Final = "trace_values"
@@ -50,7 +51,7 @@ def writer_of(path: Path) -> tuple[Writer, str] | None:
         first = [key[0].strip() for key in keys if key]
         if _VALUES in first:
             return "dspace", separator
-        known = sum(name in first for name in _TWINCAT) > 1 or any(name in first for name in _OF_EXPORT)
+        known = any(name in first for name in (*_OF_CHANNELS, *_OF_EXPORT))
         if "Name" in first and known:
             return "twincat", separator
     return None
