@@ -129,7 +129,7 @@ def _by_motion(
             place, speed = (i, j) if wanted == "position" else (j, i)
             read = unit_by_motion(values[place], values[speed], time, known, found[j].unit or "")
             if read is not None:
-                moves = "it moves at" if wanted == "position" else "it is the rate of"
+                moves = "its rate is" if wanted == "position" else "it is the rate of"
                 why = f"{moves} what column {found[j].header!r} reads in {found[j].unit}"
                 told[i] = replace(found[i], unit=read, scaled=False, reason=why)
     return told

@@ -67,10 +67,8 @@ def driven_backwards(fit: Fit) -> str:
     power = float(units @ list(fit.parameters.values()))
     covariance = fit.blocks.covariance[: units.size, : units.size]
     deviation = float(np.sqrt(units @ covariance @ units))
-    inside, driven = (
-        record.in_log,
-        prediction.along(prediction.response.plant.drive),
-    )  # so that F v is a power
+    inside = record.in_log
+    driven = prediction.along(prediction.response.plant.drive)  # so that F v is a power
     supplied = (record.fine(record.measured[0]) * driven.v)[inside]
     least = max(_SURELY * deviation, _OF_POWER * float(np.mean(np.abs(supplied))))
     # a model that lacks much may seem to supply energy: then the drive does not absorb it
