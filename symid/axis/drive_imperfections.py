@@ -162,6 +162,15 @@ class ForceConstantRipple(DriveImperfection):
     shown: ClassVar = "f = F - F ({sine:.4g} sin(2 pi q/{pitch:.4g}) + {cosine:.4g} cos(2 pi q/{pitch:.4g}))"
 
 
+def ripples(drive: Iterable[DriveImperfection]) -> tuple[ForceConstantRipple, ...]:
+    """Ripples among the imperfections of a drive, which act in its joint.
+
+    >>> ripples([ActuatorLag(1e-3)])
+    ()
+    """
+    return tuple(item for item in drive if isinstance(item, ForceConstantRipple))
+
+
 def in_order(drive: Iterable[DriveImperfection]) -> tuple[DriveImperfection, ...]:
     """Imperfections of a drive in the order in which a force passes them: gain, limit, lag, delay; without ripples.
 

@@ -11,14 +11,13 @@ from symid.axis import (
     CoulombFriction,
     Drive,
     DriveImperfection,
-    ForceConstantRipple,
     Imperfection,
     Joint,
     JointImperfection,
     PayloadChange,
     PreslidingFriction,
 )
-from symid.axis.drive_imperfections import in_order
+from symid.axis.drive_imperfections import in_order, ripples
 from symid.axis.elements import joint_label
 from symid.symbolic.expressions import (
     FORCE,
@@ -121,12 +120,7 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
     load = sp.Add(*(sp.Abs(acting(d)) for d in axis.drives)) if several else acting(axis.only_drive)
     drives = tuple(map(path, axis.drives))
     joints = [force(e) for e in axis.elements if isinstance(e, JointImperfection)]
-    joints += [
-        ripple(drive, e)
-        for drive in axis.drives
-        for e in axis.imperfections_of(drive)
-        if isinstance(e, ForceConstantRipple)
-    ]
+    joints += [ripple(drive, e) for drive in axis.drives for e in ripples(axis.imperfections_of(drive))]
     changes = tuple(e for e in axis.elements if isinstance(e, PayloadChange))
     is_timed = bool(changes) or any(NOW in joint.law.free_symbols for joint in joints)
     return Imperfect(

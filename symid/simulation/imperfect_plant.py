@@ -20,6 +20,7 @@ from symid.axis import (
     PayloadChange,
     PreslidingFriction,
 )
+from symid.axis.drive_imperfections import ripples
 from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.law_code import array_function, law_code
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
@@ -59,9 +60,9 @@ def stages(axis: Axis, parameters: Mapping[str, float]) -> tuple[list[PlantStage
             else:
                 added.append((direction, _law(element)))
     for i, drive in enumerate(axis.drives):
-        ripples = [e for e in axis.imperfections_of(drive) if isinstance(e, ForceConstantRipple)]
         scale = values[drive.constant] if drive.constant else 1.0
-        added += [(direction_of(drive.at, plant.bodies), _ripple(e, i, scale)) for e in ripples]
+        direction = direction_of(drive.at, plant.bodies)
+        added += [(direction, _ripple(e, i, scale)) for e in ripples(axis.imperfections_of(drive))]
     found = [PlantStage(0.0, _with_laws(plant, added))]
     changes = (element for element in axis.elements if isinstance(element, PayloadChange))
     for change in sorted(changes, key=lambda change: change.time):

@@ -47,14 +47,13 @@ def _timed_closely(state: State, weighting: Weighting, at: int) -> State:
 
     The error has a valley of some milliseconds at such a moment and does not show the way to it from outside.
     """
-    item = state.placed[at]
+    item, fit = state.placed[at], Fit(state, weighting)
     for reach, enough in ((NEAR, THRESHOLDS.explained), (ANYWHERE, THRESHOLDS.clear_gap)):
         shapes = list(item.effect.close_shapes(state.prediction, item, reach))
-        left = Fit(state, weighting).mean_square if shapes else 0.0
-        if left < enough:
+        if not shapes or fit.mean_square < enough:
             break
         other = _enclosed(_best(state, weighting, at, shapes), weighting, at)
-        if Fit(other, weighting).mean_square < THRESHOLDS.far_less * left:
+        if Fit(other, weighting).mean_square < THRESHOLDS.far_less * fit.mean_square:
             return other
     return state
 

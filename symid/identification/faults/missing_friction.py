@@ -9,7 +9,7 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.delays.timing import Timing
 from symid.identification.deviations.motion_shapes import decaying, has_speeds, speeds_of
 from symid.identification.faults.added_column import AddedColumn
-from symid.identification.faults.nonlinearity import ColumnTests, of_all
+from symid.identification.faults.nonlinearity import ColumnTests
 from symid.identification.results.identification_result import Identification
 from symid.identification.results.reliability import is_beyond_intervals
 from symid.identification.rows.coulomb import direction
@@ -77,7 +77,7 @@ def _beside(
 
     It counts if it is certain and moves parameters beyond their intervals.
     """
-    Z, rest, y = of_all(tests.rows)
+    Z, rest, y = tests.all_rows
     made = tests.made_by(tests.model.force, shapes)
     column = AddedColumn.of(Z, rest, made, y)
     along = Z.T @ made

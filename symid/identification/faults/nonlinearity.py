@@ -9,6 +9,7 @@ its second derivative.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -46,6 +47,11 @@ class ColumnTests:
     fit: LeastSquares
     rows: Sequence[WhitenedRows]  # all rows of the estimate, with white residuals
     inflation: float  # rows for each one that is independent of the others
+
+    @cached_property
+    def all_rows(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Columns, residual and prediction of all equations and parts."""
+        return _joined(self.rows)
 
     def force_nonlinearity(self) -> str:
         """Statement on a force that is compressed where it is large; empty for a linear one."""
@@ -85,7 +91,7 @@ class ColumnTests:
         The columns are the size of the recorded force, and that force with the sign of a friction law; beside a
         constant force, which is an offset and no gain.
         """
-        Z, rest, y = of_all(self.rows)
+        Z, rest, y = self.all_rows
         ones = np.eye(len(self.model.output_names))
         Z = np.concatenate(
             [Z, np.concatenate([np.tile(ones[r.equation], (r.residual.size, 1)) for r in self.rows])], axis=1
@@ -126,7 +132,7 @@ class ColumnTests:
         The cube of the recorded force models the loss by a soft limit. Its sign in the uppermost part of its range
         models the loss by clipping.
         """
-        Z, rest, y = of_all(self.rows)
+        Z, rest, y = self.all_rows
         for force in self.model.forces:
             largest = max(float(np.max(np.abs(part.log[force]))) for part in self.parts) or 1.0
             relative = [part.log[force] / largest for part in self.parts]
@@ -172,7 +178,7 @@ class ColumnTests:
 
         Equations tie signals together: a mass multiplies the second derivative of a scale as it does an acceleration.
         """
-        Z, rest, y = of_all(self.rows)
+        Z, rest, y = self.all_rows
         for name in shiftable(self.model):
             if name in self.model.forces:
                 continue
@@ -242,8 +248,8 @@ class ColumnTests:
         return np.asarray(weight * (y[j] - W[j] @ self.fit.solution)[part.observation.valid[j]])
 
 
-def of_all(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Columns, residual and prediction of all equations and parts."""
+def _joined(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Columns, residual and prediction of rows of several equations and parts."""
     Z, rest, y = (
         np.concatenate([getattr(r, name) for r in every]) for name in ("Z", "residual", "prediction")
     )
@@ -255,4 +261,4 @@ def _of_equation(
 ) -> tuple[list[WhitenedRows], FloatArray, FloatArray, FloatArray]:
     """Rows of an equation by part, and of all parts together columns, residual and prediction."""
     rows = [r for r in every if r.equation == equation]
-    return rows, *of_all(rows)
+    return rows, *_joined(rows)
