@@ -16,6 +16,7 @@ from symid.data.text_files.column_names import split_header
 from symid.data.text_files.foreign import with_unit
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping
+from symid.identification.signals.fitting_columns import for_sensor
 from symid.units import Unit, to_si
 
 _OF_A_DRIVE = ("force", "current", "percent")
@@ -103,6 +104,8 @@ def _with_signal(
             return known
         known = replace(known, named={**known.named, signal: column.header})
     column = _column_of(known.named[signal], columns)
+    if column is not None and quantity != "force" and signal not in known.units:
+        column = for_sensor(column, signal, unit)
     if column is None or column.stated or signal in known.units:
         return known
     answer = click.prompt(

@@ -119,8 +119,12 @@ def test_columns_called_as_signals_and_an_angle_without_a_unit(
     assert run("import", "lab.csv", "--axis", "motor.py", "-o", "m.json", "--no-ask") == 0
     mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
     assert mapping["columns"] == {"t": "t", "q": "y", "u": "u"}
+    assert "it may be in rad, deg or turn" in mapping["missing"][0]  # 280 deg, or 280 rad of a motor
+    assert sum("name is that of the signal" in guess for guess in mapping["guesses"]) == 1
+    capsys.readouterr()
+    run("import", "lab.csv", "--axis", "motor.py", "-o", "m.json", "--no-ask", "--unit", "q=deg")
+    mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
     assert (mapping["units"]["q"], mapping["missing"]) == ("deg", [])
-    assert sum("deg" in guess or "name is that of the signal" in guess for guess in mapping["guesses"]) == 2
     capsys.readouterr()
     run("identify", "motor.py", "lab.csv", "lab.csv", "--mapping", "m.json")
     assert capsys.readouterr().err.count("m.json guesses: ") == 1  # of two logs

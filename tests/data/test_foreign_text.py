@@ -11,6 +11,7 @@ import pytest
 
 from symid.data import foreign_columns, open_table
 from symid.data.formats import layout_found
+from symid.data.text_files.foreign import described_column
 from symid.data.text_files.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
@@ -70,6 +71,22 @@ def test_a_remark_in_the_first_row_does_not_make_it_a_line_of_names(tmp_path: Pa
     assert list(columns_of(path).values()) == MEANT
     (q,) = open_table(path, layout_found(path)).read([1])
     np.testing.assert_allclose(q, Q, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("header", "quantity", "setpoint", "scaled"),
+    [
+        ("s noml X [mm]", "position", True, False),
+        ("actual_qd_0", "velocity", False, False),
+        ("AIPos.A1", "position", False, False),
+        ("MACur.A1", "current", False, False),
+        ("Actual Velocity (0.1 counts/s)", "velocity", False, True),
+        ("Position [units]", "position", False, True),
+    ],
+)
+def test_names_of_controls_and_robots(header: str, quantity: str, setpoint: bool, scaled: bool) -> None:
+    column = described_column(header, np.sin(np.arange(50.0)))
+    assert (column.quantity, column.setpoint, column.scaled) == (quantity, setpoint, scaled)
 
 
 def test_names_without_a_latin_letter_tell_the_quantity(tmp_path: Path) -> None:

@@ -1,11 +1,12 @@
 """Positions of drives that count turns are read as such, or asked for, never taken for rad."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from symid import Axis, Body, Drive, Position, ViscousFriction
+from symid import Axis, Body, Drive, Position, ViscousFriction, load_axis
 from symid.data.formats.registry import READERS
 from symid.data.text_files.foreign import foreign_columns
 from symid.identification.signals.guessed_mapping import guessed_mapping
@@ -28,3 +29,22 @@ def test_turns_are_read_or_asked_for(tmp_path: Path, position: str, speed: str, 
     mapping = guessed_mapping(AXIS, foreign_columns(READERS[".csv"](file, None)))
     assert mapping.units.get("angle") == unit
     assert any("rad, deg or turn" in line for line in mapping.missing) == (unit is None)
+
+
+def test_turns_of_a_slide_and_long_angles_are_asked_for(tmp_path: Path) -> None:
+    t = np.arange(2000) / 1000
+    file = tmp_path / "a.csv"
+    columns = t, 30 * np.sin(9 * t), np.cos(9 * t), np.cos(9 * t)
+    head = "t [s],axis0_pos_estimate,theta,torque [N*m]"
+    np.savetxt(file, np.column_stack(columns), delimiter=",", header=head, comments="")
+    found = foreign_columns(READERS[".csv"](file, None))
+    slide = guessed_mapping(load_axis("rigid_1m"), found, named={"q": "axis0_pos_estimate"}, gain=1.0)
+    assert any("turn, does not convert to m" in line for line in slide.missing)
+    slide = guessed_mapping(
+        load_axis("rigid_1m"), found, named={"q": "axis0_pos_estimate"}, units={"q": "5 mm"}
+    )
+    assert slide.units["q"] == "5 mm"
+    assert not any("has no unit" in line for line in slide.missing)
+    long = [replace(c, extent=(-30.0, 30.0), unit="mm") if c.header == "theta" else c for c in found]
+    for columns, known in ((found, "rad"), (long, None)):
+        assert guessed_mapping(AXIS, columns, named={"angle": "theta"}).units.get("angle") == known

@@ -99,7 +99,7 @@ def _measures(written: str, quantity: Quantity) -> bool:
 
 def words_of(name: str) -> list[str]:
     """Words of a name, without numbers at their ends."""
-    words = re.split(r"[\W_]+|(?<=[a-z])(?=[A-Z])", name)
+    words = re.split(r"[\W_]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]{2})", name)
     return [word if len(bare := word.rstrip("0123456789")) < 2 else bare for word in words if word]
 
 

@@ -28,10 +28,10 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
         r"t|ts|time|(?:time)?stamps?|zeit\w*|temps|tempo|tiempo|время|\w*[时時][间間]|sec(?:onds?)?|elapsed|uptime|"
         r"ms(?:ec)?|milli(?:s|seconds?)|us(?:ec)?|micro(?:s|seconds?)|ns(?:ec)?|nano(?:s|seconds?)",
     ),
-    ("acceleration", r"acc\w*|ddot|acel\w*|(?:ist|soll)?beschl\w*|ddq\w*|ускорение|\w*加速度"),
+    ("acceleration", r"acc\w*|ddot|acel\w*|(?:ist|soll)?beschl\w*|ddq\w*|qdd|ускорение|\w*加速度"),
     (
         "velocity",
-        r"vel\w*|speed|dot|omega|dtheta|(?:ist|soll)?(?:geschw|drehzahl)\w*|vitesse|скорость|\w*(?:速度|转速)|v",
+        r"vel\w*|speed|dot|omega|dtheta|dq|qd|(?:ist|soll)?(?:geschw|drehzahl)\w*|vitesse|скорость|\w*(?:速度|转速)|v",
     ),
     (
         "force",
@@ -53,7 +53,7 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
 CLOCKS_NAMED: Final = {"ms": r"ms(?:ec)?|milli\w*", "us": r"us(?:ec)?|micro\w*", "ns": r"ns(?:ec)?|nano\w*"}
 """Units of a time that a word of its name states."""
 SETPOINT: Final = (
-    r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg|consigne|"
+    r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nom(?:l|inal)?|desired|demand\w*|goal|qg|consigne|"
     r"consigna|задан\w*|\w*(?:指令|目标|目標|给定)\w*"
 )
 """Words of what is commanded and not measured."""
@@ -64,7 +64,7 @@ DIFFERENCE: Final = (
 """Words of what is commanded less what is measured."""
 COUNTS: Final = (
     r"inc|incr\w*|increments?|inkr\w*|counts?(?:\d+bit)?|q?cts|cnts?|qc|impuls\w*|pulses?|lsbs?|digits?|"
-    r"ticks?|steps?|bits?"
+    r"ticks?|steps?|bits?|units"
 )
 """Units of unknown length."""
 IN_TURNS: Final = re.compile(r"(?:^|[\W_])(?:(?:pos|vel)_(?:estimate|setpoint)|input_(?:pos|vel))$")

@@ -163,7 +163,11 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
     if quantity is not None and quantity != "percent":
         return ForeignColumn(header, quantity, unit, setpoint, f"its unit is written, {written}", True)
     is_even = not setpoint and rises_evenly(values)
-    if written and match([written.partition("/")[0]], COUNTS) and not match(words, NUMBERS):
+    if (
+        written
+        and match([written.partition("/")[0].lstrip("0123456789., ")], COUNTS)
+        and not match(words, NUMBERS)
+    ):
         counted = by_words or "position"
         why = f"its unit is {written}, of unknown {'length' if counted == 'position' else 'size'}"
         return ForeignColumn(header, counted, None, setpoint, why, False, scaled=True)

@@ -19,7 +19,7 @@ _DAY: Final = "|".join(
     )
 )
 _OF_DAY: Final = (
-    r"(?:(?P<hours>\d\d?):)?(?P<minutes>[0-5]?\d):(?P<seconds>[0-5]\d(?:[.,]\d{1,9}|:\d{3}(?:\d{3})?)?)"
+    r"(?:(?P<hours>\d\d?):)?(?P<minutes>[0-5]?\d):(?P<seconds>[0-5]\d(?:[.,]\d{1,9}|[:;]\d{3}(?:\d{3})?)?)"
     r"|(?P<compact>\d{6}(?:[.,]\d{1,9})?)"
 )
 _STAMP: Final = (
@@ -83,7 +83,7 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
     [0.0, 0.75]
     >>> seconds_of_stamps(["23:59:59", "00:00:01"]).tolist(), seconds_of_stamps(["59:59.5", "00:00.5"]).tolist()
     ([0.0, 2.0], [0.0, 1.0])
-    >>> seconds_of_stamps(["11/21/26 11:59:59 AM", "11/21/26 12:00:01 PM"]).tolist()
+    >>> seconds_of_stamps(["11/21/26 11:59:59;500 AM", "11/21/26 12:00:01;500 PM"]).tolist()
     [0.0, 2.0]
     >>> seconds_of_stamps(["T#59s750ms", "TIME#1m0.25s"]).tolist()
     [0.0, 0.5]
@@ -157,5 +157,5 @@ def _seconds_within(parts: pl.DataFrame) -> tuple[FloatArray, float]:
 
 
 def _number(texts: pl.Series) -> FloatArray:
-    """Numbers of seconds and the like, with a point, a comma or a colon before the decimals; nan for none."""
-    return texts.str.replace("[,:]", ".").cast(pl.Float64, strict=False).fill_null(float("nan")).to_numpy()
+    """Numbers of seconds and the like, with a point, comma, colon or semicolon before the decimals; nan for none."""
+    return texts.str.replace("[,:;]", ".").cast(pl.Float64, strict=False).fill_null(float("nan")).to_numpy()

@@ -18,28 +18,51 @@ def may_command(column: ForeignColumn) -> bool:
     return not column.constant and (column.quantity == "voltage" or (column.setpoint and not column.quantity))
 
 
-def in_degrees(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColumn]:
-    """Columns of a sensor in `unit`: where a length was guessed and it is an angle, in degrees."""
-    why = "no unit, degrees are assumed: in rad it would be many turns"
-    return [
-        replace(c, unit="deg", reason=why)
-        if unit == Unit.of("rad") and c.unit == "mm" and not c.stated
-        else c
-        for c in columns
-    ]
+_POSSIBLE = {Unit.of("rad"): "rad, deg or turn", Unit.of("rad/s"): "rad/s, deg/s, rpm or turn/s"}
+"""Units in which the column of an angle may be where none is the usual one."""
+UNITS_TO_GIVE = {
+    Unit.of("rad"): "deg or '4096 counts/rev'",
+    Unit.of("rad/s"): "rpm or '0.1 deg/s'",
+    Unit.of("m"): "mm, '5000 counts/mm' or, where one is that, '5 mm'",
+}
+"""Examples of units by that of a sensor."""
 
 
-def in_doubt_of_angle(column: ForeignColumn, unit: Unit) -> str:
-    """Units in which the column of a sensor in `unit` may be, if that is an angle and nothing tells which of them.
+def for_sensor(column: ForeignColumn, signal: str, unit: Unit) -> ForeignColumn:
+    """The column of a sensor in `unit`; of unknown unit, with the reason, if nothing tells one that it may have.
 
-    >>> pos = ForeignColumn("position", "position", None, False, "no unit", False)
-    >>> in_doubt_of_angle(pos, Unit.of("rad")), in_doubt_of_angle(pos, Unit.of("m"))
-    ('rad, deg or turn', '')
+    >>> pos = ForeignColumn("theta", "position", None, False, "no unit", False)
+    >>> long, named = replace(pos, unit="mm"), replace(pos, header="position")
+    >>> [for_sensor(c, "q", Unit.of("rad")).reason for c in (pos, long, named)]
+    ['no unit', 'it may be in rad, deg or turn', 'it may be in rad, deg or turn']
+    >>> for_sensor(replace(pos, unit="turn"), "q", Unit.of("m")).reason
+    "as that of column 'theta', turn, does not convert to m"
     """
-    known = column.stated or column.unit or column.scaled or column.quantity is None
-    if known or match(words_of(split_header(column.header)[0]), ANGLES):
-        return ""
-    return {Unit.of("rad"): "rad, deg or turn", Unit.of("rad/s"): "rad/s, deg/s, rpm or turn/s"}.get(unit, "")
+    name, _ = split_header(column.header)
+    guessed = None if column.stated else column.unit
+    is_long = guessed == "mm"  # it was guessed for its stroke
+    possible = "" if column.scaled or (guessed and not is_long) or column.stated else _POSSIBLE.get(unit, "")
+    if signal == column.header and is_long and possible:
+        return replace(column, unit=None, reason="its name is that of the signal; no unit, so SI is assumed")
+    if (
+        possible
+        and column.quantity
+        and signal != column.header
+        and (is_long or not match(words_of(name), ANGLES))
+    ):
+        return replace(column, unit=None, scaled=True, reason=f"it may be in {possible}")
+    if not is_unit_of(column.unit, unit):
+        why = f"as that of column {column.header!r}, {column.unit}, does not convert to {unit}"
+        return replace(column, unit=None, scaled=True, reason=why)
+    return column
+
+
+def is_unit_of(written: str | None, unit: Unit) -> bool:
+    """Whether a written unit converts to another one; without one, it is taken to."""
+    try:
+        return written is None or to_si(written, unit) > 0
+    except LogError:
+        return False
 
 
 def like_position(column: ForeignColumn, position: ForeignColumn) -> ForeignColumn:
@@ -65,11 +88,3 @@ def column_called(
     raise SettingError(
         f"there is no column of numbers {name!r} for {signal}: choose from {', '.join(c.header for c in columns)}"
     )
-
-
-def is_unit_of_drive(written: str | None, unit: Unit) -> bool:
-    """Whether a written unit is one of the drive's force; without one, it is taken to be."""
-    try:
-        return written is None or to_si(written, unit) > 0
-    except LogError:
-        return False

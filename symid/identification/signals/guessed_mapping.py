@@ -9,10 +9,10 @@ from symid.axis import Axis, Drive, Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.text_files.foreign import LONGEST_STROKE, quantity_named, with_unit
 from symid.identification.signals.fitting_columns import (
+    UNITS_TO_GIVE,
     column_called,
-    in_degrees,
-    in_doubt_of_angle,
-    is_unit_of_drive,
+    for_sensor,
+    is_unit_of,
     like_position,
     may_command,
 )
@@ -116,8 +116,8 @@ class _Guess:
         column = self.named.get(signal, next(iter(candidates), None))
         return with_unit(column, self.given[signal]) if column and signal in self.given else column
 
-    def take(self, signal: str, column: ForeignColumn, unit: str | None = None, of_angle: str = "") -> None:
-        """Decide that a column is a signal; `of_angle` are the units that it may have if it is one."""
+    def take(self, signal: str, column: ForeignColumn, unit: str | None = None, such: str = "mm") -> None:
+        """Decide that a column is a signal; `such` are examples of its units."""
         self.free = [other for other in self.free if other.header != column.header]
         self.names[signal] = column.header
         written = unit or column.unit
@@ -126,11 +126,8 @@ class _Guess:
             if column.scaled and column.quantity == "position" and self.count is None:
                 self.count = written
         elif column.scaled and signal not in self.given:
-            moves = column.quantity == "position"
-            such = "mm, '5000 counts/mm' or '4096 counts/rev'" if moves else "the size of one, '0.2 um/s'"
             self.missing.append(
-                f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as "
-                f"{of_angle or such}"
+                f"{signal} has no unit, {column.reason}: give it with `units` {signal}=UNIT, such as {such}"
             )
         if column.doubt:
             self.guesses.append(f"{signal} is column {column.header!r}, whose values {column.doubt}")
@@ -142,7 +139,7 @@ class _Guess:
     def clock(self, sampling_period: float | None) -> None:
         """The column of the time, or the period of a file that has none."""
         times = [c for c in self.free if c.quantity == "time"]
-        time = self.chosen("t", sorted(times, key=lambda c: c.unit is None))
+        time = self.chosen("t", sorted(times, key=lambda c: (c.unit is None, c.coarse)))
         if time and time.unit and not time.coarse:
             self.take("t", time)
         elif sampling_period is not None:
@@ -211,17 +208,16 @@ class _Guess:
         signal, quantity = sensor.signal, sensor.quantity
         found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
         found.sort(key=lambda c: (c.constant, not c.header.startswith(signal)))
-        column = self.chosen(signal, in_degrees(found, unit) or self.called(signal))
+        column = self.chosen(signal, found or self.called(signal))
         if column is not None:
             long = unit == Unit.of("m") and column.extent[1] - column.extent[0] > LONGEST_STROKE
             if signal in self.named and column.quantity is None and long:
                 why = f"{column.extent[0]:.4g} to {column.extent[1]:.4g} are too far apart for SI"
                 column = replace(column, quantity="position", scaled=True, reason=why)
-            units = "" if signal in (column.header, *self.given) else in_doubt_of_angle(column, unit)
-            if units:
-                column = replace(column, scaled=True, reason=f"it may be in {units}")
+            column = for_sensor(column, signal, unit)
             self.position = self.position or (column if quantity == "position" else None)
-            self.take(signal, column, None if column.unit or column.scaled else str(unit), units)
+            such = UNITS_TO_GIVE.get(unit, f"'0.1 {unit}'")
+            self.take(signal, column, None if column.unit or column.scaled else str(unit), such)
             self.name_others(signal, column, found, alike)
         elif needed:
             self.missing.append(
@@ -280,7 +276,7 @@ class _Guess:
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
         # v may be volts
         misnamed = signal in self.named and column.quantity in (*_MOTION, "command") and not column.unit
-        in_unit = not column.scaled and is_unit_of_drive(column.unit, unit)
+        in_unit = not column.scaled and is_unit_of(column.unit, unit)
         if (misnamed or column.quantity in (own, None)) and in_unit:
             self.take(signal, column, column.unit or str(unit))
             if gain is not None:
