@@ -181,6 +181,7 @@ def prediction_of(
         moved, observed, pushes = integrated_motion(
             record, plant, acting, integrated, change=mass_change, follows=follows, changes=of_drive
         )
+        observed = as_measured(record, response, observed)
         of_integrated = np.zeros_like(of_effects)
         for push, (direction, _) in zip(pushes, integrated, strict=True):
             add_outer(of_integrated, push, -direction)

@@ -80,10 +80,23 @@ def _together(
 
     Where two effects are as large, hardly a block of the log shows one of them alone.
     """
-    if not (first.confirmed and is_clear(fit) and first.best.certainty > THRESHOLDS.least_tentative):
-        return (first,)
-    steps = _continued(fit, replace(first, beside_others=True), library, nominal)
+    begun = _tentative(first)
+    steps = _continued(fit, begun, library, nominal) if begun.accepts else (begun,)
     return steps if len(steps) > 1 and _leaves_noise(steps, fit) else (first,)
+
+
+def _tentative(step: SelectionStep) -> SelectionStep:
+    """The step with an uncertain best candidate accepted for now, where a clear gap is left before it."""
+    uncertain = step.confirmed and step.best.certainty > THRESHOLDS.least_tentative
+    return replace(step, beside_others=True) if uncertain and is_clear(step.before) else step
+
+
+def _without_tentative(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
+    """Steps up to an uncertain effect after the first, unless with those found beside it hardly anything is left."""
+    at = next((i for i, step in enumerate(steps) if i and step.beside_others), len(steps))
+    if at < len(steps) and not steps[-1].best.fit.mean_square < THRESHOLDS.hardly * steps[at].before.mean_square:
+        return tuple(steps[:at])
+    return tuple(steps)
 
 
 def _leaves_noise(steps: Sequence[SelectionStep], before: Fit) -> bool:
@@ -131,11 +144,13 @@ def _continued(
         resumes = has_predicted_joint(current) and current.mean_square > THRESHOLDS.resumed
         if nominal and resumes and not _is_settled(last, fit):
             placed = with_effects(nominal.state, nominal.weighting, current.state.placed)
-            last = _resumed(last, current, library, replace(nominal, state=placed))
+            resumed = _resumed(last, current, library, replace(nominal, state=placed))
+            last = resumed if resumed.justifies_another(fit) or not last.justifies_another(fit) else last
+        last = last if last.accepts else _tentative(last)
         if not last.justifies_another(fit):
             break
         steps.append(last)
-    return tuple(steps)
+    return _without_tentative(steps)
 
 
 def _is_settled(step: SelectionStep, first: Fit) -> bool:
