@@ -9,17 +9,20 @@ from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start
-from symid.diagnosis.fitting.state import evaluated, with_effects
+from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, converged_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.evidence import probabilities
 from symid.diagnosis.selection.late_forces import in_band_of_forces, other_predicts_better
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.stages import (
     best_first,
+    elsewhere,
     from_nominal,
     has_predicted_joint,
     integrated,
     least_left,
+    refinements,
+    simpler_effects,
     stages,
 )
 from symid.diagnosis.selection.step import (
@@ -94,7 +97,10 @@ def _tentative(step: SelectionStep) -> SelectionStep:
 def _without_tentative(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
     """Steps up to an uncertain effect after the first, unless with those found beside it hardly anything is left."""
     at = next((i for i, step in enumerate(steps) if i and step.beside_others), len(steps))
-    if at < len(steps) and not steps[-1].best.fit.mean_square < THRESHOLDS.hardly * steps[at].before.mean_square:
+    if (
+        at < len(steps)
+        and not steps[-1].best.fit.mean_square < THRESHOLDS.hardly * steps[at].before.mean_square
+    ):
         return tuple(steps[:at])
     return tuple(steps)
 
@@ -211,9 +217,9 @@ def _completed(
     # both are fitted and compared.
     late = [c.placed for c in found if _is_other_timing(c.placed.key, tried)]
     tried |= _confirm(fit, [Start.of(fit, placed) for placed in late], confirmed)
-    tried |= _confirm(fit, list(_simpler(fit, found, confirmed)), confirmed)
-    tried |= _confirm(fit, list(_refined(fit, found, confirmed)), confirmed)
-    _confirm(fit, list(_elsewhere(fit, found, confirmed)), confirmed, math.inf)
+    tried |= _confirm(fit, list(simpler_effects(fit, found, confirmed)), confirmed)
+    tried |= _confirm(fit, list(refinements(fit, found, confirmed)), confirmed)
+    _confirm(fit, list(elsewhere(fit, found, confirmed)), confirmed, math.inf)
     _converge(fit, confirmed)
     refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
@@ -264,51 +270,3 @@ def _is_other_timing(key: Key, tried: Mapping[Key, Placed]) -> bool:
     """Whether a candidate is the delay to a lag that was tried, or the reverse."""
     name, at = key
     return key not in tried and name in LATE_FORCES and any((other, at) in tried for other in LATE_FORCES)
-
-
-def _simpler(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
-    """Simpler effects that confirmed ones refine, from the values of these, where their own fits are far worse.
-
-    In hidden motion the refinement may have begun where the simpler effect did not.
-    """
-    for own in confirmed.values():
-        item = own.placed
-        for placed in (c.placed for c in found if item.contains(c.placed.key)):
-            plain = confirmed.get(placed.key)
-            if plain is None or own.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square:
-                amplitudes = item.amplitudes[: len(placed.amplitudes)]
-                simpler = Start.with_values_of(own.fit, fit, replace(placed, amplitudes=amplitudes))
-                yield next(iter(integrated([simpler], fit)), simpler)
-
-
-def _refined(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
-    """Refinements of the best candidate on hidden motion that leaves a clear gap, from its values."""
-    best = next(iter(best_first(confirmed)), None)
-    if best is None or not (best.placed.integrated and is_clear(best.fit)):
-        return
-    begun = Start.with_values_of(best.fit, fit, best.placed)
-    for placed in (c.placed for c in found if c.placed.contains(best.key)):
-        own = confirmed.get(placed.key)
-        if own is None or best.fit.mean_square < THRESHOLDS.far_less * own.fit.mean_square:
-            amplitudes = best.placed.amplitudes + placed.amplitudes[len(best.placed.amplitudes) :]
-            yield replace(begun, placed=replace(placed, amplitudes=amplitudes, integrated=True))
-
-
-def _elsewhere(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
-    """The best effect at other places, where it may explain as much.
-
-    These are places where its fit was given up, and those where it is far from its screening: from the nominal values.
-    """
-    best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
-    if best is None:
-        return
-    most = THRESHOLDS.hopeless * least_left(confirmed)
-    given_up = {
-        key for key, own in confirmed.items() if key[0] == best.key[0] and own.fit.mean_square >= most
-    }
-    yield from (Start.of(fit, c.placed) for c in found if c.placed.key in given_up - {best.key})
-    moved = list(best.effect.elsewhere(fit.state.prediction, best.placed))
-    if moved:
-        nominal = {**fit.parameters, **fit.nominal}
-        state = evaluated(fit.state, fit.weighting, nominal, fit.state.placed)
-        yield from (Start(state, fit.weighting, placed, to_the_end=True) for placed in moved)

@@ -56,7 +56,9 @@ def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> 
         own, before = begun.placed, fitted(begun.state, begun.weighting, _ITERATIONS).after(whole)
         simpler = [member for member in dropped if own.contains(member.placed.key)]
         sought = library if not any(is_part(item, own) for item in before.state.placed) else ()
-        found = _chosen(first, before, whole, begun, step, sought if i == 0 or is_clear(whole) else (), simpler)
+        found = _chosen(
+            first, before, whole, begun, step, sought if i == 0 or is_clear(whole) else (), simpler
+        )
         matters = takes(before, whole, first)
         needed = matters and not before.mean_square < THRESHOLDS.as_good * whole.mean_square
         if found is None and matters and i > 0:

@@ -9,9 +9,10 @@ from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_changes, of_grid, of_rattling
+from symid.diagnosis.fitting.state import evaluated
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
-from symid.diagnosis.selection.step import LATE_READING, Confirmed
+from symid.diagnosis.selection.step import LATE_READING, Confirmed, is_clear
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _INTEGRATED = 2
@@ -165,3 +166,53 @@ def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Cand
         if not any(candidate is c for c in (*others, *kept)):
             kept.append(candidate)
     return kept
+
+
+def simpler_effects(
+    fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]
+) -> Iterator[Start]:
+    """Simpler effects that confirmed ones refine, from the values of these, where their own fits are far worse.
+
+    In hidden motion the refinement may have begun where the simpler effect did not.
+    """
+    for own in confirmed.values():
+        item = own.placed
+        for placed in (c.placed for c in found if item.contains(c.placed.key)):
+            plain = confirmed.get(placed.key)
+            if plain is None or own.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square:
+                amplitudes = item.amplitudes[: len(placed.amplitudes)]
+                simpler = Start.with_values_of(own.fit, fit, replace(placed, amplitudes=amplitudes))
+                yield next(iter(integrated([simpler], fit)), simpler)
+
+
+def refinements(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
+    """Refinements of the best candidate on hidden motion that leaves a clear gap, from its values."""
+    best = next(iter(best_first(confirmed)), None)
+    if best is None or not (best.placed.integrated and is_clear(best.fit)):
+        return
+    begun = Start.with_values_of(best.fit, fit, best.placed)
+    for placed in (c.placed for c in found if c.placed.contains(best.key)):
+        own = confirmed.get(placed.key)
+        if own is None or best.fit.mean_square < THRESHOLDS.far_less * own.fit.mean_square:
+            amplitudes = best.placed.amplitudes + placed.amplitudes[len(best.placed.amplitudes) :]
+            yield replace(begun, placed=replace(placed, amplitudes=amplitudes, integrated=True))
+
+
+def elsewhere(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Confirmed]) -> Iterator[Start]:
+    """The best effect at other places, where it may explain as much.
+
+    These are places where its fit was given up, and those where it is far from its screening: from the nominal values.
+    """
+    best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
+    if best is None:
+        return
+    most = THRESHOLDS.hopeless * least_left(confirmed)
+    given_up = {
+        key for key, own in confirmed.items() if key[0] == best.key[0] and own.fit.mean_square >= most
+    }
+    yield from (Start.of(fit, c.placed) for c in found if c.placed.key in given_up - {best.key})
+    moved = list(best.effect.elsewhere(fit.state.prediction, best.placed))
+    if moved:
+        nominal = {**fit.parameters, **fit.nominal}
+        state = evaluated(fit.state, fit.weighting, nominal, fit.state.placed)
+        yield from (Start(state, fit.weighting, placed, to_the_end=True) for placed in moved)
