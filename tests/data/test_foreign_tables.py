@@ -37,6 +37,19 @@ def test_a_column_of_times_before_each_channel_is_its_clock(tmp_path: Path) -> N
     np.testing.assert_allclose(log["F"], 50 * np.cos(30 * (log.time - 0.25e-3)), atol=0.02)
 
 
+def test_times_before_numbers_of_samples_alone_are_no_clock_of_a_signal(tmp_path: Path) -> None:
+    path = tmp_path / "joint_states.csv"
+    came = T + 2e-4 * np.random.default_rng(0).random(N)
+    rows = enumerate(zip(came, T, Q, F, strict=True))
+    path.write_text(
+        "%time,field.header.seq,field.header.stamp,q,F\n"
+        + "".join(f"{1e9 * c:.0f},{k},{1e9 * t:.0f},{q},{f}\n" for k, (c, t, q, f) in rows)
+    )
+    log = read_log(path, expected=EXPECTED, layout=layout_found(path))
+    assert log.sampling_period == pytest.approx(1e-3)
+    np.testing.assert_allclose(log["q"], Q)
+
+
 def test_times_that_are_alike_are_one_clock(tmp_path: Path) -> None:
     path = tmp_path / "pairs.csv"
     path.write_text(

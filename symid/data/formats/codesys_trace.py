@@ -4,6 +4,8 @@ A line is ``key; value``. The keys of a variable begin with its number, as in ``
 ``0.Data;``, each line holds a time stamp and a value. ``Flags`` states the unit of the stamps.
 """
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -21,13 +23,13 @@ _SECONDS: Final = {0x10: 1e-3, 0x20: 1e-6}
 _TRUTH: Final = {"TRUE": "1", "FALSE": "0"}
 
 
-def is_codesys_trace(path: Path) -> bool:
-    """Whether a text file is the exported trace of a CODESYS controller."""
-    with path.open("rb") as file:
-        return _BEGIN in file.read(64).replace(b"\x00", b"")  # of UTF-16
+def codesys_trace_in(path: Path, begin: bytes) -> Callable[[], Table] | None:
+    """Reader of a text file that begins as the exported trace of a CODESYS controller; None of others."""
+    is_trace = _BEGIN in begin[:64].replace(b"\x00", b"")  # of UTF-16
+    return partial(_open_trace, path) if is_trace else None
 
 
-def open_codesys_trace(path: Path) -> Table:
+def _open_trace(path: Path) -> Table:
     """Table in an exported trace; LogError if it holds no samples or does not state the unit of its time stamps."""
     content = path.read_bytes()
     lines = content.decode(encoding_of(content), errors="replace").splitlines()

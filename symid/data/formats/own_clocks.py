@@ -8,6 +8,8 @@ from symid.arrays import FloatArray
 from symid.data.columns import split_unit
 from symid.data.formats.channels import Channel, table_of_channels
 from symid.data.table import Table
+from symid.data.text_files.column_names import match, words_of
+from symid.data.text_files.column_words import NUMBERS
 from symid.data.text_files.foreign import described_column, quantity_named
 from symid.units import to_si
 
@@ -27,11 +29,12 @@ def with_own_clocks(table: Table) -> Table:
         return table
     columns = table.read(range(len(table.headers)))
     groups = _groups(table, columns, places)
-    first = next(iter(groups), None)
+    measured = [one for one in groups if any(_is_measured(table.headers[i]) for i in one.members)]
+    first = next(iter(measured), None)
     if first is None or all(np.array_equal(one.time, first.time, equal_nan=True) for one in groups):
         return table
     channels = []
-    for group in groups:
+    for group in measured:
         for place in group.members:
             values = columns[place]
             if not isinstance(values, str):
@@ -39,6 +42,11 @@ def with_own_clocks(table: Table) -> Table:
                 name, unit = split_unit(table.headers[place])
                 channels.append(Channel(name, unit or "", group.time[there], values[there]))
     return table_of_channels(channels)
+
+
+def _is_measured(header: str) -> bool:
+    """Whether a column may hold a signal: numbers of samples are none, whose times are when a message came."""
+    return match(words_of(header), NUMBERS) is None
 
 
 def _groups(table: Table, columns: list[FloatArray | str], places: list[int]) -> list[_Group]:

@@ -14,7 +14,7 @@ from typing import Final, TypeAlias
 from symid.data.columns import TIME, split_unit
 from symid.data.formats.array_files import open_matlab, open_numpy
 from symid.data.formats.channels import Channel, short_names, table_of_channels
-from symid.data.formats.codesys_trace import is_codesys_trace, open_codesys_trace
+from symid.data.formats.codesys_trace import codesys_trace_in
 from symid.data.formats.columnar import open_feather, open_parquet
 from symid.data.formats.compressed import OPENERS, open_compressed
 from symid.data.formats.excel import open_excel
@@ -23,8 +23,8 @@ from symid.data.formats.json_log import open_json, open_json_lines
 from symid.data.formats.mdf import open_mdf
 from symid.data.formats.messages import open_mcap, open_rosbag
 from symid.data.formats.own_clocks import with_own_clocks
-from symid.data.formats.scope_text import open_scope_text, writer_of
-from symid.data.formats.serial_text import open_serial_text
+from symid.data.formats.scope_text import scope_text_in
+from symid.data.formats.serial_text import serial_text_in
 from symid.data.formats.split_times import with_joined_times
 from symid.data.formats.tdms import open_tdms
 from symid.data.table import Table, first_line, naming_file
@@ -94,17 +94,21 @@ Reader: TypeAlias = "Callable[[Path, int | None], Table]"
 """Function of the file and the memory in bytes that it may use (free memory if None)."""
 
 
+_BEGINNING: Final = 800_000
+"""Bytes that show what wrote a text: 200 000 characters of any encoding."""
+
+
 def _open_text(path: Path, memory: int | None = None) -> Table:
     """Table in a CSV file, or in the text of a scope, a controller's trace or a serial monitor."""
-    return _special_text(path) or open_csv(path)
+    special = _special_text(path)
+    return special() if special else open_csv(path)
 
 
-def _special_text(path: Path) -> Table | None:
-    """Table in the text of a scope, a controller's trace or a serial monitor; None of other files."""
-    scope = writer_of(path)
-    if scope:
-        return open_scope_text(path, *scope)
-    return open_codesys_trace(path) if is_codesys_trace(path) else open_serial_text(path)
+def _special_text(path: Path) -> Callable[[], Table] | None:
+    """Reader of the text of a scope, a controller's trace or a serial monitor; None of other files."""
+    with path.open("rb") as file:
+        begin = file.read(_BEGINNING)
+    return scope_text_in(path, begin) or codesys_trace_in(path, begin) or serial_text_in(path, begin)
 
 
 READERS: Final[Mapping[str, Reader]] = MappingProxyType(
@@ -145,9 +149,8 @@ FOLDER_SUFFIXES: Final = tuple(
 
 def layout_found(path: Path, encoding: str | None = None) -> Layout | None:
     """Layout that a text file seems to have; None of other files, and of the text of scopes and traces."""
-    if not path.is_file() or not _is_text(path) or writer_of(path) or is_codesys_trace(path):
-        return None
-    return guessed_layout(path, encoding) if open_serial_text(path) is None else None
+    is_table = path.is_file() and _is_text(path) and _special_text(path) is None
+    return guessed_layout(path, encoding) if is_table else None
 
 
 def _is_text(path: Path) -> bool:
@@ -201,9 +204,8 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
     suffix = suffix_of(path)
     if suffix in (".txt", ".tsv", ".log") and layout is None and path.is_file():
         with naming_file(path):
-            special = _special_text(path) if path.stat().st_size else None
-        if special is not None:
-            return special
+            if path.stat().st_size and (special := _special_text(path)):
+                return special()
     if suffix not in SUFFIXES and layout is None:
         raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {kinds}")
     try:

@@ -5,9 +5,10 @@ sample time. The name of a property stands above each column of times, and its v
 writes the names of its properties in the first column, and the values beside it, below ``trace_values``.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -19,9 +20,8 @@ from symid.data.text_files.layout import Layout, encoding_of, has_decimal_comma,
 from symid.data.text_files.text_table import fields, is_number_text
 from symid.errors import LogError
 
-Writer = Literal["twincat", "dspace"]
+_Channels: TypeAlias = "Callable[[Path, Sequence[Sequence[str]], Table], Table]"
 
-_BEGINNING: Final = 800_000
 _SEPARATORS: Final = ("\t", ";", ",")
 _OF_CHANNELS: Final = ("SymbolComment", "Data-Type", "SampleTime[ms]", "SymbolName", "NetID")
 """Properties of channels that no other program writes."""
@@ -35,40 +35,36 @@ _END: Final = "EOF"
 _NAMES, _UNITS = ("name", "path", "variable"), ("unit",)
 
 
-def writer_of(path: Path) -> tuple[Writer, str] | None:
-    """Scope that wrote a text file, and the separator; None for any other file."""
-    with path.open("rb") as file:
-        begin = file.read(_BEGINNING)
+def scope_text_in(path: Path, begin: bytes) -> Callable[[], Table] | None:
+    """Reader of a text file that begins as that of a scope; None of others."""
     letters = begin.replace(b"\x00", b"")  # of UTF-16
     if b"Name" not in letters and _VALUES.encode() not in letters:
         return None
+    encoding = encoding_of(begin)
     try:
-        lines = lines_of(path, begin, encoding_of(begin))
+        lines = lines_of(path, begin, encoding)
     except LogError:
         return None
     for separator in _SEPARATORS:
         keys = [fields(line, separator)[:1] for line in lines]
         first = [key[0].strip() for key in keys if key]
         if _VALUES in first:
-            return "dspace", separator
+            return partial(_open_scope, path, lines, encoding, separator, _dspace)
         known = any(name in first for name in (*_OF_CHANNELS, *_OF_EXPORT))
         if "Name" in first and known:
-            return "twincat", separator
+            return partial(_open_scope, path, lines, encoding, separator, _twincat)
     return None
 
 
-def open_scope_text(path: Path, writer: Writer, separator: str) -> Table:
-    """Table in the text of a scope; LogError if it holds no values below its properties."""
-    with path.open("rb") as file:
-        content = file.read(_BEGINNING)
-    encoding = encoding_of(content)
-    lines = lines_of(path, content, encoding)
+def _open_scope(
+    path: Path, lines: Sequence[str], encoding: str, separator: str, channels: _Channels
+) -> Table:
+    """Table in the text of a scope that begins with `lines`; LogError if it holds no values below its properties."""
     rows = [[text.strip() for text in fields(line, separator)] for line in lines]
     begin = _begin(path, rows, separator)
     comma = separator != "," and has_decimal_comma(lines[begin:], separator)
     layout = Layout(encoding, separator, "," if comma else ".", begin, named=False)
-    values = open_laid_out(path, layout)
-    return (_twincat if writer == "twincat" else _dspace)(path, rows[:begin], values)
+    return channels(path, rows[:begin], open_laid_out(path, layout))
 
 
 def _begin(path: Path, rows: Sequence[Sequence[str]], separator: str) -> int:

@@ -6,6 +6,8 @@ each.
 
 import re
 from collections import Counter
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -25,10 +27,9 @@ _MOMENT: Final = re.compile(r"\s*\[?(?P<moment>\d{1,2}:\d\d:\d\d[.,]\d+)\]?\s*->
 _MOST: Final = 0.5  # of the lines, which are alike in such a text
 
 
-def open_serial_text(path: Path) -> Table | None:
-    """Table in the text of a serial monitor; None of any other file."""
-    with path.open("rb") as file:
-        begin = file.read(_BEGINNING)
+def serial_text_in(path: Path, begin: bytes) -> Callable[[], Table] | None:
+    """Reader of a text file that begins as that of a serial monitor; None of others."""
+    begin = begin[:_BEGINNING]
     if b"->" not in begin and b":" not in begin and b"=" not in begin:
         return None
     encoding = encoding_of(begin)
@@ -39,6 +40,11 @@ def open_serial_text(path: Path) -> Table | None:
     names, prefixed = _names_in(lines), sum(map(bool, map(_MOMENT.match, lines))) > _MOST * len(lines)
     if len(lines) < LEAST_ROWS or not (names or prefixed):
         return None
+    return partial(_open_serial, path, encoding, names, prefixed=prefixed)
+
+
+def _open_serial(path: Path, encoding: str, names: tuple[str, ...], *, prefixed: bool) -> Table:
+    """Table in the text of a serial monitor."""
     text = path.read_bytes().decode(encoding, errors="replace")
     content = _as_table(text.splitlines(), names, prefixed=prefixed).encode()
     layout = layout_of_text(path, content)

@@ -230,8 +230,8 @@ def _jitter(
         return [], []
     rms = float(np.sqrt(np.mean(deviation**2)))
     statement = (
-        f"t jitters by {100.0 * rms:.2g} % of the period of {period:.6g} s (rms), most at "
-        f"t = {time[worst + 1]:.7g} s by {100.0 * deviation[worst]:.3g} %"
+        f"t jitters by {100.0 * rms:.2g} % of the period of {period:.6g} s (rms), by {100.0 * deviation[worst]:.3g} % "
+        f"{time[worst + 1] - time[0]:.7g} s after its begin"
     )
     if rms > _JITTER:
         return [f"{statement}: at most {100.0 * _JITTER:g} % is accepted, give `resample=own`"], []
