@@ -97,13 +97,9 @@ def _forward_slope(
     residual: Callable[[FloatArray], FloatArray], x: FloatArray, current: FloatArray, steps: FloatArray
 ) -> FloatArray:
     columns = []
-    for i, step in enumerate(steps):
-        ahead = _tried(residual, x + step * np.eye(x.size)[i])
-        columns.append(
-            (residual(x - step * np.eye(x.size)[i]) - current) / -step
-            if ahead is None
-            else (ahead - current) / step
-        )
+    for step, move in zip(steps, np.diag(steps), strict=True):
+        ahead = _tried(residual, x + move)
+        columns.append((residual(x - move) - current) / -step if ahead is None else (ahead - current) / step)
     return np.stack(columns, axis=1)
 
 

@@ -113,8 +113,9 @@ def _observed(plant: Plant, signals: Sequence[str]) -> FloatArray:
     rows = np.stack([*plant.stiffness, *(plant.sensors[signal].motion[0] for signal in signals)])
     sizes = np.linalg.norm(rows, axis=1, keepdims=True)
     rows = rows / np.where(sizes > 0.0, sizes, 1.0)
-    felt = scipy.linalg.orth(rows.T, rcond=_UNFELT) if rows.any() else np.zeros((n, 0))
-    return np.eye(2 * n) if felt.shape[1] == n else scipy.linalg.block_diag(felt, np.eye(n))
+    _, lengths, directions = np.linalg.svd(rows)
+    felt = int(np.sum(lengths > _UNFELT * lengths[0]))
+    return np.eye(2 * n) if felt == n else scipy.linalg.block_diag(directions[:felt].T, np.eye(n))
 
 
 def _continuous(plant: Plant, disturbed: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:

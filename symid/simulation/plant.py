@@ -132,9 +132,10 @@ class Plant:
         >>> [round(f, 1) for f in plant_of(load_axis("direct_2m1s"), paper).natural_frequencies]
         [80.6]
         """
-        heavy = np.array([name not in self.nodes for name in self.bodies])
-        stiffness, mass = self.stiffness[np.ix_(heavy, heavy)], self.mass[np.ix_(heavy, heavy)]
+        stiffness, mass = self.stiffness, self.mass
         if self.nodes:  # where the springs beside them balance
+            heavy = np.array([name not in self.nodes for name in self.bodies])
+            stiffness, mass = stiffness[np.ix_(heavy, heavy)], mass[np.ix_(heavy, heavy)]
             beside = self.stiffness[np.ix_(~heavy, heavy)]
             stiffness = stiffness - beside.T @ np.linalg.solve(self.stiffness[np.ix_(~heavy, ~heavy)], beside)
         squares = np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real
