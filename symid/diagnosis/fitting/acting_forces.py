@@ -20,19 +20,26 @@ from symid.simulation.law_code import dry_level, not_below_zero
 from symid.simulation.plant import ScaledLaw
 
 
-def changes_by_others(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
+def changes_by_others(prediction: Prediction, placed: Sequence[Placed], *, integrates: bool) -> ComplexArray:
     """Change of the outputs by errors of the readings and changes of masses, of shape (n_outputs, n_bins).
 
-    The first mass that changes is a part of hidden motion that is integrated.
+    Motion that is integrated has the first mass that changes and errors of the driven position in it.
     """
-    integrated = _heavier(prediction, placed) if prediction.of_integrated is not None else None
-    others = (JointEffect, TransferEffect)
-    changes = (
-        item.change(prediction)
-        for item in placed
-        if not (item is integrated or item.effect.is_of_command or isinstance(item.effect, others))
-    )
+    others, heavier = (JointEffect, TransferEffect), _heavier(prediction, placed)
+
+    def adds(item: Placed) -> bool:
+        if item.effect.is_of_command or isinstance(item.effect, others):
+            return False
+        return not (integrates and (item is heavier or item.effect.misreading(prediction, item) is not None))
+
+    changes = (item.change(prediction) for item in placed if adds(item))
     return sum(changes, start=np.zeros_like(prediction.outputs))
+
+
+def errors_of_positions(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray | None:
+    """Errors of the driven positions, of shape (n_drives, n_bins); None without any."""
+    found = [x for item in placed if (x := item.effect.misreading(prediction, item)) is not None]
+    return np.asarray(np.sum(found, axis=0)) if found else None
 
 
 def _heavier(prediction: Prediction, placed: Iterable[Placed]) -> Placed | None:
@@ -74,6 +81,8 @@ def next_prediction(
             impedances.append((direction, _equivalent(term.parameter * before.laws[i][1][k], joint)))
     like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
     implicit, heavier = any(item.effect.implicit for item in placed), _heavier(before, placed)
+    integrates, misread = bool(integrated), errors_of_positions(before, placed)
+    loads = implicit or before.follows
     return prediction_of(
         record,
         parameters,
@@ -85,8 +94,9 @@ def next_prediction(
         mass_change=heavier.effect.mass_change(before, heavier) if heavier is not None else None,
         integrated_terms=hidden,
         follows=before.follows,
-        changes=changes_by_others(before, placed) if implicit or before.follows else None,
+        changes=changes_by_others(before, placed, integrates=integrates) if loads else None,
         path=_path(before, placed),
+        misread=misread[0] if integrates and misread is not None else None,
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, add_outer, least_squares
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
+from symid.diagnosis.fitting.acting_forces import errors_of_positions
 from symid.diagnosis.fitting.state import State, as_read, free_forces, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
@@ -173,9 +174,9 @@ def _moved(item: Placed, share: float) -> Iterator[tuple[float, Placed]]:
 
 def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
     """Derivatives by the physical parameters, on which the contributions of effects depend too."""
-    misread = [e for item in placed if (e := item.effect.misreading(prediction, item)) is not None]
-    columns = parameter_columns(prediction, np.sum(misread, axis=0) if misread else None)
-    return prediction.passed_on(columns)
+    integrates = prediction.of_integrated is not None  # such motion has the errors of readings in it
+    misread = None if integrates else errors_of_positions(prediction, placed)
+    return prediction.passed_on(parameter_columns(prediction, misread))
 
 
 def _shape_columns(

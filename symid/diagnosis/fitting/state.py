@@ -219,4 +219,5 @@ def output_errors(prediction: Prediction, placed: Sequence[Placed]) -> ComplexAr
 
 def as_read(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
     """Outputs with errors of the readings and changes of masses in them, before delays and lags."""
-    return prediction.outputs + changes_by_others(prediction, placed)
+    integrates = prediction.of_integrated is not None
+    return prediction.outputs + changes_by_others(prediction, placed, integrates=integrates)

@@ -57,14 +57,20 @@ class Phase:
 
 
 def phase_of(
-    record: Record, plant: Plant, acting: ComplexArray, hidden: HiddenMotion, *, loaded: bool
+    record: Record,
+    plant: Plant,
+    acting: ComplexArray,
+    hidden: HiddenMotion,
+    driven: FloatArray,
+    *,
+    loaded: bool,
 ) -> Phase:
-    """The courses of a plant under the measured motion; the drive force only where it is `loaded`."""
+    """The courses of a plant under `driven` motion, (3, n_fine); the drive force only where it is `loaded`."""
 
     def balanced(row: FloatArray) -> FloatArray:
         """Course of a combination of the equations: forces less those of the motion without the hidden one."""
         force, matrices = acting @ row, (plant.stiffness, plant.damping, plant.mass)
-        of_motion = [row @ m @ hidden.carried for m in matrices] @ record.driven_courses
+        of_motion = [row @ m @ hidden.carried for m in matrices] @ driven
         return np.asarray(record.fine(force) - of_motion if force.any() else -of_motion)
 
     row, by_state = _drive_balance(plant, hidden)

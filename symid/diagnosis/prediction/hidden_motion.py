@@ -97,22 +97,27 @@ def integrated_motion(
     change: MassChange | None = None,
     follows: bool = False,
     changes: ComplexArray | None = None,
+    misread: ComplexArray | None = None,
 ) -> tuple[ComplexArray, ComplexArray, tuple[ComplexArray, ...]]:
     """Spectra of the displacements of two bodies as predicted and observed, (2, n_bins), and of the force of each law.
 
     `acting` are other forces on the bodies, (n_bins, 2). Each law comes with the direction of its joint. A body may
     `change` its mass. Motion that `follows` the measured force is observed, other motion is the predicted one. Other
-    effects make `changes` of the drive force, (n_bins,).
+    effects make `changes` of the drive force, and the driven position is `misread` by an error, (n_bins,) each.
     """
     # The measured position fixes one combination of the two bodies; one coordinate is left. The measured motion enters
     # its equation as a known input, linear in courses that all models share: only this coordinate is integrated.
-    step, (q, v, _) = record.period / record.n_fine, record.driven_courses
+    step, motion, courses = record.period / record.n_fine, record.motion, record.driven_courses
+    if misread is not None:
+        motion, courses = motion - misread, courses - record.courses(misread)
+    q, v, _ = courses
     hidden = hidden_motion(plant, plant.sensors[record.signals[0]][0])
     loaded = follows or any(law.program.asks_for(ARGUMENTS.index("_load")) for _, law in laws)
-    first = phase_of(record, plant, acting, hidden, loaded=loaded)
+    first = phase_of(record, plant, acting, hidden, courses, loaded=loaded)
     phases, phase = [first], np.zeros(record.n_fine, dtype=np.intp)
     if change is not None:
-        last = phase_of(record, *change.after(plant, acting, record.n_extended), hidden, loaded=loaded)
+        heavier = change.after(plant, acting, record.n_extended)
+        last = phase_of(record, *heavier, hidden, courses, loaded=loaded)
         phase, share = change.phases(step, record.n_fine)
         mass, part = in_the_step(share, first.mass, last.mass)
         pushed = (1 - part) * first.pushed + part * last.pushed
@@ -131,16 +136,14 @@ def integrated_motion(
     on_drive = np.array([[own.row @ d for d, _ in laws] for own in phases])
     acting_laws, n_log = [law for _, law in laws], math.ceil(record.duration / step)
     # Forces on the driven body alone change none of this: the motion is the last one.
-    courses = (first.pushed, load, by_state, gain, joints, on_drive)
-    given = first.mass, damping, stiffness, *(x.tobytes() for x in courses), change and change.key
+    arrays = (q, first.pushed, load, by_state, gain, joints, on_drive)
+    given = first.mass, damping, stiffness, *(x.tobytes() for x in arrays), change and change.key
     spectra = record.memory.of(
         "hidden motion",
         (*given, *(law.key for law in acting_laws)),
         lambda: record.from_grid(_periodic(equation, driven, joints, on_drive, acting_laws, n_log)),
     )
-    moved = [
-        hidden.carried[:, None] * record.motion + hidden.free[:, None] * x for x in spectra[: -len(laws)]
-    ]
+    moved = [hidden.carried[:, None] * motion + hidden.free[:, None] * x for x in spectra[: -len(laws)]]
     return moved[0], moved[-1], tuple(spectra[-len(laws) :])
 
 

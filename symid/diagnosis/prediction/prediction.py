@@ -156,6 +156,7 @@ def prediction_of(
     follows: bool = False,
     changes: ComplexArray | None = None,
     path: ForcePath | None = None,
+    misread: ComplexArray | None = None,
 ) -> Prediction:
     """The axis under a record at physical parameters, SI.
 
@@ -179,9 +180,16 @@ def prediction_of(
         acting = of_effects if before is None else of_effects + before.law_forces_of(plant)
         of_drive = None if changes is None else changes[0]
         moved, observed, pushes = integrated_motion(
-            record, plant, acting, integrated, change=mass_change, follows=follows, changes=of_drive
+            record,
+            plant,
+            acting,
+            integrated,
+            change=mass_change,
+            follows=follows,
+            changes=of_drive,
+            misread=misread,
         )
-        observed = as_measured(record, response, observed)
+        observed = as_measured(record, response, observed, misread)
         of_integrated = np.zeros_like(of_effects)
         for push, (direction, _) in zip(pushes, integrated, strict=True):
             add_outer(of_integrated, push, -direction)

@@ -133,8 +133,12 @@ class Record(PeriodicLog):
     @cached_property
     def driven_courses(self) -> FloatArray:
         """First driven position, its velocity and its acceleration on the fine grid; shape (3, n_fine)."""
+        return self.courses(self.motion)
+
+    def courses(self, position: ComplexArray) -> FloatArray:
+        """A position of spectrum (n_bins,), its velocity and its acceleration on the fine grid; shape (3, n_fine)."""
         s = 1j * self.omega
-        return self.fine(np.stack([self.motion, s * self.motion, s**2 * self.motion]))
+        return self.fine(np.stack([position, s * position, s**2 * position]))
 
     @cached_property
     def measured(self) -> ComplexArray:

@@ -182,8 +182,13 @@ def noise_weights(
     return np.asarray(1 / np.sqrt(spread * 2 * record.n_bins / record.n_extended * record.freedom))
 
 
-def as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:
-    """Displacements of the bodies, corrected to the readings of further position sensors."""
+def as_measured(
+    record: Record, response: Response, displacements: ComplexArray, misread: ComplexArray | None = None
+) -> ComplexArray:
+    """Displacements of the bodies, corrected to the readings of further position sensors.
+
+    The first driven position is `misread` by an error, (n_bins,).
+    """
     sensors = response.plant.sensors
     positions = [i for i, name in enumerate(record.signals) if sensors[name][1] == 0]
     further = [i for i in positions if i >= record.n_drives]
@@ -191,4 +196,6 @@ def as_measured(record: Record, response: Response, displacements: ComplexArray)
         return displacements
     rows = np.stack([sensors[record.signals[i]][0] for i in positions])
     read = np.concatenate([record.motions, record.measured[further]])
+    if misread is not None:
+        read[0] -= misread
     return np.asarray(displacements + np.linalg.pinv(rows) @ (read - rows @ displacements))
