@@ -11,7 +11,7 @@ from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
-from symid.diagnosis.selection import forward
+from symid.diagnosis.selection import stages
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.selection.step import Confirmed, is_clear
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
@@ -74,9 +74,9 @@ def test_relatives_of_friction_of_a_structure_are_integrated_from_its_values() -
         assert is_clear(own)
         return {placed.key: Confirmed(own, 100.0, 1.0, fit.blocks.squares)}
 
-    (start,) = forward._refined(fit, found, confirmed(replace(plain, integrated=True)))
+    (start,) = stages.refinements(fit, found, confirmed(replace(plain, integrated=True)))
     begun_with = start.placed
     assert (begun_with.key, begun_with.amplitudes, begun_with.integrated) == (refined.key, (20.0,), True)
-    (start,) = forward._simpler(fit, found, confirmed(refined))
+    (start,) = stages.simpler_effects(fit, found, confirmed(refined))
     begun_with = start.placed
     assert (begun_with.key, begun_with.amplitudes, begun_with.integrated) == (plain.key, (1.0,), True)
