@@ -62,6 +62,22 @@ def identified(log: Log, **settings: object) -> Identification:
     return identify(load_generated("rigid_1m"), log, preparation=Preparation(**settings))
 
 
+def test_friction_that_builds_up_is_not_called_a_late_clock() -> None:
+    log, slid, seen = rigid_log(ripple=0.0), 0.005, 0.0  # m
+    course = np.gradient(log["q"])
+    built = np.zeros(course.size)
+    for k, step in enumerate(course):  # P. Dahl's law
+        seen += step / slid * (1.0 - np.sign(step) * seen)
+        built[k] = seen
+    force = log["F"] - 20.0 * np.sign(course) + 60.0 * built
+    pre = identify(load_generated("rigid_1m"), replace(log, signals={**log.signals, "F": force}))
+    late = identify(load_generated("rigid_1m"), rigid_log(late=6.0))
+    for found, is_clock in ((pre, False), (late, True)):
+        assert found.timing is not None
+        assert abs(found.timing.samples) > 2.0
+        assert found.timing.may_be_clock == is_clock == ("give `late` F" in found.timing.statement)
+
+
 @pytest.mark.parametrize("late", [1.0, -1.0, 0.4, -1.7, 3.0])
 @pytest.mark.parametrize("cutoff", [None, 40.0])
 def test_a_delay_is_named_and_measured(late: float, cutoff: float | None) -> None:

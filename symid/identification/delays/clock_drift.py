@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.data.quality.clock import CLOCK_DIFFERENCE
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import scan
@@ -28,6 +29,8 @@ _LINE = 2
 """Parameters of a line through the delays of blocks."""
 _DRIFTED_ROWS = 2
 """Rows by which the delays of two thirds must differ: noise moves them by one."""
+_APART = 2 / 3
+"""Part of a log between the middles of its first and last third."""
 _UNEVEN = 0.2
 """Part of their difference by which the delay of the middle third may differ from the mean of the others."""
 _SEVERAL = 2.0
@@ -62,11 +65,13 @@ def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[
         lags, lefts = np.abs([first, middle, last]), np.array([lag.left for lag in thirds])
         better = np.all((lags <= row) | (lefts < WORTH_MOVING)) and lefts[np.argmax(lags)] < WORTH_MOVING
         if grows and is_even and better:
-            cause = "its clock runs at another rate; resample it by its own time stamps"
-            if max(frequencies) > _FASTER * min(frequencies):
-                cause = (
-                    f"the model lacks an effect of the frequency, such as a flexibility or a lag, or {cause}"
-                )
+            length = np.mean([part.log.n_samples * part.log.sampling_period for part in parts])
+            rate = abs(last - first) / (_APART * length)
+            cause = (
+                f"its clock runs at another rate (by {100 * rate:.2g} %); resample it by its own time stamps"
+            )
+            if max(frequencies) > _FASTER * min(frequencies) or rate > CLOCK_DIFFERENCE:
+                cause = f"the model lacks an effect, such as friction, a flexibility or a lag, or {cause}"
             late = f"{1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last"
             return f"{force} is {late}: {cause}"
     return ""

@@ -37,6 +37,8 @@ _NOTICEABLE = 0.2
 """Samples from which a delay is reported, whatever it changes."""
 _ROUND = 3.0
 """Standard deviations within which a delay is taken for a number of whole or half samples."""
+_NATURAL = 1.0
+"""Samples up to which a hold and a lag delay a force: beyond them a clock must leave less than `WORTH_MOVING`."""
 _HELD = 0.1
 """Samples by which the delay of a held force may differ from half a sample."""
 
@@ -92,6 +94,11 @@ class Timing:
         return round_number if abs(self.late - round_number) < _ROUND * self.deviation else self.late
 
     @property
+    def may_be_clock(self) -> bool:
+        """Whether a clock or a hold may be the cause: beyond what holds and lags do, it then leaves little."""
+        return abs(self.samples) <= _NATURAL or self.remaining**2 < WORTH_MOVING
+
+    @property
     def remedy(self) -> str:
         """The setting that takes the delay out."""
         if self.seems_held:
@@ -100,14 +107,23 @@ class Timing:
 
     @property
     def statement(self) -> str:
-        """Statement of the delay and its cure."""
+        """Statement of the delay, of what it may be, and its cure where it explains as much as a clock does."""
         when = "before it was" if self.late > 0 else "after it was"
         instead = " in place of the given value" if self.declared else ""
+        others = (
+            "a lag of the drive, a flexibility, friction that builds up behind reversals and errors of a gear"
+            if self.is_force
+            else "a flexibility and play"
+        )
+        cause = (
+            f"if clocks or a hold are the cause, give {self.remedy}{instead}; {others} can look alike"
+            if self.may_be_clock
+            else f"a late clock would leave less; {others} can look alike: see what `symid diagnose` finds"
+        )
         return (
             f"{self.signal} acts as if {abs(self.samples):.2f} samples ({_microseconds(abs(self.late), 4)} us, "
             f"standard deviation {_microseconds(self.deviation, 2)} us) {when} recorded, which biases all parameters "
-            f"(without it, {100 * self.remaining:.3g} % of the residual remain): if clocks or a hold are the cause, "
-            f"give {self.remedy}{instead}; a lag of the drive or a missing flexibility can look alike"
+            f"(without it, {100 * self.remaining:.3g} % of the residual remain): {cause}"
         )
 
 

@@ -130,7 +130,7 @@ def _timing(found: Identification) -> dict[str, Any] | None:
         "samples": timing.samples,
         "suggested_s": timing.suggested,
         "significant": timing.is_significant,
-        "remedy": timing.remedy if timing.is_significant else None,
+        "remedy": timing.remedy if timing.is_significant and timing.may_be_clock else None,
     }
 
 
