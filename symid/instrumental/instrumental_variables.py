@@ -144,7 +144,8 @@ def _refined(
             Z = _instruments(model, logs, loop, first, parameters)
         except SettingError as error:
             cure = ", give `nominal`" if nominal is None else ""
-            return found, Z, f"the axis cannot be simulated with the parameters found{cure}: {error}"
+            fault = f"{found.message}; " if found.status == "not_physical" else ""
+            return found, Z, f"{fault}the axis cannot be simulated with the parameters found{cure}: {error}"
         result = estimate_by_instruments(first.observations, Z, first.fit)
         if result.correlation < _NONE:
             return found, Z, f"the simulated axis does not move as the log does: {_CURE}"

@@ -82,11 +82,30 @@ def test_a_remark_in_the_first_row_does_not_make_it_a_line_of_names(tmp_path: Pa
         ("MACur.A1", "current", False, False),
         ("Actual Velocity (0.1 counts/s)", "velocity", False, True),
         ("Position [units]", "position", False, True),
+        ("_p_act (usr_p)", "position", False, True),
+        ("Torque [raw]", "force", False, True),
+        ("axis0.controller.input_pos", "position", True, False),
+        ("Motor[1].DesPos", "position", True, False),
+        ("RPOS(0) [deg]", "position", True, False),
+        ("PositionCmptd1 [rad]", "position", True, False),
     ],
 )
 def test_names_of_controls_and_robots(header: str, quantity: str, setpoint: bool, scaled: bool) -> None:
     column = described_column(header, np.sin(np.arange(50.0)))
     assert (column.quantity, column.setpoint, column.scaled) == (quantity, setpoint, scaled)
+
+
+@pytest.mark.parametrize("encoding", ["cp932", "euc_jp"])
+def test_japanese_names_are_not_taken_for_another_alphabet(encoding: str, tmp_path: Path) -> None:
+    head = "時間[ms],位置指令[deg],位置フィードバック[deg],トルク指令[%]"
+    path = written(tmp_path / "a.csv", head, "{t:.6f},{q:.6f},{q:.6f},{q:.6f}", encoding)
+    assert list(columns_of(path)) == head.split(",")
+
+
+def test_whole_numbers_without_a_unit_are_not_taken_for_amperes() -> None:
+    current = np.round(900 * np.sin(np.arange(80.0)))
+    assert described_column("Present Current", current).scaled
+    assert not described_column("Present Current", 0.01 * current).scaled
 
 
 def test_names_without_a_latin_letter_tell_the_quantity(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from symid import Axis, Body, Drive, Position, ViscousFriction, load_axis
 from symid.data.formats.registry import READERS
-from symid.data.text_files.foreign import foreign_columns
+from symid.data.text_files.foreign import described_column, foreign_columns
 from symid.identification.signals.guessed_mapping import guessed_mapping
 
 ROTOR = Body("rotor", inertia="J")
@@ -48,3 +48,11 @@ def test_turns_of_a_slide_and_long_angles_are_asked_for(tmp_path: Path) -> None:
     long = [replace(c, extent=(-30.0, 30.0), unit="mm") if c.header == "theta" else c for c in found]
     for columns, known in ((found, "rad"), (long, None)):
         assert guessed_mapping(AXIS, columns, named={"angle": "theta"}).units.get("angle") == known
+
+
+def test_whole_numbers_are_si_where_the_column_is_called_as_the_force() -> None:
+    values = np.round(90 * np.sin(np.arange(80.0)))
+    for name, asked in (("F", False), ("Torque", True)):
+        columns = described_column("t", 1e-3 * np.arange(80)), described_column(name, values)
+        missing = guessed_mapping(load_axis("rigid_1m"), columns).missing
+        assert any("F has no factor" in line for line in missing) == asked

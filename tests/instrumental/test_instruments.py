@@ -261,3 +261,11 @@ def test_encoders_of_different_zeros_leave_instruments_strong(measured: tuple[st
     )  # fmt: skip
     assert found.status == "ok", found.message
     assert found.physical_parameters["Jl"] == pytest.approx(9e-3, rel=0.02)
+
+
+def test_a_force_of_the_wrong_sign_is_named() -> None:
+    log = with_noise(closed_loop_log("rigid_1m"), {"q": 1e-6}, 0)
+    turned = replace(log, signals={**log.signals, "F": -log["F"]})
+    found = identify_by_instruments(load_generated("rigid_1m"), turned, ClosedLoop(load_axis("rigid_1m")))
+    assert found.status == "weak_instruments"
+    assert "the sign of F or of a position is wrong" in found.message

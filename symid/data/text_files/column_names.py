@@ -37,10 +37,11 @@ def split_header(header: str) -> tuple[str, str | None]:
     match = _BRACKETS.fullmatch(header)
     if match is None and (told := _told_by_the_name(header)):
         return told
-    match = match or _TRAILING.fullmatch(header)
+    if match is None and (match := _TRAILING.fullmatch(header)):
+        return match["name"], match["unit"].replace("_", "/")
     if match is None or match["unit"].strip().isdecimal():
         return header, None
-    return match["name"], match["unit"].strip().replace("_", "/")
+    return match["name"], match["unit"].strip()
 
 
 def is_in_doubt(header: str, unit: str, quantity: Quantity) -> str:

@@ -28,21 +28,24 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
         r"t|ts|time|(?:time)?stamps?|zeit\w*|temps|tempo|tiempo|время|\w*[时時][间間]|sec(?:onds?)?|elapsed|uptime|"
         r"ms(?:ec)?|milli(?:s|seconds?)|us(?:ec)?|micro(?:s|seconds?)|ns(?:ec)?|nano(?:s|seconds?)",
     ),
-    ("acceleration", r"acc\w*|ddot|acel\w*|(?:ist|soll)?beschl\w*|ddq\w*|qdd|ускорение|\w*加速度"),
+    ("acceleration", r"acc\w*|ddot|acel\w*|(?:ist|soll)?beschl\w*|ddq\w*|qdd|ускорение|\w*加速度\w*"),
     (
         "velocity",
-        r"vel\w*|speed|dot|omega|dtheta|dq|qd|(?:ist|soll)?(?:geschw|drehzahl)\w*|vitesse|скорость|\w*(?:速度|转速)|v",
+        r"vel\w*|speed|dot|omega|dtheta|dq|qd|(?:ist|soll)?(?:geschw|drehzahl)\w*|vitesse|скорость|\w*(?:速度|转速)\w*|v",
     ),
     (
         "force",
         r"torque|trq|tcmd|effort|(?:ist|soll)?(?:dreh)?moment\w*|force|(?:ist|soll)?kraft\w*|forza|fuerza|coppia|"
-        r"couple|сила|усилие|момент|\w*(?:力|转矩|扭矩|トルク)|fm?|tau",
+        r"couple|сила|усилие|момент|\w*(?:力|转矩|扭矩|トルク)\w*|fm?|tau",
     ),
-    ("current", r"current|cur|iq|i|(?:ist|soll)?strom\w*|courant|corr?iente|corrente|ток|\w*[电電]流|amps?"),
-    ("voltage", r"voltage|volts?|spannung|tensione?|voltaje|напряжение|\w*(?:电压|電圧)"),
+    (
+        "current",
+        r"current|cur|iq|i|(?:ist|soll)?strom\w*|courant|corr?iente|corrente|ток|\w*[电電]流\w*|amps?",
+    ),
+    ("voltage", r"voltage|volts?|spannung|tensione?|voltaje|напряжение|\w*(?:电压|電圧)\w*"),
     (
         "position",
-        r"(?:ist|soll)?(?:pos|lage)\w*|weg|angle|winkel|theta|phi|displ\w*|enc(?:oder)?|scale|положение|перемещение|координата|\w*(?:位置|位移|角度)|q\w?|x|y|z",
+        r"(?:ist|soll|f|r)?(?:pos|lage)\w*|weg|angle|winkel|theta|phi|displ\w*|enc(?:oder)?|scale|положение|перемещение|координата|\w*(?:位置|位移|角度)\w*|q\w?|x|y|z",
     ),
     (
         "command",
@@ -53,7 +56,7 @@ WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
 CLOCKS_NAMED: Final = {"ms": r"ms(?:ec)?|milli\w*", "us": r"us(?:ec)?|micro\w*", "ns": r"ns(?:ec)?|nano\w*"}
 """Units of a time that a word of its name states."""
 SETPOINT: Final = (
-    r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nom(?:l|inal)?|desired|demand\w*|goal|qg|consigne|"
+    r"set\w*|soll\w*|\w*soll(?:wert)?|t?cmd|command\w*|ref\w*|target\w*|nom(?:l|inal)?|des(?:ired)?|cmptd|input|rpos|rvel|demand\w*|goal|qg|consigne|"
     r"consigna|задан\w*|\w*(?:指令|目标|目標|给定)\w*"
 )
 """Words of what is commanded and not measured."""
@@ -64,7 +67,7 @@ DIFFERENCE: Final = (
 """Words of what is commanded less what is measured."""
 COUNTS: Final = (
     r"inc|incr\w*|increments?|inkr\w*|counts?(?:\d+bit)?|q?cts|cnts?|qc|impuls\w*|pulses?|lsbs?|digits?|"
-    r"ticks?|steps?|bits?|units"
+    r"ticks?|steps?|bits?|units|usr(?:_\w)?"
 )
 """Units of unknown length."""
 IN_TURNS: Final = re.compile(r"(?:^|[\W_])(?:(?:pos|vel)_(?:estimate|setpoint)|input_(?:pos|vel))$")

@@ -36,6 +36,7 @@ LONGEST_STROKE: Final = (
     10.0  # m: a position that covers more is in a smaller unit, and one of more mm in counts
 )
 _MOST_TURNS: Final = 1e3
+_MOST_WHOLE: Final = 10.0  # range of whole numbers above which rounding of SI is no cause of them
 _ENCODER: Final = "enc(?:oder)?"
 
 
@@ -287,6 +288,12 @@ def _without_unit(
             what = f"{written!r} is not a unit" if written else counts
             return ForeignColumn(header, "position", None, setpoint, f"{reason}; {what}", False, scaled=True)
         return ForeignColumn(header, "position", "mm", setpoint, reason, False)
+    if header.endswith("]") and written not in (None, "-"):
+        why = f"{evidence}; {written!r} is not a unit"
+        return ForeignColumn(header, quantity, None, setpoint, why, False, scaled=True)
+    if quantity != "command" and np.ptp(values) > _MOST_WHOLE and np.all(values % 1 == 0):
+        why = f"{evidence}; no unit, and whole numbers may be counts"
+        return ForeignColumn(header, quantity, None, setpoint, why, False, scaled=True)
     lacking = f"{written!r} is not a unit" if written else "no unit"
     follows = "of unknown size" if quantity == "command" else "so SI is assumed"
     return ForeignColumn(header, quantity, None, setpoint, f"{evidence}; {lacking}, {follows}", False)

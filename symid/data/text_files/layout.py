@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from symid.data.text_files.column_names import split_header
+from symid.data.text_files.column_names import named, split_header, words_of
 from symid.data.text_files.comma_pairs import are_pairs, may_be_pairs
-from symid.data.text_files.foreign import quantity_named
 from symid.data.text_files.text_table import (
     LEAST_ROWS,
     are_units,
@@ -183,10 +182,16 @@ def layout_of_text(path: Path, content: bytes, encoding: str | None = None) -> L
             faults.append(error)
             continue
         names = layout.headers(lines_of(path, content, one))
-        found.append((sum(quantity_named(split_header(name)[0]) is not None for name in names), layout))
+        found.append((sum(_is_known(split_header(name)[0]) for name in names), layout))
     if not found:
         raise faults[0]
     return max(found, key=lambda one: one[0])[1]
+
+
+def _is_known(name: str) -> bool:
+    """Whether a name tells a quantity by a word: letters stand alone between what other encodings make of a text."""
+    _, word = next(named(words_of(name)), (None, ""))
+    return len(word) > 1
 
 
 def _layout_in(path: Path, content: bytes, encoding: str) -> Layout:

@@ -38,23 +38,29 @@ def for_sensor(column: ForeignColumn, signal: str, unit: Unit) -> ForeignColumn:
     >>> for_sensor(replace(pos, unit="turn"), "q", Unit.of("m")).reason
     "as that of column 'theta', turn, does not convert to m"
     """
-    name, _ = split_header(column.header)
-    guessed = None if column.stated else column.unit
-    is_long = guessed == "mm"  # it was guessed for its stroke
-    possible = "" if column.scaled or (guessed and not is_long) or column.stated else _POSSIBLE.get(unit, "")
-    if signal == column.header and is_long and possible:
-        return replace(column, unit=None, reason="its name is that of the signal; no unit, so SI is assumed")
-    if (
-        possible
-        and column.quantity
-        and signal != column.header
-        and (is_long or not match(words_of(name), ANGLES))
-    ):
-        return replace(column, unit=None, scaled=True, reason=f"it may be in {possible}")
+    is_long = column.unit == "mm" and not column.stated  # guessed for its stroke
+    if column.header == signal and not column.stated:
+        return in_si(column) if is_long and unit in _POSSIBLE else as_called(column, signal)
+    is_open = not (column.stated or column.scaled) and (is_long or not column.unit) and column.quantity
+    is_small_angle = not is_long and match(words_of(split_header(column.header)[0]), ANGLES)
+    if is_open and unit in _POSSIBLE and not is_small_angle:
+        return replace(column, unit=None, scaled=True, reason=f"it may be in {_POSSIBLE[unit]}")
     if not is_unit_of(column.unit, unit):
         why = f"as that of column {column.header!r}, {column.unit}, does not convert to {unit}"
         return replace(column, unit=None, scaled=True, reason=why)
     return column
+
+
+def in_si(column: ForeignColumn) -> ForeignColumn:
+    """A column that has the name of a signal, as in a log of an axis, whatever its numbers suggest."""
+    why = "its name is that of the signal; no unit, so SI is assumed"
+    return replace(column, unit=None, scaled=False, reason=why)
+
+
+def as_called(column: ForeignColumn, signal: str) -> ForeignColumn:
+    """A column in SI if it has the name of a signal and no unit, unless it is a position that may be in counts."""
+    is_named = column.header == signal and column.scaled and column.quantity != "position"
+    return in_si(column) if is_named else column
 
 
 def is_unit_of(written: str | None, unit: Unit) -> bool:

@@ -10,8 +10,10 @@ from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.text_files.foreign import LONGEST_STROKE, quantity_named, with_unit
 from symid.identification.signals.fitting_columns import (
     UNITS_TO_GIVE,
+    as_called,
     column_called,
     for_sensor,
+    in_si,
     is_unit_of,
     like_position,
     may_command,
@@ -196,9 +198,8 @@ class _Guess:
 
     def called(self, signal: str) -> list[ForeignColumn]:
         """The column that has the name of a signal, if neither its name nor a unit says what it measures."""
-        why = "its name is that of the signal; no unit, so SI is assumed"
         same = [c for c in self.free if c.header == signal and c.quantity in (None, "command")]
-        return [replace(c, quantity=None, reason=why) for c in same]
+        return [replace(in_si(c), quantity=None) for c in same]
 
     def sensor(self, sensor: Sensor, unit: Unit, alike: int, *, needed: bool) -> None:
         """A column for a sensor: one of its name, else the first measured one of its quantity.
@@ -264,6 +265,7 @@ class _Guess:
                 + self.but_for("force")
             )
             return
+        column = as_called(column, signal)
         kind = column.quantity, column.setpoint, False
         same = [c for c in found if (c.quantity, c.setpoint, c.constant) == kind]
         self.name_others(signal, column, same if column.quantity else [], alike)
