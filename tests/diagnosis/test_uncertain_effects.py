@@ -1,8 +1,10 @@
-"""Two effects of one size: hardly a block of the log shows the first one alone."""
+"""Effects of one size: hardly a block of the log shows one of them alone."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pytest
 
 from symid import Log, load_axis
 from symid.diagnosis import LIBRARY
@@ -14,6 +16,7 @@ from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection import forward
 from symid.diagnosis.selection.backward import backward_elimination
+from symid.diagnosis.selection.reselection import reselected
 from symid.diagnosis.selection.step import SelectionStep, accepted_of
 
 NAMES = ("payload_change", "force_constant_ripple")
@@ -57,6 +60,33 @@ def test_two_effects_that_together_explain_a_log_are_found_together() -> None:
 
 def test_an_uncertain_effect_that_leaves_a_gap_is_none() -> None:
     assert accepted_of(uncertain("payload_change")) == []
+
+
+def test_uncertain_effects_after_the_first_are_found_if_together_they_leave_hardly_anything(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Beside a stiffness and cogging, a friction that warms up and an asymmetric one hide in each other's error."""
+    fit, library, first = first_step(*NAMES)
+    search = forward._selection_step
+
+    def doubtful(*given: Any) -> SelectionStep:
+        step = search(*given)
+        return replace(step, confirmed=tuple(replace(own, certainty=0.9) for own in step.confirmed))
+
+    monkeypatch.setattr(forward, "_selection_step", doubtful)
+    steps = forward._continued(fit, first, library, None)
+    assert {step.best.key[0] for step in steps} == set(NAMES)
+    left = steps[-1].before  # as if the second effect had explained nothing
+    nothing = replace(steps[-1], confirmed=(replace(steps[-1].best, fit=left),))
+    assert forward._without_tentative([first, nothing]) == (first,)
+
+
+def test_an_imitation_beside_another_effect_is_replaced_where_a_clear_gap_stays() -> None:
+    fit, library, first = first_step("payload_change", "gain_nonlinearity")
+    steps = accepted_of(forward._continued(fit, first, library, None))
+    assert [step.best.key[0] for step in steps] == ["payload_change", "gain_nonlinearity"]
+    more = [effect for effect in LIBRARY if effect.name in (*NAMES, "gain_nonlinearity")]
+    assert {member.placed.key[0] for member in reselected(steps, more)} == set(NAMES)
 
 
 def test_a_search_goes_on_from_effects_as_probable_as_the_first() -> None:
