@@ -15,8 +15,8 @@ from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb
-from symid.diagnosis.selection.forward import _simpler
 from symid.diagnosis.selection.screening import Candidate
+from symid.diagnosis.selection.stages import simpler_effects
 from symid.diagnosis.selection.step import Confirmed
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -44,7 +44,7 @@ def test_coulomb_friction_begins_at_the_level_of_what_contains_it() -> None:
     whole = Fit(with_effects(fit.state, fit.weighting, (VARYING,)), fit.weighting)
     own = Confirmed(whole, 0.0, 1.0, whole.blocks.squares)
     far = Candidate(Placed(COULOMB.effect, BODY, (), (1e4,)), 0.0, 0.0)
-    (start,) = _simpler(fit, [far], {own.key: own})
+    (start,) = simpler_effects(fit, [far], {own.key: own})
     assert start.placed.amplitudes == VARYING.amplitudes[:1]
     found = confirmed_from(fit, start)
     assert found is not None
