@@ -80,13 +80,12 @@ class Page:
         self.events.clear()
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.send(f"{domain}.enable")
-        self.send(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=1,
-            mobile=False,
-        )
+        self.resize(width, height)
+
+    def resize(self, width: int, height: int) -> None:
+        """Give the page another size."""
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.send("Emulation.setDeviceMetricsOverride", **metrics)
 
     def send(self, method: str, **parameters: Any) -> dict[str, Any]:
         """Answer to a command."""

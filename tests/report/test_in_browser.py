@@ -7,10 +7,12 @@ import matplotlib.image
 import numpy as np
 import pytest
 from browser import Page
-from diagnosis_example import KINDS, diagnosis_example, without_nominal
+from diagnosis_example import diagnosis_example, without_nominal
 from diagnosis_page import page_of, written
 
 from benchmarks.pictures import photograph
+from symid.arrays import FloatArray
+from symid.diagnosis import Signals
 from symid.report.figures.colours import EXPLAINED, MEASURED, MODEL, NOMINAL, PAPER, in_dark
 from symid.report.pages.diagnosis_page import write_html
 
@@ -48,27 +50,31 @@ def place(page: Page, selector: str) -> dict[str, float]:
     return dict(page.evaluate(script))
 
 
-def pixels(page: Page, selector: str, *colours: str) -> list[int]:
-    """How many pixels of an element have each colour."""
-    box = place(page, selector)
-    part = matplotlib.image.imread(io.BytesIO(page.picture(box)))[:, :, :3]
+def pictures(page: Page, *selectors: str) -> list[FloatArray]:
+    """What elements show: parts of one picture, as each one of a page beyond its window draws all plots anew."""
+    boxes = [place(page, selector) for selector in selectors]
+    left, top = min(box["left"] for box in boxes), min(box["top"] for box in boxes)
+    right, bottom = max(box["right"] for box in boxes), max(box["bottom"] for box in boxes)
+    whole = page.picture({"x": left, "y": top, "width": right - left, "height": bottom - top})
+    shown = matplotlib.image.imread(io.BytesIO(whole))[:, :, :3]
+    edges = [[round(box[side] - top) for side in ("top", "bottom")] for box in boxes]
+    sides = [[round(box[side] - left) for side in ("left", "right")] for box in boxes]
+    return [shown[slice(*rows), slice(*columns)] for rows, columns in zip(edges, sides, strict=True)]
+
+
+def pixels_of(part: FloatArray, *colours: str) -> list[int]:
+    """How many pixels of a picture have each colour."""
     wanted = [np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255 for colour in colours]
     return [int((np.abs(part - colour).max(axis=2) < 0.02).sum()) for colour in wanted]
 
 
+def pixels(page: Page, selector: str, *colours: str) -> list[int]:
+    """How many pixels of an element have each colour."""
+    return pixels_of(*pictures(page, selector), *colours)
+
+
 LEGEND = 100
 """More pixels than the names of curves alone take."""
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_curves_are_drawn(kind, page, tmp_path):
-    opened(page, page_of(kind), tmp_path)
-    model, measured = pixels(page, "#signals .plot", MODEL, MEASURED)
-    assert model > 10 * LEGEND
-    assert measured > 10 * LEGEND
-    model, explained = pixels(page, "#spectrum .plot", MODEL, EXPLAINED)
-    assert model > 5 * LEGEND
-    assert (explained > 5 * LEGEND) == bool(diagnosis_example(kind).effects)
 
 
 TEXTS = (
@@ -89,20 +95,34 @@ TEXTS = (
 PAPER_SHOWN = "getComputedStyle(document.body).backgroundColor"
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_stands_out_from_the_page(scheme, page, tmp_path):
-    page.prefer(scheme)
-    opened(page, page_of("two effects"), tmp_path)
-    assert min(page.contrasts(*TEXTS).values()) > 4.5
-    assert page.evaluate(PAPER_SHOWN) == {"light": "rgb(255, 255, 255)", "dark": "rgb(23, 23, 23)"}[scheme]
+def curves_are_drawn(page: Page, kind: str) -> None:
+    signals, spectrum = pictures(page, "#signals .plot", "#spectrum .plot")
+    assert min(pixels_of(signals, MODEL, MEASURED)) > 10 * LEGEND
+    model, explained = pixels_of(spectrum, MODEL, EXPLAINED)
+    assert model > 5 * LEGEND
+    assert (explained > 5 * LEGEND) == bool(diagnosis_example(kind).effects)
 
 
-@pytest.mark.parametrize("verdict", ["no gap", "parameters", "unexplained"])
-def test_every_verdict_can_be_read_in_the_dark(verdict, page, tmp_path):
-    page.prefer("dark")
-    opened(page, page_of(verdict), tmp_path)
-    texts = (".verdict", ".faults li") if verdict == "unexplained" else (".verdict",)
-    assert min(page.contrasts(*texts).values()) > 4.5
+def text_stands_out(page: Page, *texts: str) -> None:
+    for scheme, paper in (("light", "rgb(255, 255, 255)"), ("dark", "rgb(23, 23, 23)")):
+        page.prefer(scheme)
+        assert page.evaluate(PAPER_SHOWN) == paper
+        assert min(page.contrasts(*texts).values()) > 4.5
+
+
+@pytest.mark.parametrize(  # of the other kinds, tests below open the pages
+    ("kind", "texts"),
+    [
+        ("two effects", TEXTS),
+        ("no gap", (".verdict",)),
+        ("unexplained", (".verdict", ".faults li")),
+        ("recording", (".verdict", ".faults li")),
+    ],
+)
+def test_curves_are_drawn_and_text_stands_out(kind, texts, page, tmp_path):
+    opened(page, page_of(kind), tmp_path)
+    curves_are_drawn(page, kind)
+    text_stands_out(page, *texts)
 
 
 def test_plots_turn_dark_with_their_page(page, tmp_path):
@@ -128,13 +148,6 @@ def test_print_is_light(page, tmp_path):
     assert paper > 1000 * LEGEND > dark
 
 
-def test_the_error_is_drawn_over_velocity_and_position(page, tmp_path):
-    opened(page, page_of("effect"), tmp_path)
-    for place in ("#over-motion .beside > :first-child .plot", "#over-motion .beside > :last-child .plot"):
-        model, explained = pixels(page, place, MODEL, EXPLAINED)
-        assert min(model, explained) > 2 * LEGEND
-
-
 def test_a_page_becomes_a_picture(tmp_path):
     file, picture = tmp_path / "report.html", tmp_path / "page.png"
     write_html(diagnosis_example("effect"), file)
@@ -147,16 +160,57 @@ def test_a_page_becomes_a_picture(tmp_path):
 
 def test_nominal_values_are_drawn_where_they_are_given(page, tmp_path):
     opened(page, page_of("parameters"), tmp_path)
+    curves_are_drawn(page, "parameters")
     (given,) = pixels(page, "#signals .plot", NOMINAL)
+    text_stands_out(page, ".verdict")
     page.events.clear()
+    page.prefer("light")
     opened(page, written(without_nominal(diagnosis_example("parameters"))), tmp_path)
     assert given > LEGEND
     assert pixels(page, "#signals .plot", NOMINAL) == [0]
 
 
-def test_a_drag_zooms_all_curves_over_time(page, tmp_path):
+def test_hostile_names_run_nothing(page, tmp_path):
+    hostile = "</script><script>window.hostile = 1</script><img src=x onerror='window.hostile = 1'>"
+    found = diagnosis_example("effect")
+    gap = replace(found.gap, signal=hostile, unit=hostile)
+    opened(page, written(replace(found, sentence=hostile, logs=(hostile,), gap=gap)), tmp_path)
+    assert page.evaluate("typeof window.hostile") == "undefined"
+    assert page.evaluate("document.querySelector('h1').textContent").endswith(hostile)
+
+
+def test_an_error_is_drawn_over_motion_saved_and_zoomed(page, tmp_path):
     signals = diagnosis_example("effect").signals
     opened(page, page_of("effect"), tmp_path)
+    curves_are_drawn(page, "effect")
+    is_drawn_over_motion(page)
+    data_are_saved(page, signals.measured)
+    a_drag_zooms_all_curves_over_time(page, signals)
+
+
+def is_drawn_over_motion(page: Page) -> None:
+    beside = (f"#over-motion .beside > :{which}-child .plot" for which in ("first", "last"))
+    for part in pictures(page, *beside):
+        assert min(pixels_of(part, MODEL, EXPLAINED)) > 2 * LEGEND
+
+
+def data_are_saved(page: Page, measured: FloatArray) -> None:
+    page.evaluate("URL.createObjectURL = blob => { window.saved = blob; return '#'; }")
+    saved = {}
+    for section in ("signals", "over-motion", "spectrum"):
+        page.evaluate(f"document.querySelector('#{section} button.save').click()")
+        saved[section] = page.evaluate("window.saved.text()")
+    names, *rows = (line.split(",") for line in saved["signals"].splitlines())
+    assert {"time", "measured", "reidentified", "position"} <= set(names)
+    force = [float(row[names.index("measured")]) for row in rows if row[names.index("measured")]]
+    # of long logs, lowest and highest value of each bundle of samples
+    assert 3_000 < len(force) <= 6_000 < measured.size
+    assert [min(force), max(force)] == pytest.approx([measured.min(), measured.max()], rel=1e-6)
+    assert saved["spectrum"].startswith("frequency,")
+    assert len(saved["over-motion"].split("\n\n")) > 2  # dots and means
+
+
+def a_drag_zooms_all_curves_over_time(page: Page, signals: Signals) -> None:
     page.evaluate("document.querySelector('#signals').scrollIntoView()")
     before = np.array(page.evaluate(RANGES))
     box = place(page, "#signals .plot")
@@ -171,30 +225,3 @@ def test_a_drag_zooms_all_curves_over_time(page, tmp_path):
     travel = np.ptp(signals.position[seen])
     assert travel < 0.8 * np.ptp(signals.position)
     assert travel <= after[2, 3] - after[2, 2] < 1.2 * travel  # the part that is shown fills its plot
-
-
-def test_hostile_names_run_nothing(page, tmp_path):
-    hostile = "</script><script>window.hostile = 1</script><img src=x onerror='window.hostile = 1'>"
-    found = diagnosis_example("effect")
-    gap = replace(found.gap, signal=hostile, unit=hostile)
-    opened(page, written(replace(found, sentence=hostile, logs=(hostile,), gap=gap)), tmp_path)
-    assert page.evaluate("typeof window.hostile") == "undefined"
-    assert page.evaluate("document.querySelector('h1').textContent").endswith(hostile)
-
-
-def test_the_data_behind_a_plot_are_saved(page, tmp_path):
-    found = diagnosis_example("effect")
-    opened(page, page_of("effect"), tmp_path)
-    page.evaluate("URL.createObjectURL = blob => { window.saved = blob; return '#'; }")
-    saved = {}
-    for section in ("signals", "over-motion", "spectrum"):
-        page.evaluate(f"document.querySelector('#{section} button.save').click()")
-        saved[section] = page.evaluate("window.saved.text()")
-    names, *rows = (line.split(",") for line in saved["signals"].splitlines())
-    assert {"time", "measured", "reidentified", "position"} <= set(names)
-    force = [float(row[names.index("measured")]) for row in rows if row[names.index("measured")]]
-    measured = found.signals.measured  # of long logs, lowest and highest value of each bundle of samples
-    assert 3_000 < len(force) <= 6_000 < measured.size
-    assert [min(force), max(force)] == pytest.approx([measured.min(), measured.max()], rel=1e-6)
-    assert saved["spectrum"].startswith("frequency,")
-    assert len(saved["over-motion"].split("\n\n")) > 2  # dots and means
