@@ -20,6 +20,7 @@ from symid.codegen import load_generated
 from symid.identification import Identification, identify
 from symid.identification.deviations.discrepancy import Discrepancy
 from symid.identification.deviations.motion_shapes import QUARTER, Motion, waves
+from symid.identification.results.reliability import with_discrepancies
 
 M, FV, FS = 40.0, 120.0, 30.0
 RATE = 1000.0
@@ -86,6 +87,14 @@ def test_a_note_says_what_deviations_hold():
     assert any(
         "mostly what the model may lack" in note and "square of the speed" in note for note in found.notes
     )
+
+
+def test_what_is_not_determined_for_a_lacking_effect_is_not_to_be_excited_more():
+    found = slide()
+    lacking = Discrepancy("cogging", 2.0 * found.fit.solution[None], np.zeros((3, 3)))
+    wider = with_discrepancies(found, (lacking,))
+    assert (found.status, wider.status) == ("ok", "undetermined")
+    assert "the model may lack what moves them so far (cogging)" in wider.message
 
 
 def test_a_change_between_bands_counts_beyond_its_noise_alone():

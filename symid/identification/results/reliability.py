@@ -26,6 +26,7 @@ _CERTAIN = 2.0
 _GROWN = 2.0
 """Growth of a deviation by what a model lacks that is worth a note."""
 _NOISE_IN_W = "noise of the sensors in the columns of W"
+_EXCITE = "excite it more (other speeds, accelerations, frequencies), or record longer"
 _GAIN_OF_DIFFERENCES = 0.997
 """Gain of the differences at the cutoff above which they are not the cause of a bias."""
 
@@ -95,6 +96,7 @@ def with_discrepancies(found: Identification, discrepancies: tuple[Discrepancy, 
     """An "ok" identification whose deviations cover lacking effects, with a note where these are most of them."""
     wider = replace(found, discrepancies=discrepancies)
     status, message, notes = found.status, found.message, found.notes
+    effects = ", ".join(dict.fromkeys(one.effect for one in discrepancies if one.is_seen))
     if found.physical:
         rows = zip(
             found.model.physical_units,
@@ -109,17 +111,17 @@ def with_discrepancies(found: Identification, discrepancies: tuple[Discrepancy, 
             if wide > _GROWN * narrow and wide > CRITERIA.precise * value > 0.0
         ]
         if named:
-            effects = ", ".join(dict.fromkeys(one.effect for one in discrepancies if one.is_seen))
             notes += (
                 f"deviations of {', '.join(named)} are mostly what the model may lack: the residual shows {effects}; "
                 "see what `symid diagnose` finds",
             )
-        if vague := _undetermined(wider):
+        cause = f"the model may lack what moves them so far ({effects}): see what `symid diagnose` finds"
+        if vague := _undetermined(wider, cause if effects else _EXCITE):
             status, message = "undetermined", vague
     return replace(wider, status=status, message=message, notes=notes)
 
 
-def _undetermined(found: Identification) -> str:
+def _undetermined(found: Identification, cure: str = _EXCITE) -> str:
     """Statement on physical parameters whose deviation exceeds their value, except those that may be 0."""
     if not found.physical:
         return ""
@@ -139,7 +141,6 @@ def _undetermined(found: Identification) -> str:
     ]
     if vague and (lost := [name for name in open_by_structure(found.model) if np.isfinite(given[name])]):
         return not_by_structure(lost)
-    cure = "excite it more (other speeds, accelerations, frequencies), or record longer"
     return f"the log does not determine {', '.join(vague)}: {cure}" if vague else ""
 
 
