@@ -74,6 +74,8 @@ IN_TURNS: Final = re.compile(r"(?:^|[\W_])(?:(?:pos|vel)_(?:estimate|setpoint)|i
 """Names of ODrive, whose positions count turns."""
 ANGLES: Final = r"theta|phi|angle|winkel|\w*角度|угол|d?theta|omega|q\w?"
 """Words of a position or velocity that is an angle in rad or deg, not a number of turns."""
+TORQUE_CURRENT: Final = r"i?q|quadrature|torque|(?:dreh)?moment\w*"
+"""Words of the current that makes torque."""
 NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 """Words of columns that number the samples."""
 SPELLED: Final = {

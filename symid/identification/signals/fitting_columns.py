@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from symid.data import ForeignColumn
 from symid.data.text_files.column_names import match, split_header, words_of
-from symid.data.text_files.column_words import ANGLES
+from symid.data.text_files.column_words import ANGLES, TORQUE_CURRENT
 from symid.errors import LogError, SettingError
 from symid.units import Unit, to_si
 
@@ -26,6 +26,15 @@ UNITS_TO_GIVE = {
     Unit.of("m"): "mm, '5000 counts/mm' or, where one is that, '5 mm'",
 }
 """Examples of units by that of a sensor."""
+
+
+def makes_torque(column: ForeignColumn) -> bool:
+    """Whether a current is named as the one that makes torque, beside those of the phases.
+
+    >>> [makes_torque(ForeignColumn(c, "current", "A", False, "", True)) for c in ("iq_mA", "q_current", "Strom U [A]")]
+    [True, True, False]
+    """
+    return match(words_of(split_header(column.header)[0]), TORQUE_CURRENT) is not None
 
 
 def for_sensor(column: ForeignColumn, signal: str, unit: Unit) -> ForeignColumn:

@@ -16,6 +16,7 @@ from symid.identification.signals.fitting_columns import (
     in_si,
     is_unit_of,
     like_position,
+    makes_torque,
     may_command,
 )
 from symid.identification.signals.mapping import LogMapping, require_known
@@ -232,9 +233,8 @@ class _Guess:
 
     def moving(self, quantity: str) -> list[ForeignColumn]:
         """Measured velocities, where a position is sought."""
-        return [
-            c for c in self.free if quantity == "position" and c.quantity == "velocity" and not c.setpoint
-        ]
+        speeds = [c for c in self.free if c.quantity == "velocity" and not c.setpoint]
+        return speeds if quantity == "position" else []
 
     def name_others(
         self, signal: str, column: ForeignColumn, found: Sequence[ForeignColumn], alike: int
@@ -248,7 +248,9 @@ class _Guess:
         """A column for a drive's force, measured or else commanded, with its factor where it needs one."""
         signal, command = drive.signal, drive.command
         own = {Unit.of("A"): "current", Unit.of("V"): "voltage"}.get(unit, "force")
-        found = sorted(self.free, key=lambda c: (c.constant, not c.header.startswith(signal)))
+        found = sorted(
+            self.free, key=lambda c: (c.constant, not c.header.startswith(signal), not makes_torque(c))
+        )
         measured = {c.quantity: c for c in reversed(found) if not c.setpoint}
         if command and "voltage" in measured and own not in measured:
             self.take(command, measured["voltage"])
@@ -266,8 +268,8 @@ class _Guess:
             )
             return
         column = as_called(column, signal)
-        kind = column.quantity, column.setpoint, False
-        same = [c for c in found if (c.quantity, c.setpoint, c.constant) == kind]
+        kind = column.quantity, column.setpoint, False, makes_torque(column)
+        same = [c for c in found if (c.quantity, c.setpoint, c.constant, makes_torque(c)) == kind]
         self.name_others(signal, column, same if column.quantity else [], alike)
         if column.setpoint and signal not in self.named:
             self.guesses.append(f"{signal} is a command: no column seems to be a measured force")
