@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -25,8 +26,15 @@ class Sines:
         """Derivative of an order, or the steady response of a transfer function of s."""
         w = 2 * np.pi * self.frequencies
         gain = (1j * w) ** order if response is None else response(1j * w)
-        turning = np.exp(1j * (np.outer(w, time) + self.phases[:, None]))
-        return np.imag((self.amplitudes * gain) @ turning)
+        arguments = (np.asarray(values, dtype=float).tobytes() for values in (w, self.phases, time))
+        return np.imag((self.amplitudes * gain) @ _turning(*arguments))
+
+
+@lru_cache(maxsize=8)  # takes longer than all else of a log, whose derivatives have it in common
+def _turning(w: bytes, phases: bytes, time: bytes) -> np.ndarray:
+    """Waves of unit amplitude, one a row, of angular frequencies, phases and times."""
+    w, phases, time = (np.frombuffer(values) for values in (w, phases, time))
+    return np.exp(1j * (np.outer(w, time) + phases[:, None]))
 
 
 def motion(seed: int) -> Sines:

@@ -175,6 +175,14 @@ def test_two_drives_need_two_controllers() -> None:
         diagnose(axis(), log(), nominal=TRUE, library=(), controller=[Cascade("q1", HASTE, GAIN, 0.0)])
 
 
+@pytest.fixture
+def two_motions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The next experiment is chosen from two motions only."""
+    every = discrimination.candidate_motions
+    monkeypatch.setattr(discrimination, "candidate_motions", lambda envelope: every(envelope)[:2])
+
+
+@pytest.mark.usefixtures("two_motions")
 def test_the_next_experiment_moves_both_drives_as_the_log_did() -> None:
     planned = next_experiment_of(found("delay"))
     assert planned.causes == (("delay", "F1"), ("actuator_lag", "F1"))
@@ -187,9 +195,8 @@ def test_the_next_experiment_moves_both_drives_as_the_log_did() -> None:
     assert "cannot be an element of an axis" not in planned.message
 
 
-def test_the_next_experiment_is_simulated_with_both_drives(monkeypatch: pytest.MonkeyPatch) -> None:
-    every = discrimination.candidate_motions
-    monkeypatch.setattr(discrimination, "candidate_motions", lambda envelope: every(envelope)[:2])
+@pytest.mark.usefixtures("two_motions")
+def test_the_next_experiment_is_simulated_with_both_drives() -> None:
     named = found("cogging")
     planned = next_experiment_of(named)
     (cause, rival) = planned.causes
