@@ -15,6 +15,7 @@ from symid.identification.rows.noise import noise_deviations
 from symid.output_error.controller_check import controller_mismatch
 from symid.output_error.likelihood_result import OutputErrorIdentification, Status
 
+_EXCITE = "excite it more, or record longer"
 _VAGUE = 50.0
 """Standard deviation in percent above which a parameter is hardly determined."""
 _FORCES = ("N", "N*m")
@@ -91,14 +92,14 @@ def verdict_of(
     return "ok", ""
 
 
-def undetermined(found: OutputErrorIdentification) -> tuple[Status, str] | None:
+def undetermined(found: OutputErrorIdentification, cure: str = _EXCITE) -> tuple[Status, str] | None:
     """The status of an estimate of which the logs do not determine a parameter; None if they determine all."""
     vague = _uncertain_parameters(found, CRITERIA.undetermined)
     if not vague:
         return None
     if lost := open_by_structure(found.model):
         return "undetermined", not_by_structure(lost)
-    return "undetermined", f"the log does not determine {', '.join(vague)}: excite it more, or record longer"
+    return "undetermined", f"the log does not determine {', '.join(vague)}: {cure}"
 
 
 def fault_of(found: OutputErrorIdentification, regression: Identification) -> Status | None:
@@ -156,8 +157,7 @@ def _absent_friction(found: OutputErrorIdentification) -> frozenset[str]:
 
 def _noise_remark(found: OutputErrorIdentification) -> str:
     """Remark on forces and accelerations that are mostly noise, beyond the noise that their spectra show."""
-    log, parts = found.logs[0], []
-    levels = noise_deviations(found.model, log)
+    log, parts, levels = found.logs[0], [], noise_deviations(found.model, found.logs[0])
     orders = {signal: sensor.order for signal, sensor in found.comparison.dynamics.sensors.items()}
     for signal, noise in found.noise.items():
         size = float(np.sqrt(np.mean(log[signal] ** 2)))
@@ -273,9 +273,9 @@ def remarks_on(found: OutputErrorIdentification) -> tuple[str, ...]:
         remarks.append(_correlated_remark(found))
     highest = fit.search.dynamics.at(fit.search.parameters).highest_mode
     if highest:
-        rate = found.logs[0].sampling_frequency
         remarks.append(
-            f"the highest mode, {highest:.3g} Hz, is taken to lie below half the sampling frequency of {rate:g} Hz"
+            f"the highest mode, {highest:.3g} Hz, is taken to lie below half the sampling frequency of "
+            f"{found.logs[0].sampling_frequency:g} Hz"
         )
     return tuple(remarks)
 

@@ -19,6 +19,10 @@ from symid.output_error.likelihood_result import OutputErrorIdentification
 from symid.output_error.rough_starts import plausible, rigid_start, spread, with_heavy_bodies
 from symid.simulation import ClosedLoop, ForwardDynamics, feedthrough_of, forward_dynamics
 
+_OPEN = "not_converged", "not_physical", "undetermined"
+"""Statuses whose cause least squares may know, such as a wrong sign or a law that is missing."""
+_MAY_LACK = "the model may lack what moves them so far: see what `symid diagnose` finds"
+
 
 def identify_output_error(
     axis: Axis,
@@ -163,7 +167,9 @@ class _Judge:
             is_timed = comparison.free_timing or comparison.force != "smooth"
             lacking = timed.by_lacking(timed.physical[0].sensitivity, delays=not is_timed)
             found = replace(found, lacking=lacking)
-            status, message = undetermined(found) or ("ok", "")
+            status, message = undetermined(found, _MAY_LACK) or ("ok", "")
+        elif status in _OPEN and timed is not None and timed.status not in ("ok", "undetermined"):
+            message = f"{message}; least squares: {timed.message}"
         return replace(found, status=status, message=message, notes=(*notes, *remarks_on(found)))
 
     def _in_time(

@@ -224,6 +224,15 @@ def test_a_friction_that_pushes_is_not_physical() -> None:
     assert "Fv" in found.message
 
 
+def test_a_wrong_sign_is_told_as_least_squares_find_it() -> None:
+    axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
+    log = logged(axis, RIGID, "q")
+    turned = replace(log, signals={**log.signals, "F": -log["F"]})
+    found = identify_output_error(axis, model, turned, held=True)
+    assert found.status != "ok"
+    assert "the sign of F or of a position is wrong" in found.message
+
+
 @pytest.mark.parametrize("nominal", [{"Fv": 80.0, "Fs": 40.0}, {"M": -1.0, "Fv": 80.0, "Fs": 40.0}])
 def test_impossible_nominal_values_are_a_mistake(nominal: dict[str, float]) -> None:
     axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
