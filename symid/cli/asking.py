@@ -16,14 +16,14 @@ from symid.data.text_files.column_names import split_header
 from symid.data.text_files.foreign import with_unit
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping
-from symid.identification.signals.fitting_columns import for_sensor
+from symid.identification.signals.fitting_columns import UNITS_TO_GIVE, for_sensor
 from symid.units import Unit, to_si
 
 _OF_A_DRIVE = ("force", "current", "percent")
 _EXAMPLES = {
     "time": "s, ms, us",
-    "position": "mm, um, deg, 5000 counts/mm, 4096 counts/rev",
-    "velocity": "mm/s, rpm",
+    "position": "mm",
+    "velocity": "mm/s",
     "acceleration": "m/s^2, g",
     "force": "N, Nm, A, %",
 }
@@ -108,12 +108,14 @@ def _with_signal(
         column = for_sensor(column, signal, unit)
     if column is None or column.stated or signal in known.units:
         return known
+    of_drive = quantity == "force" and column.scaled
+    such = UNITS_TO_GIVE.get(unit, _EXAMPLES[quantity]).replace("'", "")
     answer = click.prompt(
-        f"Unit of {column.header!r} ({_EXAMPLES[quantity]})",
-        default=None if column.scaled else column.unit or str(unit),
-        value_proc=lambda text: _unit_of(text, quantity, unit, column),
+        f"Unit of {column.header!r} ({such}{', or - if only its factor is known' * of_drive})",
+        default="-" if of_drive else None if column.scaled else column.unit or str(unit),
+        value_proc=lambda text: "" if of_drive and text == "-" else _unit_of(text, quantity, unit, column),
     )
-    return replace(known, units={**known.units, signal: answer})
+    return replace(known, units={**known.units, signal: answer}) if answer else known
 
 
 def _column_of(text: str, columns: Sequence[ForeignColumn]) -> ForeignColumn | None:

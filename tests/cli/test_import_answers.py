@@ -57,6 +57,21 @@ def test_answers_say_what_a_file_does_not(
     assert (folder / "taken.json").read_text() == "{}"
 
 
+def test_the_unit_of_an_angle_and_the_factor_of_whole_numbers_are_asked_for(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t = 1e-3 * np.arange(400)
+    columns = {"t [s]": t, "position": 30 * np.sin(9 * t), "current": np.round(900 * np.cos(9 * t))}
+    (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
+    assert run("new", "servo.py", "--rotary", "--bodies", "1") == 0
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n\nrad\n\n\n0.004\n"))
+    assert run("import", "a.csv", "--axis", "servo.py", "--ask", "-o", "m.json") == 0
+    assert "(deg or 4096 counts/rev)" in capsys.readouterr().out
+    mapping = json.loads((folder / "m.json").read_text())
+    assert (list(mapping["gains"].values()), mapping["missing"]) == ([0.004], [])
+    assert "rad" in mapping["units"].values()
+
+
 def test_a_rate_is_asked_for_where_there_is_no_time(
     recorded, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
