@@ -90,7 +90,9 @@ def multisine(low: float, high: float, speed: float, acceleration: float, rng: n
         found = np.zeros((3, t.size))
         for a, rate, phase in zip(amplitudes, w, phases, strict=True):
             sine, cosine = np.sin(rate * t + phase), np.cos(rate * t + phase)
-            found += np.stack([a * sine, a * rate * cosine, -a * rate**2 * sine])
+            found[0] += a * sine
+            found[1] += a * rate * cosine
+            found[2] -= a * rate**2 * sine
         return found[0], found[1], found[2]
 
     return motion

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -15,6 +16,7 @@ LIBRARY = sorted(file for file in PACKAGE.rglob("*.py") if "cli" not in file.rel
 SETTING = re.compile(r"`\w+(?:=[^`]+)?`")
 
 
+@cache
 def texts(file: Path) -> list[str]:
     """Texts in a module that are no docstrings."""
     tree = ast.parse(file.read_text(encoding="utf-8"))

@@ -23,7 +23,7 @@ _COMMENT: Final = re.compile(r"\s*(#+|%+|//+)\s*")
 _UNIT_APART: Final = re.compile(r"(?<=\w)\s+(?=[\[(])")
 FORTRAN: Final = re.compile(r"^([-+]?\d*\.?\d+|[-+]?\d+\.)[dD]([-+]?\d+)$")
 """A number as Fortran writes it, with D before its exponent."""
-_NUMBER_WITH_UNIT: Final = re.compile(r"([-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?)\s*([^\W\d_][^\s\d]*|[°%])")
+_NUMBER_WITH_UNIT: Final = re.compile(r"([-+]?[.,]*+\d[\d.,]*+(?:[eE][-+]?\d+)?)\s*([^\W\d_][^\s\d]*|[°%])")
 _NO_UNIT: Final = ("", "-", "--", "%", "[]", "none", "None")
 _BRACKETS: Final = re.compile(r".*[\w.]\s*[\[(]([^\]):]+)[\])]\s*")
 
