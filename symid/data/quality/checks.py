@@ -103,9 +103,7 @@ def jumps_of(x: FloatArray) -> list[int]:
     coarse = np.abs(np.diff(x))
     finest = float(np.min(coarse, where=coarse > 0, initial=np.inf))
     least = max(_JUMP_STEPS * finest, _JUMP_RANGE * float(np.ptp(x)))
-    jumps = []
-    for i in np.flatnonzero(odd > least).tolist():
-        nearby = np.concatenate([odd[max(i - _NEAR, 0) : max(i - 2, 0)], odd[i + 3 : i + 3 + _NEAR]])
-        if odd[i] > _JUMP_RATIO * np.max(nearby, initial=0.0):
-            jumps.append(i + 2)
-    return jumps
+    around, found = np.pad(odd, _NEAR + 2), np.flatnonzero(odd > least)
+    for apart in (*range(-_NEAR, -2), *range(3, _NEAR + 3)):
+        found = found[odd[found] > _JUMP_RATIO * around[found + _NEAR + 2 + apart]]
+    return (found + 2).tolist()
