@@ -1,6 +1,7 @@
 """Central differences: derivatives of sampled signals, and the gain and bandwidth that differencing leaves."""
 
 import math
+from bisect import bisect_left
 from functools import lru_cache, reduce
 from typing import Final
 
@@ -149,8 +150,7 @@ def sparse_derivatives(
         if x.size < 4 * reach:
             found.append(derivatives(x, sampling_period, m, accuracy=accuracy)[-1][kept])
             continue
-        begin = sum(place < reach for place in places)
-        end = begin + sum(reach <= place < x.size - reach for place in places)
+        begin, end = (bisect_left(places, place) for place in (reach, x.size - reach))
         values, inner = np.empty(len(places)), places[begin:end]
         if inner:
             near = np.lib.stride_tricks.sliding_window_view(x, len(factors))
