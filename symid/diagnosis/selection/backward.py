@@ -1,10 +1,11 @@
 """Backward elimination: effects found one at a time are judged together.
 
 Forward selection never reconsiders an effect, but the first one also stood in for those found later. With all others in
-the model, the first effect is therefore selected again among all candidates, and an effect that then explains nothing
-is dropped (stepwise regression with replacement and backward elimination). The remaining effects are sorted by the
-error that the model has without each, and fitted again in this order, so that the steps of the gap add up. If an effect
-explains nothing at its position, the order of their gains when found is tried, then the order in which they were found.
+the model, the first effect is therefore selected again among all candidates, where a clear gap stays each effect is,
+and an effect that then explains nothing is dropped (stepwise regression with replacement and backward elimination). The
+remaining effects are sorted by the error that the model has without each, and fitted again in this order, so that the
+steps of the gap add up. If an effect explains nothing at its position, the order of their gains when found is tried,
+then the order in which they were found.
 """
 
 import math
