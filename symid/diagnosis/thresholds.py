@@ -26,7 +26,8 @@ class Thresholds:
     least_share: float = 0.006
     # share of draws of the blocks in which it must predict better: two sides of a test at 10 %
     least_certainty: float = 0.95
-    # the same for a first effect that is followed to the end, as others may explain the rest (a drawn pair: 0.935)
+    # the same for an effect that is followed to the end, as others may explain the rest (a drawn pair: 0.935, and the
+    # third effect of a drawn slide: 0.94)
     least_tentative: float = 0.8
     # least_power, least_of_first: mean square, and share of the first model's, that a further effect must take
     # away (second effects in drawn cases with one)
