@@ -15,7 +15,7 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.data import Log
-from symid.diagnosis.effects import LIBRARY, Effect, Placed, declared_effects
+from symid.diagnosis.effects import LIBRARY, Effect, Placed, declared_effects, effects_named
 from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import (
@@ -57,7 +57,7 @@ def diagnose_against(
     validation: Log | None = None,
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
-    library: Sequence[Effect] = LIBRARY,
+    library: Sequence[Effect | str] = LIBRARY,
     controller: Cascade | Sequence[Cascade] | None = None,
 ) -> Diagnosis:
     """Why a machine and a simulator of it differ.
@@ -109,12 +109,13 @@ def diagnose_against(
     holds = replace(recorded, thinned=1).holds(axis, simulated.sampling_period)
     noisy = as_noisy(simulated, data.record)
     own = record_of(data.record.dynamics, noisy, None, recorded.delays(axis), holds)
-    model = _simulator(own, library)
+    effects = effects_named(library)
+    model = _simulator(own, effects)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)
     start = Fit(with_effects(state, weighting, _shared_effects(state, base)), weighting)
-    steps = forward_selection(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
-    steps = backward_elimination(steps, library)
+    steps = forward_selection(base, effects, start if len(data.record.dynamics.bodies) > 1 else None)
+    steps = backward_elimination(steps, effects)
     fits = fits_of(steps[0].before, steps)
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, steps, fits, model.parameters, (log, validation))

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from symid.axis import AnyAxis, Axis, axis_of
 from symid.data import Log, require_times_within
-from symid.diagnosis.effects import LIBRARY, Effect
+from symid.diagnosis.effects import LIBRARY, Effect, effects_named
 from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
@@ -63,7 +63,7 @@ def diagnose(
     measured: Sequence[str] | None = None,
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
-    library: Sequence[Effect] = LIBRARY,
+    library: Sequence[Effect | str] = LIBRARY,
     controller: Cascade | Sequence[Cascade] | None = None,
     **columns: Any,
 ) -> Diagnosis:
@@ -87,8 +87,8 @@ def diagnose(
     held : bool, optional
         Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded. If it
         is not given and the axis does not declare it, the log is tested for it.
-    library : sequence of Effect
-        Effects that are considered.
+    library : sequence of Effect or str
+        Effects that are considered, or their names.
     controller : Cascade or sequence of Cascade, optional
         That of the machine, or one for each drive, under which the axis is simulated for `Gap.motion`; read from the
         log if it is not given.
@@ -101,7 +101,7 @@ def diagnose(
     LogError
         If a log cannot be read, is too short or holds neither position nor speed, or sampling periods of logs differ.
     SettingError
-        If there are no nominal values and none can be identified to begin with.
+        If there are no nominal values and none can be identified to begin with, or no effect has a name of `library`.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def diagnose(
     >>> found.verdict, found.effects[0].effect
     ('effect', 'offset_force')
     """
-    axis = axis_of(axis)
+    axis, effects = axis_of(axis), effects_named(library)
     logs = logs_of(axis, log, measured, **columns)
     others = logs_of(axis, () if validation is None else validation, measured, **columns)
     for each in (*logs, *others):
@@ -128,7 +128,7 @@ def diagnose(
     runs = as_runs(moved, every, None if validation is None else len(others))
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
-        found = _Task(moved, runs, nominal, recorded, library).either_way()
+        found = _Task(moved, runs, nominal, recorded, effects).either_way()
     assumed = (*found.assumptions, *plain.notes, *notes)
     return replace(found, axis=plain.declared, faults=(*whole.notes, *found.faults), assumptions=assumed)
 

@@ -11,11 +11,12 @@ import pytest
 
 from symid import Axis, Body, Drive, Log, PendulumWeight, Position, Unbalance, load_axis
 from symid.axis import Between, Spring
-from symid.diagnosis import LIBRARY
-from symid.diagnosis.effects import LawEffect
+from symid.diagnosis import LIBRARY, diagnose
+from symid.diagnosis.effects import LawEffect, effects_named
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import record_of
+from symid.errors import SettingError
 from symid.simulation import forward_dynamics, plant_of
 from symid.simulation.evaluation import evaluate
 
@@ -198,3 +199,11 @@ def test_a_stroke_without_bound_takes_bounded_memory() -> None:
     tracemalloc.stop()
     assert len(pitches) == 5  # four peaks, and the stroke
     assert peak < 300e6
+
+
+def test_a_library_takes_effects_by_name() -> None:
+    drifts = [effect for effect in LIBRARY if effect.name == "friction_drift"]
+    assert effects_named(["friction_drift", LAWS[0]]) == (*drifts, LAWS[0])
+    assert effects_named("friction_drift") == tuple(drifts)
+    with pytest.raises(SettingError, match="no effect is named drag; those of `library` are cogging, "):
+        diagnose("rigid_1m", [], library=["drag"])

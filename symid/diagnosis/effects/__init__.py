@@ -1,5 +1,8 @@
 """The library of effects that a diagnosis considers."""
 
+from collections.abc import Sequence
+from itertools import chain
+
 from symid.axis import Backlash, Cogging, PeriodicFriction
 from symid.diagnosis.effects.backlash import BacklashEffect
 from symid.diagnosis.effects.declared_imperfections import (
@@ -46,6 +49,7 @@ from symid.diagnosis.effects.signals import (
     time_of,
     with_alike,
 )
+from symid.errors import SettingError
 
 LIBRARY: tuple[Effect, ...] = (
     *library_of_laws(
@@ -75,6 +79,33 @@ LIBRARY: tuple[Effect, ...] = (
 )
 """All effects that a diagnosis considers by default."""
 
+
+def effects_named(library: Sequence[Effect | str]) -> tuple[Effect, ...]:
+    """Effects of a library, of which some are given by name: all those that the name has.
+
+    Raises
+    ------
+    SettingError
+        If no effect has a name.
+
+    Examples
+    --------
+    >>> [type(effect).__name__ for effect in effects_named(["delay", "backlash"])]
+    ['DelayEffect', 'BacklashEffect']
+    """
+    names = dict.fromkeys(effect.name for effect in LIBRARY)
+    library = [library] if isinstance(library, str) else library
+    if unknown := [own for own in library if isinstance(own, str) and own not in names]:
+        raise SettingError(
+            f"no effect is named {', '.join(unknown)}; those of `library` are {', '.join(names)}"
+        )
+    found = (
+        [effect for effect in LIBRARY if effect.name == own] if isinstance(own, str) else [own]
+        for own in library
+    )
+    return tuple(chain.from_iterable(found))
+
+
 __all__ = [
     "ACTUATOR",
     "LATE_FORCES",
@@ -103,6 +134,7 @@ __all__ = [
     "Shape",
     "TransferEffect",
     "declared_effects",
+    "effects_named",
     "effects_of",
     "effects_of_element",
     "force_at",

@@ -163,7 +163,8 @@ def prediction_of(
     The law forces of the prediction `before` move hidden joints; without it, only the linear part does. The response
     and impedances of the prediction `like` are reused. Effects add `forces`, (n_bins, n_bodies), `impedances`, laws
     `integrated` with the hidden motion by direction, and a `mass_change` in it; `integrated_terms` are the declared
-    terms among them. Their motion `follows` the measured force, or not. The `path` has what drives do to their forces.
+    terms among them. Their motion `follows` the measured force, or not, along the first driven position less its error
+    `misread`, (n_bins,). Other effects make `changes` of the outputs. The `path` has what drives do to their forces.
     """
     if before is not None and before.integrated_terms != integrated_terms:
         before = replace(before, integrated_terms=integrated_terms)
