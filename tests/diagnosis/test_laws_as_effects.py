@@ -205,5 +205,5 @@ def test_a_library_takes_effects_by_name() -> None:
     drifts = [effect for effect in LIBRARY if effect.name == "friction_drift"]
     assert effects_named(["friction_drift", LAWS[0]]) == (*drifts, LAWS[0])
     assert effects_named("friction_drift") == tuple(drifts)
-    with pytest.raises(SettingError, match="no effect is named drag; those of `library` are cogging, "):
+    with pytest.raises(SettingError, match="no effect is named drag; those of the library are cogging, "):
         diagnose("rigid_1m", [], library=["drag"])

@@ -97,7 +97,7 @@ def effects_named(library: Sequence[Effect | str]) -> tuple[Effect, ...]:
     library = [library] if isinstance(library, str) else library
     if unknown := [own for own in library if isinstance(own, str) and own not in names]:
         raise SettingError(
-            f"no effect is named {', '.join(unknown)}; those of `library` are {', '.join(names)}"
+            f"no effect is named {', '.join(unknown)}; those of the library are {', '.join(names)}"
         )
     found = (
         [effect for effect in LIBRARY if effect.name == own] if isinstance(own, str) else [own]
