@@ -25,12 +25,13 @@ def changes_by_others(prediction: Prediction, placed: Sequence[Placed], *, integ
 
     Motion that is integrated has the first mass that changes and errors of the driven position in it.
     """
-    others, heavier = (JointEffect, TransferEffect), _heavier(prediction, placed)
+    heavier = _heavier(prediction, placed) if integrates else None
 
     def adds(item: Placed) -> bool:
-        if item.effect.is_of_command or isinstance(item.effect, others):
+        others = item.effect.is_of_command or isinstance(item.effect, JointEffect | TransferEffect)
+        if others or item is heavier:
             return False
-        return not (integrates and (item is heavier or item.effect.misreading(prediction, item) is not None))
+        return not integrates or item.effect.misreading(prediction, item) is None
 
     changes = (item.change(prediction) for item in placed if adds(item))
     return sum(changes, start=np.zeros_like(prediction.outputs))
@@ -81,8 +82,8 @@ def next_prediction(
             impedances.append((direction, _equivalent(term.parameter * before.laws[i][1][k], joint)))
     like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
     implicit, heavier = any(item.effect.implicit for item in placed), _heavier(before, placed)
-    integrates, misread = bool(integrated), errors_of_positions(before, placed)
-    loads = implicit or before.follows
+    integrates, loads = bool(integrated), implicit or before.follows
+    misread = errors_of_positions(before, placed) if integrates else None
     return prediction_of(
         record,
         parameters,
@@ -96,7 +97,7 @@ def next_prediction(
         follows=before.follows,
         changes=changes_by_others(before, placed, integrates=integrates) if loads else None,
         path=_path(before, placed),
-        misread=misread[0] if integrates and misread is not None else None,
+        misread=None if misread is None else misread[0],
     )
 
 

@@ -96,19 +96,21 @@ def _tentative(step: SelectionStep) -> SelectionStep:
 
 def _without_tentative(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
     """Steps up to an uncertain effect after the first, unless with those found beside it hardly anything is left."""
-    at = next((i for i, step in enumerate(steps) if i and step.beside_others), len(steps))
-    if (
-        at < len(steps)
-        and not steps[-1].best.fit.mean_square < THRESHOLDS.hardly * steps[at].before.mean_square
-    ):
-        return tuple(steps[:at])
-    return tuple(steps)
+    at = next((i for i, step in enumerate(steps) if i and step.beside_others), None)
+    if at is None or _leaves_hardly_anything(steps[-1].best.fit, steps[at].before):
+        return tuple(steps)
+    return tuple(steps[:at])
 
 
 def _leaves_noise(steps: Sequence[SelectionStep], before: Fit) -> bool:
     """Whether the effects of some steps leave hardly anything of the error of another model."""
     last = steps[-1].best.fit if steps[-1].accepts else before
-    return last.mean_square < THRESHOLDS.hardly * before.mean_square and not is_clear(last)
+    return _leaves_hardly_anything(last, before) and not is_clear(last)
+
+
+def _leaves_hardly_anything(left: Fit, before: Fit) -> bool:
+    """Whether a model leaves a small share of the error of another one."""
+    return left.mean_square < THRESHOLDS.hardly * before.mean_square
 
 
 def _with_least_inertia(fit: Fit, nominal: Fit | None) -> tuple[Fit, Fit | None]:
