@@ -20,6 +20,7 @@ from symid.data.quality.checks import inspect_finite
 from symid.data.quality.clock import inspect_clock
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
+from symid.identification.signals.fitting_columns import for_sensor
 from symid.report.figures.colours import palette_of
 from symid.report.tables.console import TextTable, report_console
 from symid.units import to_si
@@ -86,11 +87,11 @@ def command(log: str, **options: Any) -> None:
     look = _read_foreign(Path(log), options["encoding"])
     known = Known.of(options)
     if declared and _may_ask(options):
-        _show_columns(log, look, numbered=True)
+        _show_columns(log, look, declared, numbered=True)
         known = asked(declared, look.columns, lambda known: _mapping(look, declared, known), known)
         options["output"] = options["output"] or asked_file(Path(log))
     elif "-" not in (options["output"], options["json_file"]):
-        _show_columns(log, look)
+        _show_columns(log, look, declared)
     look = replace(look, period=1 / known.rate) if known.rate else look
     mapping = _mapping(look, declared, known) if declared else None
     if options["plot"]:
@@ -169,7 +170,7 @@ def _mapping(look: ForeignFile, axis: Axis, known: Known) -> LogMapping:
     )
 
 
-def _show_columns(log: str, look: ForeignFile, *, numbered: bool = False) -> None:
+def _show_columns(log: str, look: ForeignFile, axis: Axis | None, *, numbered: bool = False) -> None:
     console = report_console()
     if look.layout:
         of = look.layout
@@ -182,13 +183,23 @@ def _show_columns(log: str, look: ForeignFile, *, numbered: bool = False) -> Non
         pairs = ", every second comma is a decimal mark" * (of.separator == of.decimal)
         console.print(f"{log}: {layout}{pairs}, {header}", markup=False)
     shown = TextTable("", *[""] * numbered, "column", "seems to be", "unit", "because")
-    for place, column in enumerate(look.columns, start=1):
+    for place, column in enumerate((_in_view_of(axis, column) for column in look.columns), start=1):
         what = f"{'commanded ' * column.setpoint}{column.quantity or '?'}"
         unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
         shown.add(*[str(place)] * numbered, column.header, what, unit, column.reason)
     console.print(shown)
     for header, reason in look.left_out.items():
         console.print(f"left out: {header!r} {reason}", markup=False)
+
+
+def _in_view_of(axis: Axis | None, column: ForeignColumn) -> ForeignColumn:
+    """The column, whose position may be too long for metres, but is none of them on an axis of angles."""
+    if column.stated or column.unit != "mm":
+        return column
+    if axis is None:
+        return replace(column, unit="mm or deg")
+    units = {axis.signal_units[sensor.signal] for sensor in axis.sensors if sensor.quantity == "position"}
+    return for_sensor(column, "", units.pop()) if len(units) == 1 else column
 
 
 def _show_mapping(log: str, look: ForeignFile, mapping: LogMapping | None, options: dict[str, Any]) -> None:
@@ -199,7 +210,7 @@ def _show_mapping(log: str, look: ForeignFile, mapping: LogMapping | None, optio
     if mapping.guesses:
         console.print(f"\nGuessed for {options['axis']}, check each:")
     for guess in mapping.guesses:
-        console.print(f"    {guess}", markup=False)
+        console.print(f"    {with_options(guess)}", markup=False)
     for lack in mapping.missing:
         console.print(f"Missing: {with_options(lack)}", markup=False)
     faults = _uneven(look, mapping)

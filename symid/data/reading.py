@@ -44,7 +44,8 @@ def read_table(
     values, notes = _read(
         table,
         sources,
-        optional=set(references_of(expected)) - set(named) - expected.keys(),
+        references=set(references_of(expected)) - expected.keys(),
+        named=named,
         whole=not resample,
     )
     of_time = next(source for source in sources if source.signal == TIME)
@@ -130,16 +131,21 @@ def in_si(column: FloatArray, factor: float) -> FloatArray:
 
 
 def _read(
-    table: Table, sources: Sequence[Source], optional: Collection[str], *, whole: bool = True
+    table: Table,
+    sources: Sequence[Source],
+    *,
+    references: Collection[str],
+    named: Collection[str],
+    whole: bool,
 ) -> tuple[dict[str, FloatArray], list[str]]:
-    """Values of each source in SI; a faulty optional one is dropped with a note."""
+    """Values of each source in SI; references that lack values are dropped, with a note."""
     columns = table.read([source.position for source in sources])
     values: dict[str, FloatArray] = {}
     faults, notes = [], []
     for source, column in zip(sources, columns, strict=True):
         if not isinstance(column, str):
             values[source.signal] = in_si(column, source.factor)
-        elif source.signal in optional:
+        elif source.signal in references and source.signal not in named:
             notes.append(f"column {table.headers[source.position]!r} {column}; left out")
         else:
             faults.append(f"column {table.headers[source.position]!r} {column}")
@@ -149,9 +155,10 @@ def _read(
     if not table.clocks and time.size > 1 and np.isfinite(time).all() and np.all(time[1:] < time[:-1]):
         values = {signal: x[::-1] for signal, x in values.items()}
         notes.append("the last row comes first: the rows were turned round")
-    for signal in optional & values.keys() if whole else ():
+    for signal in set(references) & values.keys():
         x = values[signal]
-        if x.size != values[TIME].size or not np.isfinite(x).all():
+        there = np.isfinite(x)
+        if not there.any() or (whole and (x.size != values[TIME].size or not there.all())):
             notes.append(f"{signal!r} has missing values or another length; left out")
             del values[signal]
     return values, notes

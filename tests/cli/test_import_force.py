@@ -123,3 +123,33 @@ def test_a_velocity_is_named_where_a_position_is_sought(
 ) -> None:
     imported({"v [mm/s]": np.cos(9 * T), "F [N]": T})
     assert "'v [mm/s]' is a velocity, which an axis may declare" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "gain", "unit"),
+    [
+        ("--linear", [], None, "N"),
+        ("--rotary", [], None, "N*m"),
+        ("--rotary", ["--unit", "tau=Nm"], None, "N*m"),
+        ("--linear", ["--gain", "7"], 7.0, "N"),
+        ("--linear", ["--unit", "F=%", "--rated", "400"], 4.0, "N"),
+    ],
+)
+def test_a_torque_without_a_unit_is_asked_about(
+    kind: str,
+    options: list[str],
+    gain: float | None,
+    unit: str,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run("new", "own.py", "--bodies", "1", "--springs", "0", kind) == 0
+    signal = "tau" if kind == "--rotary" else "F"
+    pl.DataFrame({"t [ms]": 1e3 * T, "q [mm]": SINE, "AXIS_01.TorqueReference": 40 * SINE}).write_csv("c.csv")
+    position = ["--unit", "q=deg"] if kind == "--rotary" else []
+    assert run("import", "c.csv", "--axis", "own.py", "-o", "m.json", *position, *options) == 0
+    record = json.loads(Path("m.json").read_text(encoding="utf-8"))
+    asked = f"Missing: {signal} has no factor: give --gain {signal} in {unit} per unit of 'AXIS_01.TorqueReference'"
+    assert (asked in " ".join(capsys.readouterr().out.split())) is (not options)
+    assert record["gains"].get(signal) == gain
+    assert record["units"][signal] == unit

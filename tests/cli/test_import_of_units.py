@@ -45,3 +45,21 @@ def test_units_at_the_end_of_names_give_the_true_parameters(
     assert run(*identify) == 0
     found = json.loads((folder / "o.json").read_text())["physical"]
     assert {name: found[name]["value"] for name in TRUE} == pytest.approx(TRUE, rel=0.02)
+
+
+def test_a_long_stroke_is_no_length_of_an_axis_that_turns(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = "\n".join(f"{k},{30 * (k % 7)},{31 * (k % 7)},{k % 5}" for k in range(60))
+    (folder / "a.csv").write_text(
+        "Time (ms),ActualPosition,CommandPosition,Current (A)\n" + rows.replace(",0", ",0.5")
+    )
+    assert run("new", "servo.py", "--rotary", "--bodies", "1") == 0
+    printed = {}
+    for axis in ((), ("--axis", "rigid_1m"), ("--axis", "servo.py")):
+        assert run("import", "a.csv", *axis) == 0
+        printed[axis[1:]] = " ".join(capsys.readouterr().out.split())
+    assert "mm or deg (guessed)" in printed[()]
+    assert "position mm (guessed)" in printed[("rigid_1m",)]
+    assert " mm" not in printed[("servo.py",)]
+    assert "reference is not taken: 'CommandPosition' has no unit" in printed[("servo.py",)]

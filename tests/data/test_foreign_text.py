@@ -209,3 +209,15 @@ def test_what_is_no_table_is_named(content: bytes, said: str, tmp_path: Path) ->
     (tmp_path / "a.csv").write_bytes(content)
     with pytest.raises(LogError, match=said):
         layout_found(tmp_path / "a.csv")
+
+
+def test_names_that_hold_spaces_stand_above_columns_of_several_spaces(tmp_path: Path) -> None:
+    head = "Scope\n\n Time [ms]   s actual X [mm]   I (int) X [A]"
+    found = columns_of(written(tmp_path / "a.txt", head, "{t:12.6f} {q:14.6f} {q:14.6f}"))
+    assert list(found) == ["Time [ms]", "s actual X [mm]", "I (int) X [A]"]
+
+
+def test_units_may_stand_among_the_properties_above(tmp_path: Path) -> None:
+    head = "LabVIEW Measurement\t\nY_Unit_Label\tmm\tN\nDelta_X\t0.0005\t0.0005\n\t\nX_Value\tPosition\tForce\tComment"
+    found = columns_of(written(tmp_path / "a.lvm", head, "{t:.6f}\t{q:.6f}\t{q:.6f}"))
+    assert list(found.values())[:3] == MEANT

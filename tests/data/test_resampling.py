@@ -136,3 +136,27 @@ def test_times_in_whole_milliseconds_lack_nothing(tmp_path: Path) -> None:
     log = read(t, tmp_path)
     assert log.sampling_frequency == pytest.approx(3000 / 7, rel=1e-3)
     assert not any("lacked" in note for note in log.notes)
+
+
+def test_samples_of_the_fastest_clock_are_kept_where_another_begins_later(tmp_path: Path) -> None:
+    t = np.arange(400) / RATE
+    steps = np.repeat([0.0, 1.0], 200)
+    clocks = {"F": t, "q": t, "reference": t + 0.3 / RATE}
+    found, _ = resampled({"F": steps, "q": t, "reference": t}, clocks, "own")
+    assert found["F"] == pytest.approx(steps[1:], abs=1e-9)
+    assert found["t"] == pytest.approx(t[1:], abs=1e-9)
+
+
+def test_rounding_of_seconds_from_1970_is_no_jitter() -> None:
+    t = np.arange(400) / RATE
+    found, _ = resampled({"q": np.sign(np.sin(300 * t))}, {"q": 1.76e9 + t}, "own")
+    assert found["q"] == pytest.approx(np.sign(np.sin(300 * t)), abs=2e-5)
+
+
+@pytest.mark.parametrize("resample", [None, "own"])
+def test_a_commanded_position_without_values_is_left_out(resample: str | None, tmp_path: Path) -> None:
+    t = np.arange(400) / RATE
+    pl.DataFrame({"t": t, **signals(t), "set": np.full(400, np.nan)}).write_parquet(tmp_path / "a.parquet")
+    log = read_log(tmp_path / "a.parquet", expected=EXPECTED, columns={"reference": "set"}, resample=resample)
+    assert set(log.signals) == {"q", "F"}
+    assert any("'reference' has missing values" in note for note in log.notes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
@@ -105,6 +105,8 @@ _PASSED: Final = 0.8
 """Cutoff of the anti-aliasing filter (order 8, forward and backward) over the new Nyquist frequency."""
 _MOST_REPEATED: Final = 0.01
 """Share of samples with the time of the one before that are left out: more are no repeated rows but a coarse clock."""
+_EVEN: Final = 1e-3
+"""Deviation of times from even ones, in periods, below which they are taken for these."""
 _MOST_SAMPLES: Final = 10**9  # on the common clock
 
 
@@ -127,7 +129,10 @@ def resampled(
     written = {name: _Written.of(name, clocks[name], x) for name, x in values.items()}
     own = min(one.period for one in written.values())
     period = own if rate == "own" else 1.0 / rate
-    begin, end = max(one.time[0] for one in written.values()), min(one.time[-1] for one in written.values())
+    begin = max(one.start for one in written.values())
+    end = min(one.start + one.time[-1] for one in written.values())
+    if rate == "own":
+        begin += _phase(list(written.values()), begin, own)
     count = (end - begin) / period
     if not MINIMUM_SAMPLES <= count < _MOST_SAMPLES:
         raise LogError(
@@ -139,12 +144,22 @@ def resampled(
             f"cannot be resampled to {1 / period:.6g} Hz, above the {1 / own:.6g} Hz of its fastest signal: samples "
             "between would pass for readings without noise; give `resample=own` or a lower rate"
         )
-    time = begin + period * np.arange(int(np.floor(count * (1 + 1e-12))) + 1)
+    time: FloatArray = period * np.arange(float(math.floor(count + _EVEN) + 1))
     done = f"resampled to {1 / period:.6g} Hz by cubic splines"
     if any(one.is_slower(period) for one in written.values()):
         done += f" after a zero-phase low-pass at {_PASSED / (2 * period):.6g} Hz"
     notes = dict.fromkeys([done, *(note for one in written.values() for note in one.notes)])
-    return {TIME: time, **{name: one.at(time, period) for name, one in written.items()}}, tuple(notes)
+    signals = {name: one.at(begin - one.start + time, period) for name, one in written.items()}
+    return {TIME: begin + time, **signals}, tuple(notes)
+
+
+def _phase(written: Sequence[_Written], begin: float, period: float) -> float:
+    """Time after `begin` at which most signals of this period are sampled on average: their values are then kept."""
+    fastest = [one for one in written if not period * _SLOWER < one.period]
+    sizes = [(one.start, one.time.size) for one in fastest]
+    most = fastest[sizes.index(max(sizes, key=sizes.count))]
+    turns = np.angle(np.mean(np.exp(2j * np.pi * (most.start - begin + most.time) / period))) / (2 * np.pi)
+    return float(turns if turns > -_EVEN else turns + 1.0) * period
 
 
 def known_samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray, int]:
@@ -161,8 +176,9 @@ def known_samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, Flo
 
 @dataclass(frozen=True)
 class _Written:
-    """A signal at the times at which it was written, its usual sampling period, and notes on its clock."""
+    """A signal at the times from its start at which it was written, its usual period, and notes on its clock."""
 
+    start: float
     time: FloatArray
     values: FloatArray
     period: float
@@ -199,16 +215,21 @@ class _Written:
             listed = ", ".join(f"{t[place]:.6g} s" for place in gaps[:5]) + ", ..." * (gaps.size > 5)
             notes.append(f"{int(lost[gaps].sum())} missing samples were filled, after t = {listed}")
         jitter = float(np.sqrt(np.mean(np.square(np.where(lost == 0, steps / period - 1, 0.0)))))
-        if jitter > 1e-3:
+        if jitter > _EVEN:
             notes.append(f"t jittered by {100 * jitter:.2g} % of the period of {period:.6g} s (rms)")
-        return cls(t, x, period, tuple(notes))
+        count = np.concatenate([[0], np.cumsum(lost + 1)])
+        elapsed = t - t[0]
+        line = np.polynomial.Polynomial.fit(count, elapsed, 1)
+        if np.max(np.abs(line(count) - elapsed)) < _EVEN * period:  # rounding, as of seconds from 1970
+            elapsed, period = line(count), float(line.convert().coef[1])
+        return cls(float(t[0]), elapsed, x, period, tuple(notes))
 
     def is_slower(self, period: float) -> bool:
         """Whether a sampling period is so much longer that a low-pass filter is needed first."""
         return period > _SLOWER * self.period
 
     def at(self, time: FloatArray, period: float) -> FloatArray:
-        """Values at other times, without the frequencies that their rate cannot represent."""
+        """Values at other times from its start, without the frequencies that their rate cannot represent."""
         if not self.is_slower(period):
             return np.asarray(scipy.interpolate.CubicSpline(self.time, self.values)(time))
         grid = np.arange(self.time[0], self.time[-1], self.period)

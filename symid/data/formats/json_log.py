@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.data.formats.channels import described, short_names, table_of_arrays
+from symid.data.formats.named_rows import table_of_records
 from symid.data.table import Table, parsing, require_memory
 from symid.data.text_files.time_stamps import seconds_of_stamps
 from symid.errors import LogError
@@ -43,6 +44,8 @@ def _parsed(path: Path, memory: int | None, *, lines: bool) -> object:
 
 
 def _table(path: Path, whole: object) -> Table:
+    if (of_rows := table_of_records(path, whole)) is not None:
+        return of_rows
     found = list(_columns(whole, ()))
     names = short_names([names or ("values",) for names, _ in found])
     table = table_of_arrays(dict(zip(names, (array for _, array in found), strict=True)))

@@ -22,6 +22,7 @@ from symid.data.formats.hdf5 import open_hdf5
 from symid.data.formats.json_log import open_json, open_json_lines
 from symid.data.formats.mdf import open_mdf
 from symid.data.formats.messages import open_mcap, open_rosbag
+from symid.data.formats.named_rows import named_rows_in
 from symid.data.formats.own_clocks import with_own_clocks
 from symid.data.formats.scope_text import scope_text_in
 from symid.data.formats.serial_text import serial_text_in
@@ -99,16 +100,17 @@ _BEGINNING: Final = 800_000
 
 
 def _open_text(path: Path, memory: int | None = None) -> Table:
-    """Table in a CSV file, or in the text of a scope, a controller's trace or a serial monitor."""
+    """Table in a CSV file, or in the text of a scope, a trace, a serial monitor or a data base."""
     special = _special_text(path)
     return special() if special else open_csv(path)
 
 
 def _special_text(path: Path) -> Callable[[], Table] | None:
-    """Reader of the text of a scope, a controller's trace or a serial monitor; None of other files."""
+    """Reader of the text of a scope, a trace, a serial monitor or a data base; None of other files."""
     with path.open("rb") as file:
         begin = file.read(_BEGINNING)
-    return scope_text_in(path, begin) or codesys_trace_in(path, begin) or serial_text_in(path, begin)
+    kinds = scope_text_in, codesys_trace_in, serial_text_in, named_rows_in
+    return next((read for kind in kinds if (read := kind(path, begin))), None)
 
 
 READERS: Final[Mapping[str, Reader]] = MappingProxyType(

@@ -52,7 +52,7 @@ def step_of_clock(times: FloatArray, named: Sequence[str] = ()) -> tuple[float, 
     >>> [step_of_clock(step * np.arange(9), named) for step, named in ((1.0, []), (1.0, ["us"]), (20.0, ["us"]))]
     [(1.0, 'ms'), (1.0, 'ms'), (20.0, 'us')]
     """
-    step = float(np.median(np.diff(times))) if times.size > 1 else 0.0
+    step = abs(float(np.median(np.diff(times)))) if times.size > 1 else 0.0  # the last row may come first
     if not step and is_coarse(times):
         step = float(times[-1] - times[0]) / (times.size - 1)
     low, high = PLAUSIBLE_PERIODS

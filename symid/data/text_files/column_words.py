@@ -61,7 +61,7 @@ SETPOINT: Final = (
 )
 """Words of what is commanded and not measured."""
 DIFFERENCE: Final = (
-    r"\w*err(?:or|eur|ore)?|following|schlepp\w*|\w*(?:fehler|abweichung)|deviation|\w*ошибка|рассогласование|"
+    r"\w*err(?:or|eur|ore)?|following|droop|schlepp\w*|\w*(?:fehler|abweichung)|deviation|\w*ошибка|рассогласование|"
     r"\w*(?:误差|誤差|偏差)"
 )
 """Words of what is commanded less what is measured."""
@@ -76,6 +76,10 @@ ANGLES: Final = r"theta|phi|angle|winkel|\w*角度|угол|d?theta|omega|q\w?"
 """Words of a position or velocity that is an angle in rad or deg, not a number of turns."""
 TORQUE_CURRENT: Final = r"i?q|quadrature|torque|(?:dreh)?moment\w*"
 """Words of the current that makes torque."""
+TORQUE: Final = (
+    r"torque|trq|tcmd|(?:ist|soll)?(?:dreh)?moment\w*|coppia|couple|момент|\w*(?:转矩|扭矩|トルク)\w*"
+)
+"""Words of a torque, which drives record in N*m or as a share of the rated one."""
 NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 """Words of columns that number the samples."""
 SPELLED: Final = {

@@ -19,6 +19,7 @@ from symid.data.text_files.column_words import (
     IN_TURNS,
     NUMBERS,
     SETPOINT,
+    TORQUE,
     Quantity,
 )
 from symid.data.text_files.unit_by_motion import Rate, unit_by_motion
@@ -295,5 +296,5 @@ def _without_unit(
         why = f"{evidence}; no unit, and whole numbers may be counts"
         return ForeignColumn(header, quantity, None, setpoint, why, False, scaled=True)
     lacking = f"{written!r} is not a unit" if written else "no unit"
-    follows = "of unknown size" if quantity == "command" else "so SI is assumed"
+    follows = "of unknown size" if quantity == "command" or match([word], TORQUE) else "so SI is assumed"
     return ForeignColumn(header, quantity, None, setpoint, f"{evidence}; {lacking}, {follows}", False)

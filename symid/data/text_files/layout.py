@@ -15,8 +15,8 @@ from symid.data.text_files.text_table import (
     fields,
     is_number_text,
     names_above,
+    names_in,
     numbers_columns,
-    uncommented,
     values_in,
 )
 from symid.errors import LogError
@@ -44,6 +44,7 @@ _BINARY = {
     b"SQLite format 3": "a .db3 file",
     b"\x93NUMPY": "an .npy file",
 }
+_UNITS_LABEL = re.compile(r"(?:\w*[ _])?(?:units?|einheit(?:en)?)(?:[ _]\w*)?:?", re.IGNORECASE)
 _COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
 
@@ -105,16 +106,18 @@ class Layout:
         if not self.named:
             count = len(fields(lines[self.skipped].rstrip(self.separator), self.separator))
             return tuple(f"column {i + 1}" for i in range(count))
-        names = [text.strip() for text in fields(uncommented(lines[self.above]), self.separator)]
+        width = len(fields("".join(lines[self.skipped :][:1]), self.separator))
+        names = names_in(lines[self.above], self.separator, width)
         below = [line for line in lines[self.above + 1 : self.skipped] if line.strip(f"{self.separator} ")]
         others = [
             texts
             for line in [*below, *lines[: self.above][-1:]]
-            if not numbers_columns(texts := fields(uncommented(line), self.separator))
+            if not numbers_columns(texts := names_in(line, self.separator, width))
         ]
         written = next(
             (line for line in others if are_units(line)), others[0] if len(below) == 1 and others else []
         )
+        written = next(filter(None, map(self._labelled_units, reversed(lines[: self.above]))), written)
         units = [*(text.strip().strip("[]()") for text in written), *[""] * len(names)][: len(names)]
         pairs = list(zip(names, units, strict=True))
         repeated = [pair[0] and pairs.count(pair) > 1 for pair in pairs]
@@ -125,6 +128,11 @@ class Layout:
         return tuple(
             f"{name}{number} [{unit}]" if unit else f"{name}{number}" for (name, unit), number in columns
         )
+
+    def _labelled_units(self, line: str) -> list[str]:
+        """Units in a line above the header that says so in its first field; none in others."""
+        label, *units = fields(line, self.separator) or [""]
+        return ["", *units] if _UNITS_LABEL.fullmatch(label.strip()) and are_units(units) else []
 
 
 def first_lines(path: Path, encoding: str) -> list[str]:

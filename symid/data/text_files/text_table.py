@@ -21,6 +21,7 @@ _MOST_ABOVE: Final = 6
 """Lines among which these are, with those that are empty or number the columns."""
 _COMMENT: Final = re.compile(r"\s*(#+|%+|//+)\s*")
 _UNIT_APART: Final = re.compile(r"(?<=\w)\s+(?=[\[(])")
+_APART: Final = re.compile(r"\s{2,}|\t")
 FORTRAN: Final = re.compile(r"^([-+]?\d*\.?\d+|[-+]?\d+\.)[dD]([-+]?\d+)$")
 """A number as Fortran writes it, with D before its exponent."""
 _NUMBER_WITH_UNIT: Final = re.compile(r"([-+]?[.,]*+\d[\d.,]*+(?:[eE][-+]?\d+)?)\s*([^\W\d_][^\s\d]*|[°%])")
@@ -50,6 +51,18 @@ def fields(line: str, separator: str) -> list[str]:
         return next(csv.reader([line], delimiter=separator), [])
     except csv.Error:
         return [line]
+
+
+def names_in(line: str, separator: str, width: int) -> list[str]:
+    """Fields of a line above values of some `width`; between names that hold spaces, columns of spaces have several.
+
+    >>> names_in(" t [ms]   actual X [mm]   I [A]", " ", 3), names_in("t  q F", " ", 3)
+    (['t [ms]', 'actual X [mm]', 'I [A]'], ['t', 'q', 'F'])
+    """
+    bare = uncommented(line)
+    found = fields(bare, separator)
+    apart = _APART.split(bare.strip()) if separator == " " and len(found) > width else []
+    return [text.strip() for text in (apart if len(apart) == width else found)]
 
 
 def is_number_text(text: str, *, comma: bool) -> bool:
@@ -149,7 +162,7 @@ def names_above(above: Sequence[str], separator: str, width: int) -> int | None:
         last -= 1
     found: list[tuple[int, list[str]]] = []
     for place in range(last, max(last - _MOST_ABOVE, -1), -1):
-        texts = [text.strip() for text in fields(uncommented(above[place]), separator)]
+        texts = names_in(above[place], separator, width)
         if numbers_columns(texts) or (not any(texts) and found and are_units(found[-1][1])):
             continue
         if len(found) == _MOST_NAMES:

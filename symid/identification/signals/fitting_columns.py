@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from symid.data import ForeignColumn
 from symid.data.text_files.column_names import match, split_header, words_of
-from symid.data.text_files.column_words import ANGLES, TORQUE_CURRENT
+from symid.data.text_files.column_words import ANGLES, TORQUE, TORQUE_CURRENT
 from symid.errors import LogError, SettingError
 from symid.units import Unit, to_si
 
@@ -72,6 +72,20 @@ def as_called(column: ForeignColumn, signal: str) -> ForeignColumn:
     return in_si(column) if is_named else column
 
 
+def for_drive(column: ForeignColumn, signal: str, *, in_percent: bool) -> ForeignColumn:
+    """The column of a drive; of unknown size if it is a torque without a unit that is not known to be `in_percent`.
+
+    >>> torque = ForeignColumn("TorqueReference", "force", None, True, "no unit, so SI is assumed", False)
+    >>> [for_drive(torque, signal, in_percent=False).scaled for signal in ("F", "TorqueReference")]
+    [True, False]
+    """
+    is_open = column.quantity == "force" and not (column.unit or column.scaled or column.header == signal)
+    if is_open and not in_percent and match(words_of(split_header(column.header)[0]), TORQUE):
+        why = f"a torque without a unit, in N*m (`units` {signal}=Nm) or per cent of its rated value"
+        return replace(column, scaled=True, reason=why)
+    return as_called(column, signal)
+
+
 def is_unit_of(written: str | None, unit: Unit) -> bool:
     """Whether a written unit converts to another one; without one, it is taken to."""
     try:
@@ -82,6 +96,8 @@ def is_unit_of(written: str | None, unit: Unit) -> bool:
 
 def like_position(column: ForeignColumn, position: ForeignColumn) -> ForeignColumn:
     """The column of a commanded position without a stated unit, in that of a measured one of about its extent."""
+    if position.scaled and not position.unit:
+        return replace(column, unit=None, scaled=True, reason="as the position")
     sizes = [abs(c.extent[1] - c.extent[0]) for c in (column, position)]
     if position.unit in (None, column.unit) or not min(sizes) > max(sizes) / _AS_LARGE:
         return column

@@ -10,8 +10,8 @@ from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.text_files.foreign import LONGEST_STROKE, quantity_named, with_unit
 from symid.identification.signals.fitting_columns import (
     UNITS_TO_GIVE,
-    as_called,
     column_called,
+    for_drive,
     for_sensor,
     in_si,
     is_unit_of,
@@ -142,7 +142,7 @@ class _Guess:
     def clock(self, sampling_period: float | None) -> None:
         """The column of the time, or the period of a file that has none."""
         times = [c for c in self.free if c.quantity == "time"]
-        time = self.chosen("t", sorted(times, key=lambda c: (c.unit is None, c.coarse)))
+        time = self.chosen("t", sorted(times, key=lambda c: (c.unit is None, c.constant, c.coarse)))
         if time and time.unit and not time.coarse:
             self.take("t", time)
         elif sampling_period is not None:
@@ -182,19 +182,18 @@ class _Guess:
 
     def reference(self) -> None:
         """The commanded position, which nothing needs: of unknown counts only where the position has such ones too."""
-        setpoint = [c for c in self.free if c.setpoint and c.quantity == "position"]
+        setpoint = [c for c in self.free if c.setpoint and c.quantity == "position" and not c.constant]
         column = self.chosen(REFERENCE, setpoint)
         if column is None:
             return
+        if self.position and not (column.stated or column.scaled or {REFERENCE} & {*self.named, *self.given}):
+            column = like_position(column, self.position)
         if column.scaled and not column.unit and REFERENCE not in self.named:
             if self.count is None:
-                self.guesses.append(
-                    f"{REFERENCE} is not taken: {column.header!r} has no unit, {column.reason}"
-                )
+                why = f"{column.header!r} has no unit, {column.reason}"
+                self.guesses.append(f"{REFERENCE} is not taken: {why}")
                 return
             column = replace(column, unit=self.count, reason="its counts are taken for those of the position")
-        elif self.position and not column.stated and REFERENCE not in (*self.named, *self.given):
-            column = like_position(column, self.position)
         self.take(REFERENCE, column)
 
     def called(self, signal: str) -> list[ForeignColumn]:
@@ -267,7 +266,7 @@ class _Guess:
                 + self.but_for("force")
             )
             return
-        column = as_called(column, signal)
+        column = for_drive(column, signal, in_percent=rated is not None)
         kind = column.quantity, column.setpoint, False, makes_torque(column)
         same = [c for c in found if (c.quantity, c.setpoint, c.constant, makes_torque(c)) == kind]
         self.name_others(signal, column, same if column.quantity else [], alike)

@@ -9,7 +9,7 @@ from symid.units import to_si
 
 _PERIOD = re.compile(
     r"(?:cycle|sampl|period|interval|abtast|takt)(?:[^\d\n]*?[\[(](?P<before>s|ms|us|µs|ns|Hz|kHz)[\])])?"
-    r"[^\d\n]*(?P<value>\d+(?:[.,]\d+)?)[\s,;]*[\[(]?(?P<unit>s|ms|us|µs|ns|Hz|kHz)?\b",
+    r"[^\d\n]*(?P<value>\d+(?:[.,]\d+)?)[\s,;'\x22]*[\[(]?(?P<unit>s|ms|us|µs|ns|Hz|kHz)?\b",
     re.IGNORECASE,
 )
 
@@ -28,7 +28,7 @@ def stated_period(path: Path, layout: Layout) -> float | None:
     --------
     >>> _period_in("Sampling interval: 2 ms"), _period_in("SampleRate;4 kHz"), _period_in("Samples: 9")
     (0.002, 0.00025, None)
-    >>> _period_in("Sampling cycle,1[ms]"), _period_in("Sampling time [us];250"), _period_in("Sampling time,250,[us]")
+    >>> _period_in("Sampling cycle,1[ms]"), _period_in("Sampling time [us];250"), _period_in('"Period","250","us"')
     (0.001, 0.00025, 0.00025)
     """
     found = (_period_in(line) for line in first_lines(path, layout.encoding)[: layout.above])
