@@ -69,6 +69,15 @@ def spoken(name: str, at: str = "") -> str:
     return f"{words} at {at}" if at and at not in words.split() else words
 
 
+def moment(seconds: float, digits: int = 7) -> str:
+    """A time of a log, to a millisecond and to some digits: clocks may count from long ago.
+
+    >>> moment(1777.0391), moment(0.97068, 4), moment(1711559473.0624)
+    ('1777.039', '0.9707', '1711559473.062')
+    """
+    return f"{seconds:.{max(digits, len(str(int(abs(seconds)))) + 3)}g}"
+
+
 def similar(name: str, names: Collection[str]) -> str:
     """A name that is meant perhaps, in brackets behind what is not known; empty if none is close.
 

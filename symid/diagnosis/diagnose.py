@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from symid.axis import AnyAxis, Axis, axis_of
 from symid.data import Log, require_times_within
-from symid.diagnosis.effects import LIBRARY, Effect, effects_named
+from symid.diagnosis.effects import ACTUATOR, LIBRARY, Effect, effects_named, with_alike
 from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
@@ -129,8 +129,10 @@ def diagnose(
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
         found = _Task(moved, runs, nominal, recorded, effects).either_way()
-    assumed = (*found.assumptions, *plain.notes, *notes)
-    return replace(found, axis=plain.declared, faults=(*whole.notes, *found.faults), assumptions=assumed)
+    faults = (*whole.notes, *found.faults)
+    read = [note for each in (*logs, *others) for note in each.notes if note not in faults]
+    assumed = (*found.assumptions, *plain.notes, *notes, *dict.fromkeys(read))
+    return replace(found, axis=plain.declared, faults=faults, assumptions=assumed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,11 +269,21 @@ class _Task:
             return with_motion(found, models, self.runs, data.held_out, controller=self.recorded.controller)
 
         found = concluded_from(comparison)
-        if is_contradicted(found):  # by all effects together, and by the first alone: there is no cause
+        if is_contradicted(found):  # by all effects together, and by the first alone: another cause is sought
             rejected = rejection(found)
-            found = concluded_from(comparison.with_effects(0))
+            other = self._without(found.effects[0].effect, steps[0])
+            found = other or concluded_from(comparison.with_effects(0))
             found = replace(found, assumptions=(*found.assumptions, rejected))
         return replace(found, sentence=sentence(found))
+
+    def _without(self, effect: str, step: SelectionStep) -> Diagnosis | None:
+        """The diagnosis without an effect, if others explained a part of what it did; None if it finds none."""
+        refused = {name for name, _ in with_alike([(effect, ACTUATOR)])}
+        library = [other for other in self.library if other.name not in refused]
+        if not any(step.led_by(other).accepts for other in step.confirmed if other.effect in library):
+            return None
+        found = replace(self, library=library).diagnosed()
+        return found if found.verdict in ("effect", "partly") else None
 
 
 def _shows_in_validation(found: Diagnosis) -> bool:

@@ -56,3 +56,13 @@ def test_whole_numbers_are_si_where_the_column_is_called_as_the_force() -> None:
         columns = described_column("t", 1e-3 * np.arange(80)), described_column(name, values)
         missing = guessed_mapping(load_axis("rigid_1m"), columns).missing
         assert any("F has no factor" in line for line in missing) == asked
+
+
+def test_the_column_that_is_called_as_the_force_is_taken_whatever_else_its_name_suggests() -> None:
+    """Volts are often v."""
+    axis = Axis("spindle", (ROTOR,), Drive("v", ROTOR), (Position("angle", ROTOR),))
+    t = np.arange(80.0)
+    columns = [described_column(name, np.sin(t + k)) for k, name in enumerate(("a", "v", "angle [rad]"))]
+    found = guessed_mapping(axis, [described_column("t", 1e-3 * t), *columns])
+    assert found.columns["v"] == "v"
+    assert "v is column 'v': its name is that of the signal; no unit, so SI is assumed" in found.guesses

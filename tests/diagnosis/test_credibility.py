@@ -21,7 +21,14 @@ from symid import (
     load_axis,
 )
 from symid.diagnosis import diagnose
-from symid.diagnosis.effects import LIBRARY, FlexibleModeEffect, PayloadChangeEffect, Placed, SaturationEffect
+from symid.diagnosis.effects import (
+    LIBRARY,
+    FlexibleModeEffect,
+    GainAsymmetryEffect,
+    PayloadChangeEffect,
+    Placed,
+    SaturationEffect,
+)
 from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect
 from symid.diagnosis.fitting.cross_validation import Blocks
 from symid.diagnosis.fitting.fit import Fit
@@ -29,6 +36,7 @@ from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.credibility import _is_a_gain, _is_ringing
+from symid.diagnosis.selection.screening import screened
 from symid.errors import SettingError
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -50,6 +58,17 @@ def test_a_limit_of_a_switched_force_is_a_gain(log: Log, is_gain: bool) -> None:
     state, weighting = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
     limit = Placed(SaturationEffect(), "actuator", (0.5 * float(np.abs(log["F"]).max()),), (1.0,))
     assert _is_a_gain(Fit(with_effects(state, weighting, (limit,)), weighting)) is is_gain
+
+
+@pytest.mark.parametrize("least", [0.0, 20.0])
+def test_the_size_of_a_force_of_one_sign_explains_nothing(least: float) -> None:
+    t = np.arange(0.0, 4.0, 2e-3)
+    force = least + 13.0 * np.sin(2 * np.pi * (0.9 * t + 0.3 * np.sin(0.8 * t)))
+    _, q, _ = scipy.signal.lsim(([1.0], [6.0, 8.0, 0.0]), force, t)
+    log = Log.from_arrays({"q": q, "F": force}, sampling_period=2e-3)
+    data = data_of(load_axis("rigid_1m"), (joined([log]), None), Recorded({}, None))
+    fit = Fit(*first_state(data.record, {"M": 5.0, "Fv": 8.0, "Fs": 0.1}))
+    assert bool(screened(fit, [GainAsymmetryEffect()])) is (least == 0.0)
 
 
 @pytest.mark.parametrize(("change", "plausible"), [(4.0, True), (-2.0, True), (9.0, False), (-3.5, False)])

@@ -118,6 +118,18 @@ def test_motion_off_by_a_quarter_of_a_pitch_says_nothing_of_a_force_that_repeats
     assert is_contradicted(SimpleNamespace(effects=(cogging,), gap=SimpleNamespace(motion=motion))) is speaks
 
 
+@pytest.mark.parametrize(
+    ("after", "last", "speaks"), [(np.nan, 4.0, True), (np.nan, 0.5, False), (4.0, 0.5, False)]
+)
+def test_the_last_model_speaks_for_one_that_cannot_be_simulated(
+    after: float, last: float, speaks: bool
+) -> None:
+    effects = (SimpleNamespace(parameters={}), SimpleNamespace(parameters={}))
+    before, *steps = (SimpleNamespace(position_rms=rms) for rms in (1.0, after, last))
+    motion = SimpleNamespace(reidentified=before, steps=tuple(steps))
+    assert is_contradicted(SimpleNamespace(effects=effects, gap=SimpleNamespace(motion=motion))) is speaks
+
+
 def test_what_was_found_is_fitted_on_until_nothing_falls(found) -> None:
     fit = next(step for step in found.search if step.accepts).best.fit
     off = {name: 1.01 * value for name, value in fit.parameters.items()}

@@ -22,6 +22,7 @@ from symid import (
     read_axis_log,
 )
 from symid.identification import Identification, observe
+from symid.identification.delays.timing import Timing
 from symid.identification.rows.observation import SignalRows
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -76,6 +77,14 @@ def test_friction_that_builds_up_is_not_called_a_late_clock() -> None:
         assert found.timing is not None
         assert abs(found.timing.samples) > 2.0
         assert found.timing.may_be_clock == is_clock == ("give `late` F" in found.timing.statement)
+
+
+@pytest.mark.parametrize(
+    ("late", "remaining", "is_clock"), [(-0.078, 0.48, False), (-0.078, 0.2, True), (-0.02, 0.48, True)]
+)
+def test_a_clock_that_is_far_off_leaves_noise_alone(late: float, remaining: float, is_clock: bool) -> None:
+    timing = Timing("i", late, 1e-3, 2e-3, 0.0, remaining, np.zeros(1), ("i",))
+    assert timing.may_be_clock is is_clock
 
 
 @pytest.mark.parametrize("late", [1.0, -1.0, 0.4, -1.7, 3.0])

@@ -15,6 +15,7 @@ from symid.data.columns import TIME
 from symid.data.filters.zero_phase import ZeroPhaseFilter
 from symid.data.quality.clock import MINIMUM_SAMPLES
 from symid.errors import LogError
+from symid.text import moment
 
 _BEYOND = 32
 """Samples by which a signal is continued at its ends: there a spline has forgotten them to 1e-11."""
@@ -196,7 +197,7 @@ class _Written:
         if not (steps > 0).all():
             first = int(np.flatnonzero(steps <= 0)[0])
             raise LogError(
-                f"t goes back or stops at t = {t[first]:.7g} s (sample {first + 2} of {name!r}): "
+                f"t goes back or stops at t = {moment(t[first])} s (sample {first + 2} of {name!r}): "
                 "sort the rows, or split the log there"
             )
         # The mean, not the median: written in whole milliseconds, intervals of 7/3 ms are mostly 2 ms.
@@ -208,11 +209,11 @@ class _Written:
         if lost.max() > _LONGEST_GAP:
             place = int(np.argmax(lost))
             raise LogError(
-                f"{name!r} has {lost[place]} missing samples after t = {t[place]:.7g} s: "
+                f"{name!r} has {lost[place]} missing samples after t = {moment(t[place])} s: "
                 f"at most {_LONGEST_GAP} in a row are filled, split the log there"
             )
         if gaps.size:
-            listed = ", ".join(f"{t[place]:.6g} s" for place in gaps[:5]) + ", ..." * (gaps.size > 5)
+            listed = ", ".join(f"{moment(t[place], 6)} s" for place in gaps[:5]) + ", ..." * (gaps.size > 5)
             notes.append(f"{int(lost[gaps].sum())} missing samples were filled, after t = {listed}")
         jitter = float(np.sqrt(np.mean(np.square(np.where(lost == 0, steps / period - 1, 0.0)))))
         if jitter > _EVEN:

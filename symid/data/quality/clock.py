@@ -9,7 +9,7 @@ import numpy.typing as npt
 from symid.arrays import FloatArray
 from symid.data.quality.coarse_clock import SHARED, is_coarse, period_of_rows
 from symid.errors import LogError
-from symid.text import counted
+from symid.text import counted, moment
 from symid.units import Unit, to_si
 
 MINIMUM_SAMPLES: Final = 25
@@ -139,7 +139,7 @@ def time_and_row(time: FloatArray, sample: int, before: int = 0) -> str:
     >>> time_and_row(np.array([0.0, 0.5]), 1, before=10)
     't = 0.5 s (row 12)'
     """
-    return f"t = {time[sample]:.7g} s (row {before + sample + 1})"
+    return f"t = {moment(time[sample])} s (row {before + sample + 1})"
 
 
 def _not_forward(time: FloatArray, intervals: FloatArray, before: int) -> list[str]:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from symid.arrays import FloatArray
 from symid.data.columns import REFERENCE
 from symid.data.quality.lost_samples import step_of
-from symid.text import counted
+from symid.text import counted, moment
 
 _STUCK_SAMPLES: Final = 20  # shortest run of equal values that can be called stuck
 _CLIPPED_SAMPLES: Final = 5  # shortest run at an extreme value that can be called clipped
@@ -199,6 +199,6 @@ def _travels(runs: _Runs, positions: list[FloatArray], share: float) -> npt.NDAr
 def _spans(time: FloatArray, runs: _Runs) -> str:
     longest = int(np.argmax(runs.length))
     first = int(runs.start[longest])
-    span = f"from t = {time[first]:.7g} s to {time[first + runs.length[longest] - 1]:.7g} s"
+    span = f"from t = {moment(time[first])} s to {moment(time[first + runs.length[longest] - 1])} s"
     times = f" ({runs.start.size} times, longest {span})" if runs.start.size > 1 else f" {span}"
     return f"{times}, {counted(int(np.sum(runs.length)), 'sample')} in all"

@@ -22,6 +22,9 @@ from symid.diagnosis.prediction.record import Record
 from symid.units import Unit
 
 _PERIODS_OF_MODE = 3.0  # least periods of a mode within a log
+_FEWEST_PERIODS = 2.0
+"""Periods of a mode within a log below which it is any slow course: a bare motor that turned to and fro once, without
+the Coulomb friction of its model, had one of 1.5 periods (LAAS, real)."""
 _LOWEST_MODES = (0.5, 3.0)
 """Range of the lowest frequency sought, Hz: below it, a mode looks like a weight or a spring."""
 _SHARE_OF_MOTION = 0.9
@@ -52,6 +55,11 @@ class FlexibleModeEffect(LinearEffect):
     shape_names = ("f", "D")
     positive = True
     may_be_zero = ("D",)
+
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        """It swings more than once in the log: before, a friction that turns with the motion does the same."""
+        periods = placed.shape[0] * prediction.record.duration
+        return super().is_possible(prediction, placed) and periods > _FEWEST_PERIODS
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """Its mass is part of that of the body, and the axis moves at its frequency and at others."""

@@ -10,8 +10,10 @@ from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError
+from symid.identification.criteria import CRITERIA
 from symid.identification.deviations.stability import greatest_change
 from symid.identification.faults.constant_force import CONSTANT, is_constant
+from symid.text import moment
 
 
 def changed_span(fit: Fit, of: str) -> str:
@@ -26,11 +28,18 @@ def changed_span(fit: Fit, of: str) -> str:
     change = greatest_change(segments, values, root)
     if change is None or change.explained < THRESHOLDS.changed_span:
         return ""
-    i = change.most_certain(np.arange(values.size) < len(names))
-    unit = record.dynamics.axis.physical_parameters[names[i]]
+    # Few rows determine no parameter of a span, and an axis that lacks a law has values there that no machine has.
+    axis, n = record.dynamics.axis, len(names)
+    own = np.stack([change.inside, change.outside])[:, :n]
+    certain = np.abs(own[0] - own[1]) > CRITERIA.change_certain * change.deviations[:n]
+    certain &= (own.min(axis=0) >= 0.0) | np.array([name in axis.signed_parameters for name in names])
+    if not certain.any():
+        return ""
+    i = change.most_certain(np.pad(certain, (0, values.size - n)))
+    unit, begins = axis.physical_parameters[names[i]], moment(change.begins + record.log.start, 4)
     return (
-        f"Look at what changed: in a part of {of} from {change.begins + record.log.start:.4g} s on {names[i]} is "
-        f"{change.inside[i]:.4g} {unit}, elsewhere {change.outside[i]:.4g}. This explains "
+        f"Look at what changed: in a part of {of} from {begins} s on {names[i]} is {change.inside[i]:.4g} "
+        f"{unit}, elsewhere {change.outside[i]:.4g}. This explains "
         f"{100 * change.explained:.0f} % of the error: another payload, gain or machine. Diagnose the parts apart "
         "(`trim`)."
     )

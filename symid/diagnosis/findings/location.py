@@ -14,6 +14,7 @@ from symid.diagnosis.effects.effect import ACTUATOR
 from symid.diagnosis.findings.comparison import ENOUGH, Comparison
 from symid.diagnosis.findings.gap import Location, MapCell
 from symid.diagnosis.fitting.fit import Fit
+from symid.text import moment
 from symid.units import Unit
 
 _BANDS = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
@@ -227,6 +228,6 @@ def _moment_of(comparison: Comparison) -> str:
         return ""
     first, last = (float(at) + record.log.start for at in (time[begin], time[ends[begin] - 1]))
     return (
-        f"Look at what happened between {first:.4g} and {last:.4g} s, where {100 * _MOST_OF_IT:.0f} % of the error "
-        "that stays lies, or leave that part out with `trim`."
+        f"Look at what happened between {moment(first, 4)} and {moment(last, 4)} s, where {100 * _MOST_OF_IT:.0f} % of "
+        "the error that stays lies, or leave that part out with `trim`."
     )

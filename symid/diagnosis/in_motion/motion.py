@@ -88,14 +88,14 @@ def is_contradicted(found: Diagnosis) -> bool:
 def _against(found: Diagnosis, motion: SimulatedMotion) -> list[bool]:
     """Whether the simulated motion speaks against each effect found.
 
-    It does not judge a force that repeats along the stroke where the axis without it is off by a quarter of the pitch:
-    the force acts there with another phase than on the machine.
+    A model that cannot be simulated is judged by the last one. A force that repeats along the stroke is not judged
+    where the axis without it is off by a quarter of the pitch: it acts there with another phase than on the machine.
     """
     errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
     numbers = (effect.parameters for effect in found.effects)
     farthest = (_PHASE * abs(own["pitch"].value) if "pitch" in own else math.inf for own in numbers)
     return [
-        before <= far and min(after, errors[-1]) > THRESHOLDS.worse_motion * before
+        before <= far and bool(np.fmin(after, errors[-1]) > THRESHOLDS.worse_motion * before)
         for before, after, far in zip(errors[:-1], errors[1:], farthest, strict=True)
     ]
 

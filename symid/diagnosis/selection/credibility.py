@@ -16,6 +16,7 @@ from symid.diagnosis.fitting.fit import Fit, stiffnesses
 from symid.diagnosis.fitting.gauss_newton import keeps_inertia
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.drive_force import drive_force_of
+from symid.diagnosis.selection.screening import is_in_proportion
 from symid.diagnosis.selection.step import is_clear
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -213,8 +214,7 @@ def _is_a_gain(found: Fit) -> bool:
     kept, n_drives = found.weighting.kept, prediction.record.n_drives
     pair = np.stack([item.change(prediction), prediction.record.measured])
     change, force = found.weighting.rows(pair)[:, :n_drives, kept].reshape(2, -1)
-    likeness = (change @ force) ** 2 / max(float((change @ change) * (force @ force)), np.finfo(float).tiny)
-    return bool(1 - likeness < THRESHOLDS.own_course)
+    return is_in_proportion(change, force)
 
 
 def acting_share(fit: Fit) -> float:

@@ -64,6 +64,17 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
     return sorted(map(_best_law, laws.values()), key=lambda c: -c.gain)
 
 
+def is_in_proportion(change: FloatArray, force: FloatArray) -> bool:
+    """Whether the change of a force has the course of the force itself.
+
+    Scaled parameters make the same change, and the record would explain itself.
+    """
+    likeness = np.vdot(change, force) ** 2 / max(
+        np.vdot(change, change) * np.vdot(force, force), np.finfo(float).tiny
+    )
+    return bool(1 - likeness < THRESHOLDS.own_course)
+
+
 def _larger_gain(own: Candidate) -> float:
     return max(own.gain, own.white_gain)
 
@@ -140,7 +151,9 @@ def _best_shape(
 ) -> Candidate | None:
     """Candidate with the best shape under either noise model; None if no shape has a possible amplitude."""
     found: list[Candidate] = []
-    prediction = fit.state.prediction
+    prediction, n_drives = fit.state.prediction, fit.state.prediction.record.n_drives
+    of_drives = slice(n_drives), fit.weighting.kept
+    force = fit.weighting.rows(prediction.record.measured)[of_drives]
     many = max(1, _BATCH // (max(len(effect.amplitudes), 1) * fit.state.rows.size))
     for first in range(0, len(shapes), many):
         some = shapes[first : first + many]
@@ -149,8 +162,10 @@ def _best_shape(
             columns = prediction.passed_on(columns)
         rows = fit.weighting.rows(columns)
         plain, white = (p.gains(rows, fixed=effect.fixed) for p in projections)
-        for shape, (gain, amplitudes), (white_gain, _) in zip(some, plain, white, strict=True):
+        for shape, own, (gain, amplitudes), (white_gain, _) in zip(some, rows, plain, white, strict=True):
             if effect.positive and amplitudes[0] < 0:
+                continue
+            if effect.is_of_command and is_in_proportion(own[0][of_drives], force):
                 continue
             values = (1.0,) if effect.fixed else tuple(map(float, amplitudes))
             found.append(Candidate(Placed(effect, place, shape, values), gain, white_gain))

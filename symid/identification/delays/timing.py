@@ -39,6 +39,9 @@ _ROUND = 3.0
 """Standard deviations within which a delay is taken for a number of whole or half samples."""
 _NATURAL = 1.0
 """Samples up to which a hold and a lag delay a force: beyond them a clock must leave less than `WORTH_MOVING`."""
+_LONG, _ALL_BUT_NOISE = 0.05, 0.1
+"""Seconds that clocks and drives hardly delay a signal, and the part of the residual's power that a clock leaves which
+does: in a slow motion, friction acts late."""
 _HELD = 0.1
 """Samples by which the delay of a held force may differ from half a sample."""
 
@@ -96,7 +99,8 @@ class Timing:
     @property
     def may_be_clock(self) -> bool:
         """Whether a clock or a hold may be the cause: beyond what holds and lags do, it then leaves little."""
-        return abs(self.samples) <= _NATURAL or self.remaining**2 < WORTH_MOVING
+        least = WORTH_MOVING if abs(self.late) < _LONG else _ALL_BUT_NOISE
+        return abs(self.samples) <= _NATURAL or self.remaining**2 < least
 
     @property
     def remedy(self) -> str:

@@ -17,6 +17,7 @@ from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.deviations.whitened import Segment
+from symid.text import moment
 
 _SEEN = 0.03
 """Part of the information on a direction that a span must hold to be compared in it."""
@@ -61,7 +62,7 @@ class Change:
         i = self.most_certain(certain)
         name, unit = list(model.minimal_units.items())[i]
         return (
-            f"parameters change within the logs: from t = {self.begins:.4g} s on {name} is {self.inside[i]:.4g} "
+            f"parameters change within the logs: from t = {moment(self.begins, 4)} s on {name} is {self.inside[i]:.4g} "
             f"{unit}, elsewhere {self.outside[i]:.4g}: gain, payload or machine change, or a part is damaged; identify "
             "the parts apart (`trim`)"
         )

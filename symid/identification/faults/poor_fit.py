@@ -17,6 +17,7 @@ from symid.data.quality.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.rows.excerpts import Excerpt, estimate_of
+from symid.text import moment
 
 _CLIPPED_SAMPLES = 5
 """Shortest run of an extreme value that counts as a limit, not as a peak."""
@@ -175,16 +176,16 @@ def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> s
     if many and residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * size:
         times = residual[worst] / max(usual, np.finfo(float).tiny)
         return (
-            f"near t = {time[worst]:.5g} s the residual is {times:.2g} times what it is elsewhere, and as large as the "
-            "output: the log is damaged there, or the model lacks an effect"
+            f"near t = {moment(time[worst], 5)} s the residual is {times:.2g} times what it is elsewhere, and as "
+            "large as the output: the log is damaged there, or the model lacks an effect"
         )
     large = (predicted > 0.5 * np.median(predicted)) & (residual > _SILENT_RESIDUAL * usual)
     silent = large & (predicted > _SILENT_RATIO * output)
     if not silent.any():
         return ""
     return (
-        f"near t = {time[np.argmax(silent)]:.5g} s the output is less than {100 / _SILENT_RATIO:.2g} % of what the "
-        "parameters found elsewhere predict: the unit changes within the log, or a channel is dead there"
+        f"near t = {moment(time[np.argmax(silent)], 5)} s the output is less than {100 / _SILENT_RATIO:.2g} % of what "
+        "the parameters found elsewhere predict: the unit changes within the log, or a channel is dead there"
     )
 
 

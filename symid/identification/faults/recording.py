@@ -20,7 +20,7 @@ from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.faults.smoothing import slow_update
 from symid.identification.rows.excerpts import Excerpt
-from symid.text import counted
+from symid.text import counted, moment
 
 _SPAN = 8
 """Fewest equal samples that count as a held span."""
@@ -59,8 +59,9 @@ def fault_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares)
             if not is_force and (spikes := _undriven(model, part.log, name)):
                 k = spikes[0]
                 return (
-                    f"{name} jumps by {x[k] - x[k - 1]:.3g} and back within a sample at t = {part.log.time[k]:.7g} s, "
-                    f"as no machine moves ({counted(len(spikes), 'time')}): cut that out, or repair the channel"
+                    f"{name} jumps by {x[k] - x[k - 1]:.3g} and back within a sample at t = "
+                    f"{moment(part.log.time[k])} s, as no machine moves ({counted(len(spikes), 'time')}): cut that "
+                    "out, or repair the channel"
                 )
             slow = slow_update(x, name)
             if (fault := channel_fault(x, name, is_force=is_force)) or (slow and not is_force):

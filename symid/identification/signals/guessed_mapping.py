@@ -23,7 +23,7 @@ from symid.identification.signals.mapping import LogMapping, require_known
 from symid.units import Unit, to_si
 
 _MOST_LISTED = 12  # columns in a message
-_MOTION = "position", "velocity", "acceleration"  # that a name without a unit suggests, and an answer refutes
+_SUGGESTED = None, "position", "velocity", "acceleration", "command"  # by a name; an answer refutes it
 
 
 def guessed_mapping(
@@ -197,8 +197,8 @@ class _Guess:
         self.take(REFERENCE, column)
 
     def called(self, signal: str) -> list[ForeignColumn]:
-        """The column that has the name of a signal, if neither its name nor a unit says what it measures."""
-        same = [c for c in self.free if c.header == signal and c.quantity in (None, "command")]
+        """The column that has the name of a signal, if no unit says that it measures something else."""
+        same = [c for c in self.free if (c.header, c.unit) == (signal, None) and c.quantity in _SUGGESTED]
         return [replace(in_si(c), quantity=None) for c in same]
 
     def sensor(self, sensor: Sensor, unit: Unit, alike: int, *, needed: bool) -> None:
@@ -278,7 +278,7 @@ class _Guess:
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
         # v may be volts
-        misnamed = signal in self.named and column.quantity in (*_MOTION, "command") and not column.unit
+        misnamed = signal in self.named and column.quantity in _SUGGESTED[1:] and not column.unit
         in_unit = not column.scaled and is_unit_of(column.unit, unit)
         if (misnamed or column.quantity in (own, None)) and in_unit:
             self.take(signal, column, column.unit or str(unit))
