@@ -1,5 +1,6 @@
 """Friction by load takes the force that acts, without the noise of the position in the modelled one."""
 
+import numpy as np
 import pytest
 
 from symid import ForceConstantRipple, LoadDependentFriction, load_axis
@@ -7,9 +8,11 @@ from symid.data import Log
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import LIBRARY, Placed
 from symid.diagnosis.fitting.gauss_newton import converged
-from symid.diagnosis.fitting.state import first_state, with_effects
+from symid.diagnosis.fitting.sensitivity import prediction_jacobian
+from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
+from symid.diagnosis.prediction.weighting import Weighting
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 AXIS = load_axis("rigid_1m")
@@ -54,19 +57,42 @@ def test_friction_by_load_of_a_read_load_holds_on_another_log() -> None:
     assert found.gap.explained.rms < 8.0 * found.gap.noise_floor.rms  # 24 when iterated
 
 
-def test_load_follows_the_force_constant() -> None:
-    """Integrated with the motion, friction felt the force without the ripple, which then came out 16 % too large."""
-    screw = load_axis("ballscrew_2m1s").with_signal("qm", noise=5e-8).with_signal("ql", noise=5e-8)
-    values = {"Mm": 139.0, "Fvm": 130.0, "Fsm": 73.0, "Kt": 1.17e7, "Ft": 1150.0, "Ml": 241.0, "Fvl": 103.0}
-    machine = screw.with_signal("Fm", noise=1.3).with_effect(LoadDependentFriction(screw.bodies[1], 0.2))
+SCREW = load_axis("ballscrew_2m1s").with_signal("qm", noise=5e-8).with_signal("ql", noise=5e-8)
+SCREW_VALUES = {"Mm": 139.0, "Fvm": 130.0, "Fsm": 73.0, "Kt": 1.17e7, "Ft": 1150.0, "Ml": 241.0, "Fvl": 103.0}
+FRICTION = Placed(EFFECTS["load_dependent_friction"], "load", (), (0.2,), integrated=True)
+
+
+@pytest.fixture(scope="module")
+def loaded_screw() -> tuple[State, Weighting]:
+    """The state of a screw whose force constant varies, with friction by load at its load, without the former."""
+    machine = SCREW.with_signal("Fm", noise=1.3).with_effect(LoadDependentFriction(SCREW.bodies[1], 0.2))
     machine = machine.with_effect(ForceConstantRipple(0.1, 0.0, 0.032))
-    loop = tuned_cascade(plant_of(screw, values), "qm")
+    loop = tuned_cascade(plant_of(SCREW, SCREW_VALUES), "qm")
     reference = trapezoids(0.15, [0.2, 0.4], acceleration=6.0, jerk=400.0, dwell=0.05, sampling_period=5e-4)
-    log = simulate(machine, values, reference, loop, seed=1).log
-    record = data_of(screw, (joined([log]), None), Recorded({}, True)).record
-    state, weighting = first_state(record, values)
-    friction = Placed(EFFECTS["load_dependent_friction"], "load", (), (0.2,), integrated=True)
+    log = simulate(machine, SCREW_VALUES, reference, loop, seed=1).log
+    record = data_of(SCREW, (joined([log]), None), Recorded({}, True)).record
+    state, weighting = first_state(record, SCREW_VALUES)
+    return with_effects(state, weighting, (FRICTION,)), weighting
+
+
+def test_load_follows_the_force_constant(loaded_screw: tuple[State, Weighting]) -> None:
+    """Integrated with the motion, friction felt the force without the ripple, which then came out 16 % too large."""
+    state, weighting = loaded_screw
     ripple = Placed(EFFECTS["force_constant_ripple"], "actuator", (0.032,), (0.01, 0.0))
-    fit = converged(with_effects(state, weighting, (friction, ripple)), weighting)
+    fit = converged(with_effects(state, weighting, (FRICTION, ripple)), weighting)
     assert fit.state.placed[0].amplitudes == pytest.approx((0.2,), rel=0.01)
     assert fit.state.placed[1].amplitudes == pytest.approx((0.1, 0.0), abs=0.003)
+
+
+@pytest.mark.parametrize("name", ["Mm", "Fvm", "Fvl"])
+def test_derivatives_follow_the_load(loaded_screw: tuple[State, Weighting], name: str) -> None:
+    """Mass and friction of the motor change the drive force, and so the friction of the load: 20 % were missing."""
+    state, weighting = loaded_screw
+
+    def outputs(share: float) -> np.ndarray:
+        moved = dict(SCREW_VALUES) | {name: SCREW_VALUES[name] * (1 + share)}
+        return weighting.rows(evaluated(state, weighting, moved, state.placed).errors)
+
+    column = weighting.rows(prediction_jacobian(state)[list(SCREW_VALUES).index(name)])
+    expected = (outputs(-0.01) - outputs(0.01)) / (0.02 * SCREW_VALUES[name])
+    assert np.linalg.norm(column - expected) < 0.03 * np.linalg.norm(expected)

@@ -128,10 +128,11 @@ def _by_hidden_parameters(state: State, here: ComplexArray, share: float, *, nea
     """
     prediction, parameters, placed = state.prediction, state.prediction.parameters, state.placed
     columns, plant = _by_parameters(prediction, placed), prediction.response.plant
+    loaded = _loads(placed)
     for k, name in enumerate(prediction.record.dynamics.parameters):
         step = share * (abs(parameters[name]) or 1.0)
         moved = dict(parameters) | {name: parameters[name] + step}
-        if acts_on_hidden(plant, prediction.record.dynamics.at(moved), prediction.driven_rows[0]):
+        if loaded or acts_on_hidden(plant, prediction.record.dynamics.at(moved), prediction.driven_rows[0]):
             columns[k] = (here - predicted(state, moved, placed, nearby=nearby)[1]) / step
     return columns
 
@@ -158,11 +159,16 @@ def _by_differences(state: State) -> ComplexArray:
 
 def _moves_hidden(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> bool:
     """Whether an effect may move hidden bodies: a force on measured motion does not."""
-    if any(each.effect.implicit and not each.integrated for each in placed):
+    if _loads(placed):
         return True
     if isinstance(item.effect, JointEffect):
         return prediction.record.is_predicted(item.effect.joint(prediction, item.at).direction)
     return not (isinstance(item.effect, TransferEffect) or item.effect.is_of_command)
+
+
+def _loads(placed: Sequence[Placed]) -> bool:
+    """Whether friction that is proportional to the drive force makes all that changes this force move hidden bodies."""
+    return any(item.effect.implicit for item in placed)
 
 
 def _moved(item: Placed, share: float) -> Iterator[tuple[float, Placed]]:
