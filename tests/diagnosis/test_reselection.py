@@ -10,9 +10,10 @@ from symid.diagnosis import LIBRARY, diagnose
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.selection.backward import _beside_others
 from symid.diagnosis.selection.evidence import probabilities
-from symid.diagnosis.selection.reselection import reselected
-from symid.diagnosis.selection.step import accepted_of
+from symid.diagnosis.selection.reselection import Member, reselected
+from symid.diagnosis.selection.step import SelectionStep, accepted_of
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = load_axis("rigid_1m")
@@ -34,12 +35,24 @@ def slide(seed: int) -> Log:
     return simulate(axis, VALUES | {"F0": 15.0}, moves, loop, seed=seed).log
 
 
-def test_a_simpler_effect_competes_beside_all_others() -> None:
-    library = [OFFSET, *DRIFTS]
-    found = diagnose(
-        RIGID, slide(1), validation=slide(2), nominal=VALUES | {"Fs": 20.0}, held=True, library=library
-    )
-    *steps, last = accepted_of(found.search)
+@pytest.fixture(scope="module")
+def accepted() -> list[SelectionStep]:
+    """The steps that find both effects."""
+    library, nominal = [OFFSET, *DRIFTS], VALUES | {"Fs": 20.0}
+    found = diagnose(RIGID, slide(1), validation=slide(2), nominal=nominal, held=True, library=library)
+    return accepted_of(found.search)
+
+
+def test_each_later_model_holds_the_accepted_effects_alone(accepted: list[SelectionStep]) -> None:
+    """A step that is not accepted beside the others was left out, and its effect stayed in the models after it."""
+    first, last = accepted
+    unsure = replace(first, confirmed=(replace(first.best, certainty=0.0),), beside_others=True)
+    steps = accepted_of(_beside_others([unsure, last], [Member(last.best.placed, last, 0.0)]))
+    assert [len(step.best.fit.state.placed) for step in steps] == list(range(1, len(steps) + 1))
+
+
+def test_a_simpler_effect_competes_beside_all_others(accepted: list[SelectionStep]) -> None:
+    *steps, last = accepted
     # The same with asymmetric friction in the place of the constant force, as if that had been found.
     fit = last.best.fit
     placed = tuple(

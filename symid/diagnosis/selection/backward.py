@@ -80,11 +80,22 @@ def _whole_before_part(order: Sequence[Member]) -> list[Member]:
 
 
 def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member]) -> tuple[SelectionStep, ...]:
-    """The steps in their old order, with the lead over rivals that their effects have beside all others."""
+    """The steps in their old order, with the lead over rivals that their effects have beside all others.
+
+    Models after a step that accepts nothing there hold its effect: without it the others are fitted again, and where
+    they do not explain as much, it counts.
+    """
     chosen = {member.placed.key: member.step for member in members}
     own = ((step, chosen.get(step.best.key, step)) for step in accepted)
-    found = (in_place_of(beside, step.before, step.best) for step, beside in own)
-    return tuple(replace(step, beside_others=step.best.key in chosen) for step in found)
+    placed = (in_place_of(beside, step.before, step.best) for step, beside in own)
+    found = tuple(replace(step, beside_others=step.best.key in chosen) for step in placed)
+    kept = [member for member in _members(found) if member.step.accepts]
+    if len(kept) in (0, len(found)):
+        return found
+    whole = found[-1].best.fit
+    most = THRESHOLDS.as_good * whole.mean_square
+    again = _chain(kept, found[0].before, most, justified=True, whole=whole)
+    return again or tuple(replace(step, beside_others=True) for step in found)
 
 
 def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
