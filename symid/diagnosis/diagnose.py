@@ -23,6 +23,7 @@ from symid.diagnosis.findings.wording import rejection, sentence
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.in_motion.corrected import with_corrected_values
 from symid.diagnosis.in_motion.motion import is_contradicted, with_motion
 from symid.diagnosis.late_reading import READ_BEFORE_STEPS, before_steps, lateness, with_late_reading
 from symid.diagnosis.prediction.data import Data, Recorded, Runs, as_runs, data_of, goes_elsewhere, one_run
@@ -266,6 +267,7 @@ class _Task:
                 moment = momentary(models.with_effects(last), fits[last]) if alone else ""
                 moment = moment or changed_span(base, "the log" if alone else "the identification log")
                 found = replace(found, next_experiment=moment or found.next_experiment)
+            found, models = with_corrected_values(found, models, fits, run, self.recorded.controller)
             return with_motion(found, models, self.runs, data.held_out, controller=self.recorded.controller)
 
         found = concluded_from(comparison)

@@ -57,7 +57,7 @@ def _levels_on(record: Record, model: State) -> list[float]:
 def errors_of(state: State, weighting: Weighting) -> FloatArray:
     """Weighted errors less the part that unknown initial states and values of the log explain; nan in rows not kept."""
     error = weighting.known(state.rows, state.beginning)
-    of_log = _belongs_to_log(state)
+    of_log = belongs_to_log(state)
     if of_log.any():
         columns = weighting.known(weighting.rows(prediction_jacobian(state)[of_log]), state.beginning)
         error = error - columns.T @ least_squares(columns.T, error, RANK)
@@ -68,11 +68,11 @@ def errors_of(state: State, weighting: Weighting) -> FloatArray:
 
 def fitted_to_log(state: State, weighting: Weighting) -> State:
     """The state with phases, moments and zeros fitted to its log; all other values stay."""
-    of_log = _belongs_to_log(state)
+    of_log = belongs_to_log(state)
     return fitted(state, weighting, ITERATIONS, of_log).state if of_log.any() else state
 
 
-def _belongs_to_log(state: State) -> BoolArray:
+def belongs_to_log(state: State) -> BoolArray:
     """Free values that belong to the log, shape (n_columns,): parameters declared so, and effects in time."""
     dynamics = state.prediction.record.dynamics
     own = [name in dynamics.axis.log_parameters for name in dynamics.parameters]

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
+from typing import TypeAlias
 
 import numpy as np
 
@@ -25,11 +26,14 @@ from symid.diagnosis.in_motion.replayed import (
     since_begin,
 )
 from symid.diagnosis.prediction.joined_logs import Joined
+from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError, SettingError, SymidError
 from symid.estimation.residual_measures import fit_percent
 from symid.simulation import Cascade
 
+Given: TypeAlias = Cascade | Sequence[Cascade] | None
+"""Controller of the machine, or one for each drive; None if it is not known."""
 _SAME = 0.01
 """Relative difference of two references or durations below which they count as equal."""
 _PHASE = 0.25
@@ -44,7 +48,7 @@ def with_motion(
     runs: tuple[Joined, Joined | None],
     allowed: BoolArray | None,
     *,
-    controller: Cascade | Sequence[Cascade] | None = None,
+    controller: Given = None,
     simulated: Log | None = None,
 ) -> Diagnosis:
     """A diagnosis with the gap in the motion next to each drive.
@@ -105,7 +109,7 @@ def motions_of(
     runs: tuple[Joined, Joined | None],
     allowed: BoolArray | None,
     *,
-    controller: Cascade | Sequence[Cascade] | None = None,
+    controller: Given = None,
     simulated: Log | None = None,
 ) -> tuple[SimulatedMotion, ...]:
     """Motion of the simulated axis with each model of a comparison, at the position next to each drive.
@@ -115,28 +119,11 @@ def motions_of(
     same reference; it then replaces the nominal model.
     """
     record, states = comparison.record, comparison.states
-    given: Sequence[Cascade | None] = [None] * record.n_drives
-    if controller is not None:
-        given = (controller,) * record.n_drives if isinstance(controller, Cascade) else tuple(controller)
-    if len(given) != record.n_drives:
-        raise SettingError(
-            f"there are {len(given)} controllers and {record.n_drives} drives: give one controller for each drive"
-        )
     seen = list(parts_of(record, runs[1] or runs[0], allowed))
     logs = [[replace(part, drive=d) for d in range(record.n_drives)] for part in seen]
     whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in runs[0].parts]
     models = [state for state in states[1:] if state is not None]
-    inertia = max(state.inertia for state in models)  # a model without an effect may have lost it
-    drivers = [
-        driver_of(
-            record,
-            [replace(part, drive=d) for part in whole],
-            given[d],
-            inertia,
-            max(_falling_stiffness(state, replace(whole[0], drive=d)) for state in models),
-        )
-        for d in range(record.n_drives)
-    ]
+    drivers = drivers_of(record, whole, models, controller)
     found = [
         None if state is None else errors_of_axis(partial(axis_with_effects, state), logs, drivers)
         for state in states
@@ -153,6 +140,30 @@ def motions_of(
         )
         for d in range(record.n_drives)
     )
+
+
+def drivers_of(
+    record: Record, whole: Sequence[Part], models: Sequence[State], controller: Given = None
+) -> list[Driver]:
+    """What drives the simulated axis beside the measured force of each drive: as given, or read from whole logs."""
+    given: Sequence[Cascade | None] = [None] * record.n_drives
+    if controller is not None:
+        given = (controller,) * record.n_drives if isinstance(controller, Cascade) else tuple(controller)
+    if len(given) != record.n_drives:
+        raise SettingError(
+            f"there are {len(given)} controllers and {record.n_drives} drives: give one controller for each drive"
+        )
+    inertia = max(state.inertia for state in models)  # a model without an effect may have lost it
+    return [
+        driver_of(
+            record,
+            [replace(part, drive=d) for part in whole],
+            given[d],
+            inertia,
+            max(_falling_stiffness(state, replace(whole[0], drive=d)) for state in models),
+        )
+        for d in range(record.n_drives)
+    ]
 
 
 def _falling_stiffness(state: State, part: Part) -> float:

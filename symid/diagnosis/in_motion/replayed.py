@@ -230,6 +230,12 @@ def simulated_positions(
     explained: ExplainedAxis, parts: Sequence[Part], drivers: Sequence[Driver]
 ) -> list[FloatArray]:
     """Noise-free readings of the position next to each drive of a simulated axis, at the samples of a log."""
+    run = replayed(explained, parts, drivers)
+    return [np.asarray(run[part.signal][:: part.factor]) for part in parts]
+
+
+def replayed(explained: ExplainedAxis, parts: Sequence[Part], drivers: Sequence[Driver]) -> Log:
+    """Noise-free signals of a simulated axis along a log, at the samples of the simulated controller."""
     log, axis = parts[0].log, explained.axis
     plant = plant_of(axis, explained.values)
     if fastest(plant) * log.sampling_period > _STIFFEST:
@@ -253,7 +259,7 @@ def simulated_positions(
         [Replay(part.forces, loop) for part, loop in zip(parts, loops, strict=True)],
         start=plant.follows(begin),
     )
-    return [np.asarray(run.log[part.signal][:: part.factor]) for part in parts]
+    return run.log
 
 
 def since_begin(log: Log) -> FloatArray:

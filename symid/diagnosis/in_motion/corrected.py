@@ -1,0 +1,117 @@
+"""Values corrected by what a fit predicts wrong of a simulation of its own axis (indirect inference).
+
+The fit sees motion up to a frequency, and hidden motion from an unknown state on. What this changes, at reversals
+above all, it changes in the same way in a simulation of the axis found, whose values are known: the errors there are
+taken off those of the log, and the values follow (Gourieroux, Monfort and Renault, J. Applied Econometrics 8, 1993).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symid.arrays import ComplexArray
+from symid.data import Log
+from symid.diagnosis.findings.comparison import Comparison
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
+from symid.diagnosis.findings.parameter_changes import effect_values, parameter_changes
+from symid.diagnosis.fitting.applied import applied, applied_or_none, belongs_to_log
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.gauss_newton import continued
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.in_motion.declared import axis_with_effects
+from symid.diagnosis.in_motion.motion import Given, drivers_of
+from symid.diagnosis.in_motion.replayed import Driver, Part, replayed
+from symid.diagnosis.prediction.joined_logs import Joined
+from symid.diagnosis.prediction.record import Record
+from symid.errors import SymidError
+
+
+def with_corrected_values(
+    found: Diagnosis, comparison: Comparison, fits: Sequence[Fit], run: Joined, controller: Given
+) -> tuple[Diagnosis, Comparison]:
+    """A diagnosis with corrected values of its last model, and the comparison with that model to be simulated.
+
+    The gap of the force stays that which the fit leaves. Without effects, or where the axis with the corrected values
+    would not move nearer to the machine, both stay as they are.
+    """
+    n = len(found.effects)
+    better = corrected(fits[n], run, controller) if n else None
+    if better is None:
+        return found, comparison
+    models = comparison.with_effects(n)
+    last = applied_or_none(better.state, models.record, models.weighting.allowed, models.weighting)
+    if last is None:
+        return found, comparison
+    values = effect_values(better)[-n:]
+    effects = (replace(own, parameters=new) for own, new in zip(found.effects, values, strict=True))
+    parameters = parameter_changes((fits[0], better), fits[0].nominal)
+    found = replace(found, effects=tuple(effects), parameters=parameters)
+    return found, replace(models, states=(*models.states[:-1], last))
+
+
+def corrected(fit: Fit, run: Joined, controller: Given = None) -> Fit | None:
+    """A fit with corrected values; None if its axis cannot be simulated or would move no nearer to the machine."""
+    try:
+        with np.errstate(all="ignore"):
+            return _corrected(fit, run, controller)
+    except (SymidError, ArithmeticError, ValueError, np.linalg.LinAlgError):
+        return None
+
+
+def _corrected(fit: Fit, run: Joined, controller: Given) -> Fit | None:
+    record = fit.state.prediction.record
+    whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in run.parts]
+    parts = [[replace(part, drive=d) for d in range(record.n_drives)] for part in whole]
+    if whole[0].factor > 1 or (len(parts) > 1 and belongs_to_log(fit.state).any()):
+        return None  # the force would change within a sample; values of one log would be those of all
+    drivers = drivers_of(record, whole, [fit.state], controller)
+    moved = _replays(fit.state, parts, drivers)
+    off = applied(fit.state, _as_simulated(record, run, moved), fit.weighting.allowed)[0].errors
+    for i, name in enumerate(record.readings, record.n_drives):
+        if record.dynamics.sensors[name][1] == 2:  # jumps with the force, before which it is read
+            off[i] = 0.0
+    model, weighting = applied(fit.state, _less(record, off), fit.weighting.allowed)
+    after = continued(Fit(replace(model, bounds=fit.state.bounds), weighting), 1).after(fit)
+    nearer = _distance(parts, _replays(after.state, parts, drivers)) < _distance(parts, moved)
+    return after if nearer else None
+
+
+def _replays(state: State, parts: Sequence[Sequence[Part]], drivers: Sequence[Driver]) -> list[Log]:
+    explained = axis_with_effects(state)
+    return [replayed(explained, own, drivers) for own in parts]
+
+
+def _distance(parts: Sequence[Sequence[Part]], moved: Sequence[Log]) -> float:
+    """Square of the distances of simulated positions next to the drives, in multiples of the noise of the readings."""
+    return math.fsum(
+        float(np.sum((part.position - log[part.signal]) ** 2) / part.record.noise_of_motions[part.drive] ** 2)
+        for own, log in zip(parts, moved, strict=True)
+        for part in own
+    )
+
+
+def _as_simulated(record: Record, run: Joined, moved: Sequence[Log]) -> Record:
+    """The record of simulated logs, with the noise of the measured ones in its weights."""
+    signals = dict(record.log.signals)
+    for name in (*record.forces, *record.signals):
+        signals[name] = signals[name].copy()
+        signals[name][run.recorded] = np.concatenate([log[name] for log in moved])
+    log, axis = replace(record.log, signals=signals), record.dynamics.axis
+    late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay}
+    holds = dict.fromkeys(record.forces, log.sampling_period)
+    return _with_noise(replace(record, log=log, late=late, holds=holds), record)
+
+
+def _less(record: Record, off: ComplexArray) -> Record:
+    """The record with errors taken off the measured outputs."""
+    found = _with_noise(replace(record), record)
+    vars(found).update(measured=record.measured - off)
+    return found
+
+
+def _with_noise(record: Record, measured: Record) -> Record:
+    """The record with the noise of another one, which its own signals do not show."""
+    vars(record).update(noise=measured.noise, noise_spread=measured.noise_spread)
+    return record
