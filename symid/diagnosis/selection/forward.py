@@ -55,7 +55,8 @@ def forward_selection(
     # presliding friction may be all friction or a part of it. Where one of them comes first, the search is also run to
     # its end from the other one, and the better prediction of blocks left out decides. The other timing is then first
     # put in the place of the one found: where it predicts worse there, its search is not run. Where a clear gap stays,
-    # a search from a candidate that was as probable as the first effect counts if it leaves hardly anything.
+    # so does Coulomb friction in place of what refines it, and a search from a candidate that was as probable as the
+    # first effect counts if it leaves hardly anything.
     if not first.accepts:
         return _together(fit, first, library, nominal)
     timings = first.other_timing()
@@ -63,8 +64,14 @@ def forward_selection(
     found = _continued(fit, first, library, nominal)
     others = [step for step in timings if other_predicts_better(step, found, weighting)]
     others += first.whole_before_part()
-    branches = [found, *(_continued(fit, step, library, nominal) for step in others)]
-    best = max(branches, key=lambda steps: penalised_likelihood(steps, steps[-1].best.fit.state, weighting))
+
+    def best_of(steps: Sequence[SelectionStep], *others: SelectionStep) -> tuple[SelectionStep, ...]:
+        branches = [tuple(steps), *(_continued(fit, step, library, nominal) for step in others)]
+        return max(branches, key=lambda own: penalised_likelihood(own, own[-1].best.fit.state, weighting))
+
+    best = best_of(found, *others)
+    if is_clear(best[-1].best.fit):
+        best = best_of(best, *first.plain_before_refined())
     left = best[-1].best.fit
     tied = (_continued(fit, step, library, nominal) for step in _tied(first) if is_clear(left))
     return next((steps for steps in tied if _leaves_noise(steps, left)), best)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -112,12 +112,28 @@ class SelectionStep:
         """
         if not self.accepts or self.best.fit.mean_square < THRESHOLDS.explained:
             return ()
-        best, *others = self.confirmed
-        whole = next((own for own in others if is_part(best.placed, own.placed)), None)
-        if whole is None or not self._accepts(whole):
+        return self._with_first(own for own in self.confirmed if is_part(self.best.placed, own.placed))
+
+    def plain_before_refined(self) -> tuple[SelectionStep, ...]:
+        """The step led by Coulomb friction in place of a friction that refines it and leaves a clear gap; else empty.
+
+        The refinement may take what another law causes: Stribeck friction falls with speed, drag rises with it. Rivals
+        keep their distance.
+        """
+        if not (self.accepts and is_clear(self.best.fit)):
             return ()
-        behind = (own.beside(best, whole) for own in others if own is not whole)
-        return (replace(self, confirmed=(whole, best, *behind)),)
+        plain = ("coulomb_friction", self.best.placed.at)
+        refines = self.best.placed.contains(plain)
+        return self._with_first(own for own in self.confirmed if refines and own.key == plain)
+
+    def _with_first(self, others: Iterable[Confirmed]) -> tuple[SelectionStep, ...]:
+        """The step led by the first of some candidates, if it is acceptable; rivals keep their distance to the best."""
+        first = next(iter(others), None)
+        if first is None or not self._accepts(first):
+            return ()
+        best, *rivals = self.confirmed
+        behind = (own.beside(best, first) for own in rivals if own is not first)
+        return (replace(self, confirmed=(first, best, *behind)),)
 
     def led_by(self, own: Confirmed) -> SelectionStep:
         """The step with another of its candidates first."""
