@@ -82,7 +82,7 @@ def test_what_removes_little_alone_is_first_only_if_it_is_clearly_stronger(
     assert found[0] is steps[first]
 
 
-def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
+def test_strength_is_the_force_that_no_parameter_stands_for(monkeypatch: pytest.MonkeyPatch) -> None:
     log = slide([0.5, 0.8, 1.0], 2)
     found = diagnose(RIGID, log, nominal=VALUES, held=True, library=BOTH)
     fit = accepted_of(found.search)[-1].best.fit
@@ -92,7 +92,8 @@ def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
         np.abs(np.interp(fit.weighting.record.row_time[kept], log.time, np.gradient(log["q"], log.time)))
         > 0.02
     )
-    found = FixedBand.of(fit.state, fit.weighting, away, 0).strengths()
+    band = FixedBand.of(fit.state, fit.weighting, away, 0)
+    found = band.strengths()
 
     v = np.gradient(log["q"], log.time)
     rows = np.isin(
@@ -106,6 +107,14 @@ def test_strength_is_the_force_that_no_parameter_stands_for() -> None:
         left = force - columns @ np.linalg.lstsq(columns, force, rcond=None)[0]
         noise = fit.weighting.record.noise_of_outputs[0]
         assert strength == pytest.approx(np.sqrt(np.mean(left**2)) / noise, rel=0.1)
+
+    # An effect that alone keeps hidden motion stable has no strength: the model without it is none of the machine.
+    errors = FixedBand._errors
+    whole, error = len(fit.state.placed), errors(band, fit.state.placed)
+    monkeypatch.setattr(
+        FixedBand, "_errors", lambda _, placed: error if len(placed) == whole else 1e50 * (1 + error)
+    )
+    assert band.strengths().tolist() == [0.0, 0.0]
 
 
 def test_what_is_brought_first_keeps_what_spoke_for_it() -> None:

@@ -90,7 +90,7 @@ def test_the_last_effect_of_an_order_is_also_fitted_from_the_values_of_the_whole
     accepted = [step for step in found.search if step.accepts]
     first, whole = accepted[0].before, accepted[-1].best.fit
     drag, cogging = members = _members(accepted)
-    start = _with_values_of(whole, first, members)
+    (start,) = _with_values_of(whole, first, members)
     assert start.placed is cogging.placed
     assert start.placed_state().prediction.parameters == whole.state.prediction.parameters
     found_again = _chain([drag, cogging], first, math.inf, justified=True, whole=whole)

@@ -70,13 +70,18 @@ class FixedBand:
         )
 
     def _strength(self, at: int) -> float:
-        """Strength of one effect."""
+        """Strength of one effect; 0 where motion without it grows beyond what was measured, so that it has none."""
         placed, record = self.state.placed, self.state.prediction.record
-        change = self._errors((*placed[:at], *placed[at + 1 :])) - self._errors(placed)
+        try:
+            change = self._errors((*placed[:at], *placed[at + 1 :])) - self._errors(placed)
+        except OverflowError:
+            return 0.0
         own = placed[at].at
         further = own in record.outputs[record.n_drives :]
         seen = [record.outputs.index(own)] if further else list(range(record.n_drives))
-        return float(np.sqrt(np.mean(self._left(change[seen], seen) ** 2, axis=1).max()))
+        found = np.sqrt(np.mean(self._left(change[seen], seen) ** 2, axis=1))
+        measured = np.sqrt(np.mean(self.flat.rows(record.measured)[seen][:, self.rows] ** 2, axis=1))
+        return float(found.max()) if np.all(found < measured) else 0.0
 
 
 def _flat(weighting: Weighting) -> Weighting:

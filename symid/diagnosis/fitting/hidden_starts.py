@@ -20,7 +20,7 @@ from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import with_shapes_held
 from symid.diagnosis.fitting.moments import NEAR
-from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
+from symid.diagnosis.fitting.state import State, evaluated, first_state, stable_with_effects, with_effects
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
@@ -58,11 +58,8 @@ class Start:
     @classmethod
     def with_values_of(cls, other: Fit, fit: Fit, placed: Placed) -> Start:
         """The same with the parameters of another fitted model, unless hidden motion grows without bound with them."""
-        try:
-            state = with_effects(other.state, fit.weighting, fit.state.placed)
-        except OverflowError:
-            state = fit.state
-        return cls(state, fit.weighting, placed)
+        state = stable_with_effects(other.state, fit.weighting, fit.state.placed)
+        return cls(state or fit.state, fit.weighting, placed)
 
     def placed_state(self) -> State:
         """The model with the effect."""

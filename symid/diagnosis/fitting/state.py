@@ -182,6 +182,14 @@ def with_effects(state: State, weighting: Weighting, placed: tuple[Placed, ...])
     return evaluated(state, weighting, state.prediction.parameters, placed)
 
 
+def stable_with_effects(state: State, weighting: Weighting, placed: tuple[Placed, ...]) -> State | None:
+    """The same; None if the hidden motion grows without bound."""
+    try:
+        return with_effects(state, weighting, placed)
+    except OverflowError:
+        return None
+
+
 def with_shape(state: State, weighting: Weighting, at: int, shape: Shape) -> State:
     """The state with another shape of the effect at an index."""
     placed = state.placed

@@ -9,13 +9,13 @@ then the order in which they were found.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from symid.diagnosis.effects import Effect, is_part
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
-from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.fitting.state import stable_with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from
 from symid.diagnosis.selection.credibility import exceeds_deviations
 from symid.diagnosis.selection.evidence import probabilities
@@ -166,7 +166,7 @@ def _chain(
         later = [other.placed for other in members[i + 1 :]]
         starts = [Start.of(before, member.placed)]
         if whole is not None and (not later or member.placed.integrated) and len(chain) == i:
-            starts.append(_with_values_of(whole, first, members[: i + 1]))
+            starts.extend(_with_values_of(whole, first, members[: i + 1]))
         tried = (confirmed_from(before, start, beside=later) for start in starts)
         # starts of one model: the lowest error is its fit, whichever start predicts blocks better
         fits = (own for own in tried if own is not None)
@@ -188,8 +188,9 @@ def _chain(
     return tuple(chain) if chain and before.mean_square < most else None
 
 
-def _with_values_of(whole: Fit, first: Fit, members: Sequence[Member]) -> Start:
-    """The last of some effects beside the others, with the values of the whole model."""
+def _with_values_of(whole: Fit, first: Fit, members: Sequence[Member]) -> Iterator[Start]:
+    """The last of some effects beside the others, with the values of the whole model, unless it is unstable without."""
     *others, last = (member.placed for member in members)
-    placed = (*first.state.placed, *others)
-    return Start(with_effects(whole.state, whole.weighting, placed), whole.weighting, last)
+    state = stable_with_effects(whole.state, whole.weighting, (*first.state.placed, *others))
+    if state is not None:
+        yield Start(state, whole.weighting, last)

@@ -9,7 +9,7 @@ from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start
-from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.fitting.state import stable_with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, converged_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.evidence import probabilities
 from symid.diagnosis.selection.late_forces import in_band_of_forces, other_predicts_better
@@ -134,7 +134,9 @@ def _restarted(step: SelectionStep) -> Fit | None:
     if not step.accepts:
         return None
     fit = step.before
-    state = with_effects(step.best.fit.state, fit.weighting, fit.state.placed)
+    state = stable_with_effects(step.best.fit.state, fit.weighting, fit.state.placed)
+    if state is None:
+        return None
     again = fitted(replace(state, bounds=fit.state.bounds), fit.weighting)
     if not again.mean_square < THRESHOLDS.astray * fit.mean_square:
         return None
@@ -158,9 +160,7 @@ def _continued(
         last = _selection_step(current, library, None, steps)
         resumes = has_predicted_joint(current) and current.mean_square > THRESHOLDS.resumed
         if nominal and resumes and not _is_settled(last, fit):
-            placed = with_effects(nominal.state, nominal.weighting, current.state.placed)
-            resumed = _resumed(last, current, library, replace(nominal, state=placed))
-            last = resumed if resumed.justifies_another(fit) or not last.justifies_another(fit) else last
+            last = _resumed(last, fit, current, library, nominal)
         last = last if last.accepts else _tentative(last)
         if not last.justifies_another(fit):
             break
@@ -191,10 +191,17 @@ def _selection_step(
     return _completed(fit, found, starts, confirmed, tried)
 
 
-def _resumed(step: SelectionStep, fit: Fit, library: Sequence[Effect], nominal: Fit) -> SelectionStep:
-    """A step that goes on with starts from the nominal values."""
-    confirmed = {own.key: own for own in step.confirmed}
+def _resumed(
+    step: SelectionStep, first: Fit, fit: Fit, library: Sequence[Effect], nominal: Fit
+) -> SelectionStep:
+    """A step that goes on with starts from the nominal values, unless it is justified before and not after that."""
+    state = stable_with_effects(nominal.state, nominal.weighting, fit.state.placed)
+    if state is None:
+        return step
+    confirmed, nominal = {own.key: own for own in step.confirmed}, replace(nominal, state=state)
     found = _completed(fit, step.screened, from_nominal(fit, nominal, library, confirmed), confirmed, {})
+    if step.justifies_another(first) and not found.justifies_another(first):
+        return step
     return replace(found, refused=(found.refused | step.refused) - confirmed.keys())
 
 

@@ -11,7 +11,7 @@ from symid.diagnosis.fitting.cross_validation import deviation
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.hidden_starts import Start
-from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.fitting.state import stable_with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.screening import screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, is_clear, takes
@@ -53,6 +53,8 @@ def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> 
         # A reselected effect moves to the end, so the next one is the first of the last n.
         at = len(whole.state.placed) - n
         begun = _without(whole, at)
+        if begun is None:
+            return []
         own, before = begun.placed, fitted(begun.state, begun.weighting, _ITERATIONS).after(whole)
         simpler = [member for member in dropped if own.contains(member.placed.key)]
         sought = library if not any(is_part(item, own) for item in before.state.placed) else ()
@@ -153,11 +155,12 @@ def _is_clearly_better(best: Confirmed, own: Confirmed) -> bool:
     return best.penalised_gain - own.penalised_gain > least
 
 
-def _without(whole: Fit, at: int) -> Start:
-    """The model without one of its effects, all other values unchanged, and that effect."""
+def _without(whole: Fit, at: int) -> Start | None:
+    """The model without one of its effects, all other values unchanged, and that effect; None if it is unstable."""
     placed = list(whole.state.placed)
     own = placed.pop(at)
-    return Start(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, own)
+    state = stable_with_effects(whole.state, whole.weighting, tuple(placed))
+    return None if state is None else Start(state, whole.weighting, own)
 
 
 def in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> SelectionStep:
