@@ -17,7 +17,7 @@ from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.faults import Damage, damage
 from symid.diagnosis.findings.feedback import driven_backwards, feedback_law
 from symid.diagnosis.findings.fit_faults import changed_span, steady_force, wrong_gain
-from symid.diagnosis.findings.held_out import strongest_first, without_worsening
+from symid.diagnosis.findings.held_out import shows_in_validation, strongest_first, without_worsening
 from symid.diagnosis.findings.location import momentary
 from symid.diagnosis.findings.wording import rejection, sentence
 from symid.diagnosis.fitting.fit import Fit
@@ -34,13 +34,9 @@ from symid.diagnosis.selection.backward import backward_elimination, most_probab
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, shows_hold
 from symid.diagnosis.selection.step import SelectionStep, accepted_of, fits_of
-from symid.diagnosis.thresholds import THRESHOLDS
 from symid.identification.signals.axis_logs import LogLike, logs_of, require_changing
 from symid.simulation import Cascade
 
-_ELSEWHERE = 5.0
-"""Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which
-on something acts there that does not act here."""
 _FAR_LESS = 0.5
 """Share of the error left unexplained below which the answer of the validation log takes the place of the other."""
 _MOST_READINGS = 3
@@ -150,7 +146,7 @@ class _Task:
         """Identified from the logs, or where these do not show the effect, from the validation logs or from all."""
         found = self.physically_read()
         run, validation = self.runs
-        if validation is None or not _shows_in_validation(found):
+        if validation is None or not shows_in_validation(found):
             return found
         together = goes_elsewhere(self.axis, run.parts, validation.parts)
         tried = one_run(self.axis, self._parts) if together else validation
@@ -286,17 +282,3 @@ class _Task:
             return None
         found = replace(self, library=library).diagnosed()
         return found if found.verdict in ("effect", "partly") else None
-
-
-def _shows_in_validation(found: Diagnosis) -> bool:
-    """Whether the model found leaves many times as much error of the validation log, or only noise of its own log.
-
-    The latter shows nothing where effects were found, which explain the validation log too.
-    """
-    if not found.search or found.verdict not in ("unexplained", "partly", "effect"):
-        return False
-    steps = accepted_of(found.search)[: len(found.effects)]
-    fit = steps[-1].best.fit if steps else found.search[0].before
-    other = (found.gap.explained.rms / found.gap.noise_floor.rms) ** 2
-    only_noise = found.verdict != "effect" and fit.mean_square < THRESHOLDS.fit_of_noise
-    return only_noise or other > _ELSEWHERE * fit.mean_square

@@ -6,11 +6,15 @@ import numpy as np
 
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.constant_time import inconstant
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.fitting.applied import fitted_to_log
 from symid.diagnosis.selection.backward import brought_first, without
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep, accepted_of
 from symid.diagnosis.thresholds import THRESHOLDS
 
+_ELSEWHERE = 5.0
+"""Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which
+on something acts there that does not act here."""
 OnHeldOut = Callable[[Sequence[SelectionStep]], Comparison]
 """Comparison of the models of selection steps on held-out data."""
 
@@ -94,3 +98,17 @@ def strongest_first(
         if as_good and other.validated > 0 and (clearly or other.removed(1, 2).share >= least):
             return ordered, other
     return steps, comparison
+
+
+def shows_in_validation(found: Diagnosis) -> bool:
+    """Whether the model found leaves many times as much error of the validation log, or only noise of its own log.
+
+    The latter shows nothing where effects were found, which explain the validation log too.
+    """
+    if not found.search or found.verdict not in ("unexplained", "partly", "effect"):
+        return False
+    steps = accepted_of(found.search)[: len(found.effects)]
+    fit = steps[-1].best.fit if steps else found.search[0].before
+    other = (found.gap.explained.rms / found.gap.noise_floor.rms) ** 2
+    only_noise = found.verdict != "effect" and fit.mean_square < THRESHOLDS.fit_of_noise
+    return only_noise or other > _ELSEWHERE * fit.mean_square
