@@ -39,8 +39,8 @@ from symid.simulation import Cascade
 
 _FAR_LESS = 0.5
 """Share of the error left unexplained below which the answer of the validation log takes the place of the other."""
-_MOST_READINGS = 3
-"""Most steps to the time by which a reading is late: the errors that it makes hide a part of it."""
+_MOST_READINGS = 3  # steps to the time by which a reading is late: its errors hide a part of it
+_MOST_REJECTED = 3  # causes that are left out one after another: each costs a search
 _ONLY_IN_VALIDATION = (
     "What the model lacks shows in the validation log, and in part hardly in the other one. It was identified from two "
     "thirds of the former, and the gap measured on the rest."
@@ -141,6 +141,7 @@ class _Task:
     nominal: Mapping[str, float] | None
     recorded: Recorded
     library: Sequence[Effect]
+    n_rejected: int = 0  # effects that are left out because the simulated motion contradicts them
 
     def either_way(self) -> Diagnosis:
         """Identified from the logs, or where these do not show the effect, from the validation logs or from all."""
@@ -269,16 +270,15 @@ class _Task:
         found = concluded_from(comparison)
         if is_contradicted(found):  # by all effects together, and by the first alone: another cause is sought
             rejected = rejection(found)
-            other = self._without(found.effects[0].effect, steps[0])
-            found = other or concluded_from(comparison.with_effects(0))
+            found = self._without(found.effects[0].effect) or concluded_from(comparison.with_effects(0))
             found = replace(found, assumptions=(*found.assumptions, rejected))
         return replace(found, sentence=sentence(found))
 
-    def _without(self, effect: str, step: SelectionStep) -> Diagnosis | None:
-        """The diagnosis without an effect, if others explained a part of what it did; None if it finds none."""
+    def _without(self, effect: str) -> Diagnosis | None:
+        """The diagnosis without an effect and those nearly equal to it; None if it finds none, or after several."""
         refused = {name for name, _ in with_alike([(effect, ACTUATOR)])}
         library = [other for other in self.library if other.name not in refused]
-        if not any(step.led_by(other).accepts for other in step.confirmed if other.effect in library):
+        if not library or self.n_rejected == _MOST_REJECTED:
             return None
-        found = replace(self, library=library).diagnosed()
+        found = replace(self, library=library, n_rejected=self.n_rejected + 1).diagnosed()
         return found if found.verdict in ("effect", "partly") else None
