@@ -15,7 +15,7 @@ from symid.data.log import Log
 from symid.data.quality.checks import inspect_finite, inspect_steps, inspect_values
 from symid.data.quality.clock import inspect_clock, require_seconds
 from symid.data.quality.lost_samples import restored
-from symid.data.quality.overflow import continued
+from symid.data.quality.overflow import continued, continued_times
 from symid.data.quality.stuck import inspect_spans
 from symid.data.table import Table, require_memory
 from symid.errors import LogError
@@ -144,7 +144,9 @@ def _read(
     faults, notes = [], []
     for source, column in zip(sources, columns, strict=True):
         if not isinstance(column, str):
-            values[source.signal] = in_si(column, source.factor)
+            written, note = continued_times(column) if source.signal == TIME else (column, "")
+            values[source.signal] = in_si(written, source.factor)
+            notes += [note] * bool(note)
         elif source.signal in references and source.signal not in named:
             notes.append(f"column {table.headers[source.position]!r} {column}; left out")
         else:

@@ -114,3 +114,17 @@ def test_a_counter_that_overflows_is_continued(resample: list[str], recorded: Lo
     record = json.loads((folder / "out.json").read_text())
     assert any("after 65536 steps: it is continued" in note for note in record["notes"])
     assert record["physical"]["M"]["value"] == pytest.approx(TRUE["M"], rel=2e-2)
+
+
+def test_a_clock_that_overflows_is_continued(recorded: Log, folder: Path) -> None:
+    ticks = np.round(1e6 * recorded.time + 60_000) % 2**16
+    columns = {"time_us": ticks, "pos [m]": recorded["q"], "force [N]": recorded["F"]}
+    (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
+    assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json") == 0
+    assert (
+        run("identify", "rigid_1m", "a.csv", "--mapping", "map.json", "--held", "F", "--json", "out.json")
+        == 0
+    )
+    record = json.loads((folder / "out.json").read_text())
+    assert any("times after 65536: it is continued" in note for note in record["notes"])
+    assert record["physical"]["M"]["value"] == pytest.approx(TRUE["M"], rel=2e-2)

@@ -1,4 +1,4 @@
-"""Positions whose counter, or whose angle, begins again at the end of its range, and their continuation."""
+"""Positions and times whose counter, or whose angle, begins again at the end of its range, and their continuation."""
 
 import math
 from typing import Final
@@ -12,6 +12,9 @@ from symid.text import counted
 
 _BITS: Final = range(8, 33)
 """Sizes of counters."""
+_OF_CLOCKS: Final = (16, 24, 32)
+_SCALES: Final = (1.0, 1e-3, 1e-6, 1e-9)
+"""Bits of counters of the time, and units of one of their counts."""
 _WITHIN: Final = 0.02
 """Error of a jump, less the step of the samples beside it, as a share of the range that is begun again."""
 _TURN: Final = 2.0 * math.pi
@@ -49,4 +52,27 @@ def continued(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, 
             through = np.unwrap(x, period=whole)
             if not jumps_of(through):
                 return through, f"{name!r} began again {counted(again, 'time')} after {what}: it is continued"
+    return x, ""
+
+
+def continued_times(x: FloatArray) -> tuple[FloatArray, str]:
+    """Times as written, without the falls of a counter of 16, 24 or 32 bits, and a note; unchanged without such falls.
+
+    Each fall must leave a usual step, once the range is added. Microseconds may be written in seconds, for instance.
+
+    >>> t = 1000.0 * np.arange(300)
+    >>> found, note = continued_times(t % 65536)
+    >>> bool((found == t).all()), note, continued_times(t % 60000)[1]
+    (True, 't began again 4 times after 65536: it is continued', '')
+    """
+    steps = np.diff(x)
+    falls = steps < 0
+    if not np.isfinite(x).all() or not falls.any() or falls.all() or x.min() < 0:
+        return x, ""
+    usual = float(np.median(steps[~falls]))
+    for whole in (2.0**bits * scale for bits in _OF_CLOCKS for scale in _SCALES):
+        if np.all(np.abs(steps[falls] + whole - usual) < usual / 2) and x.max() < whole:
+            again = counted(int(np.count_nonzero(falls)), "time")
+            note = f"t began again {again} after {whole:.10g}: it is continued"
+            return x + whole * np.append(0, np.cumsum(falls)), note
     return x, ""

@@ -13,7 +13,7 @@ from symid.files import write_whole
 from symid.report.figures.colours import LIGHT
 from symid.report.figures.drawn import Drawn, wide_and_narrow
 from symid.report.pages.page import html_path, page_templates, provenance
-from symid.report.tables.result_comparison import comparison_sentence
+from symid.report.tables.result_comparison import comparison_sentence, shown_setting
 
 _INTERVAL = float(scipy.special.ndtri(0.975))
 """Half width of a 95 % interval, in deviations."""
@@ -59,6 +59,7 @@ def write_comparison_html(record: Mapping[str, Any], file: str | Path, command: 
     path = html_path(file)
     page = page_templates().get_template("comparison.html")
     text = page.render(
+        shown=shown_setting,
         r=record,
         sentence=comparison_sentence(record),
         intervals=wide_and_narrow(lambda narrow: comparison_figure(record, narrow=narrow), "intervals"),

@@ -140,7 +140,22 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
         if a and b and a != b:
             console.print(plain(f"{name}: {a} and {b}"))
     for name, (a, b) in record["settings"].items():
-        console.print(plain(f"setting {name}: {a} and {b}"))
+        console.print(plain(f"setting {name}: {shown_setting(a)} and {shown_setting(b)}"))
+
+
+def shown_setting(value: Any) -> str:
+    """A setting of a result as text.
+
+    >>> shown_setting({"F": -0.0005}), shown_setting({}), shown_setting([49, 0]), shown_setting(True)
+    ('F -0.0005', 'none', '49, 0', 'yes')
+    """
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {shown_setting(one)}" for name, one in value.items()) or "none"
+    if isinstance(value, list):
+        return ", ".join(map(shown_setting, value)) or "none"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "none" if value is None else str(value)
 
 
 def comparison_sentence(record: Mapping[str, Any]) -> str:
