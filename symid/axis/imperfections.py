@@ -217,6 +217,8 @@ class PreslidingFriction(JointImperfection):
 class LoadDependentFriction(JointImperfection):
     """Friction that grows with the force of the drive: coefficient abs(F) sign(v).
 
+    F is the force also where the signal is a command, such as a current, with an unknown `Drive.gain`.
+
     Parameters
     ----------
     coefficient : float

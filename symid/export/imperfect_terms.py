@@ -105,9 +105,13 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
         known = {FORCE: load, TIME: NOW} | ({MEMORY: memory.symbol} if memory else {})
         return JointForce(element.at, law.xreplace(known), memory)
 
+    def scale(drive: Drive) -> sp.Expr:
+        return parameter_symbol(drive.constant) if drive.constant else sp.Integer(1)
+
     def ripple(drive: Drive, element: Imperfection) -> JointForce:
-        scale = parameter_symbol(drive.constant) if drive.constant else sp.Integer(1)
-        return JointForce(drive.at, scale * imperfection_law(element).xreplace({FORCE: acting(drive)}), None)
+        return JointForce(
+            drive.at, scale(drive) * imperfection_law(element).xreplace({FORCE: acting(drive)}), None
+        )
 
     def path(drive: Drive) -> DrivePath:
         passed, place = in_order(axis.imperfections_of(drive)), drive.signal if several else "drive"
@@ -117,7 +121,8 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
 
     several = len(axis.drives) > 1
     # friction that grows with the load feels the sum of the sizes of all forces
-    load = sp.Add(*(sp.Abs(acting(d)) for d in axis.drives)) if several else acting(axis.only_drive)
+    forces = [scale(d) * acting(d) for d in axis.drives]
+    load = sp.Add(*map(sp.Abs, forces)) if several else forces[0]
     drives = tuple(map(path, axis.drives))
     joints = [force(e) for e in axis.elements if isinstance(e, JointImperfection)]
     joints += [ripple(drive, e) for drive in axis.drives for e in ripples(axis.imperfections_of(drive))]

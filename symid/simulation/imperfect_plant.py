@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
@@ -47,6 +47,7 @@ def stages(axis: Axis, parameters: Mapping[str, float]) -> tuple[list[PlantStage
     """Plants of an axis, one after each change of a mass, and the memories on which their laws depend."""
     values = axis.known_parameters | dict(parameters)
     plant = plant_of(axis, values)
+    scales = [values[drive.constant] if drive.constant else 1.0 for drive in axis.drives]
     added: list[tuple[FloatArray, ScaledLaw]] = []
     memories: list[DahlMemory] = []
     for element in axis.elements:
@@ -58,9 +59,8 @@ def stages(axis: Axis, parameters: Mapping[str, float]) -> tuple[list[PlantStage
                 limited = replace(element, level=presliding_level(axis, element, values))
                 added.append((direction, _law(limited, memory)))
             else:
-                added.append((direction, _law(element)))
-    for i, drive in enumerate(axis.drives):
-        scale = values[drive.constant] if drive.constant else 1.0
+                added.append((direction, _under_load(_law(element), scales)))
+    for i, (drive, scale) in enumerate(zip(axis.drives, scales, strict=True)):
         direction = direction_of(drive.at, plant.bodies)
         added += [(direction, _ripple(e, i, scale)) for e in ripples(axis.imperfections_of(drive))]
     found = [PlantStage(0.0, _with_laws(plant, added))]
@@ -93,6 +93,14 @@ def _law(element: JointImperfection | ForceConstantRipple, memory: int = -1) -> 
     """The law of an imperfection; as a function of the motion alone that under a unit load, without memory."""
     law = imperfection_function(element)
     return ScaledLaw(1.0, lambda q, v: law(q, v, 1.0, 0.0, 0.0), imperfection_code(element), memory)
+
+
+def _under_load(law: ScaledLaw, scales: Sequence[float]) -> ScaledLaw:
+    """A law that depends on the force of the drives, of which `scales` are the forces per unit of their signals."""
+    if all(scale == 1.0 for scale in scales):
+        return law
+    load = " + ".join(f"{abs(scale)!r}*np.abs(F{i})" for i, scale in enumerate(scales))
+    return law._replace(code=re.sub(r"\bF\b", f"({load})", law.code))
 
 
 def _ripple(element: ForceConstantRipple, drive: int, scale: float) -> ScaledLaw:

@@ -1,6 +1,7 @@
 """Each imperfection beside the same equation integrated in small steps by hand."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -167,6 +168,14 @@ def test_a_joint_sticks_while_load_dependent_friction_holds_it() -> None:
     run = simulated(AXIS.with_effect(LoadDependentFriction(MOTOR, 0.25)), force)
     first = TIME[np.flatnonzero(run.states[:, 1] > 0)[0]]
     assert first == pytest.approx(0.6 / 0.75, abs=3 * PERIOD)
+
+
+def test_load_is_a_force_where_the_signal_is_a_current() -> None:
+    element = LoadDependentFriction(MOTOR, 0.2)
+    driven = replace(AXIS, drive=replace(AXIS.only_drive, gain="Kf", unit="A")).with_effect(element)
+    currents = simulated(driven, FORCE / 20.0, VALUES | {"Kf": 20.0})
+    forces = simulated(AXIS.with_effect(element))
+    assert currents.states == pytest.approx(forces.states, abs=1e-12)
 
 
 def test_directions_are_those_of_the_derivation() -> None:

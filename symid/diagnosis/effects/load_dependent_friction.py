@@ -35,7 +35,8 @@ class LoadDependentFrictionEffect(JointEffect):
         return 0 <= placed.amplitudes[0] < _LARGEST_COEFFICIENT
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
-        drive = acting_force(prediction, prediction.drive_of(joint))
+        k = prediction.drive_of(joint)
+        drive = _force_per_unit(prediction, k) * acting_force(prediction, k)
         load = scipy.signal.resample(np.abs(drive), prediction.record.n_fine)
         return sampled(prediction, load * np.sign(joint.v), joint=joint)
 
@@ -43,7 +44,14 @@ class LoadDependentFrictionEffect(JointEffect):
         return [((), (mu,)) for mu in _COEFFICIENTS]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        return Pointwise("amplitude * np.abs(_load)", {"amplitude": amplitudes[0]}, dry=True)
+        share = amplitudes[0] * _force_per_unit(prediction, 0)
+        return Pointwise("amplitude * np.abs(_load)", {"amplitude": share}, dry=True)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return ("1",)
+
+
+def _force_per_unit(prediction: Prediction, drive: int) -> float:
+    """Force of a drive per unit of its signal."""
+    constant = prediction.axis.drives[drive].constant
+    return {**prediction.axis.known_parameters, **prediction.parameters}[constant] if constant else 1.0
