@@ -58,8 +58,8 @@ void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_sta
 {{
     double before[{n_state}], change[{n_state}];
     const double now = way->now;
-    for (int i = 0; i < {n_state}; i++) before[i] = x[i];
 {begin}
+    for (int i = 0; i < {n_state}; i++) before[i] = x[i];
 {late}
     {name}_step(p, x, {acting}, h);
     for (int i = 0; i < {n_state}; i++) change[i] = (x[i] - before[i])/h;
@@ -77,9 +77,11 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float) -> dict[str, str]:
     longest = max([*(path.delay for path in paths), *(sensor.delay for _, sensor in late)])
     if not longest:
         return {"way_header": "", "way_source": ""}
-    # Before the first step, readings and forces are taken as constant. The first lanes are those of late forces; late
-    # readings follow.
+    # Before the first step, readings and forces are taken as constant, and lags at rest. The first lanes are those of
+    # late forces; late readings follow.
+    lags = any(memory for path in paths for _, memory in path.elements)
     begin = [
+        *([f"{axis.name}_settle(p, x, {sent_forces(axis)});"] if lags else []),
         f"{axis.name}_derivative(p, x, {sent_forces(axis)}, change);",
         f"{axis.name}_sensors(x, change, y);",
     ]

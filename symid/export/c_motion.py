@@ -119,6 +119,16 @@ def acting_force(
     return found
 
 
+def settled_lags(dynamics: SymbolicDynamics) -> str:
+    """Statements that put the lags of drives at what they follow under constant forces; empty without lags."""
+
+    def follows(_: str, memory: Memory) -> tuple[list[str], str]:
+        return [f"{memory.symbol} = {c_code(memory.gain / memory.decay)};"], str(memory.symbol)
+
+    lags = any(memory for path in dynamics.imperfect.drives for _, memory in path.elements)
+    return lines(["(void)p;", *acting_force(dynamics, follows)]) if lags else ""
+
+
 def readings(dynamics: SymbolicDynamics) -> str:
     """Readings of the sensors from a state and its derivative, with ripple and resolution."""
     n, found = len(dynamics.bodies), []

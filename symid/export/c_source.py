@@ -16,7 +16,16 @@ from symid.codegen.module import model_signals
 from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_delays import SHORTEST_STEP, delay_fields
-from symid.export.c_motion import derivative, force_parameters, lines, members, readings, renamed, sent_forces
+from symid.export.c_motion import (
+    derivative,
+    force_parameters,
+    lines,
+    members,
+    readings,
+    renamed,
+    sent_forces,
+    settled_lags,
+)
 from symid.export.c_step import step_function
 from symid.export.c_templates import (
     FEEDFORWARD_HEADER,
@@ -25,6 +34,8 @@ from symid.export.c_templates import (
     REGRESSOR_HEADER,
     REGRESSOR_SIZES,
     REGRESSOR_SOURCE,
+    SETTLE_HEADER,
+    SETTLE_SOURCE,
     SOURCE,
 )
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
@@ -138,6 +149,7 @@ def _words(
         "step": step_function(dynamics),
         "readings": readings(dynamics),
         **_feedforward_words(axis),
+        **_settle_words(dynamics),
         **delay_fields(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
     }
 
@@ -181,6 +193,15 @@ def _feedforward_words(axis: Axis) -> dict[str, str]:
         "feedforward_header": FEEDFORWARD_HEADER.format(name=axis.name),
         "feedforward_source": FEEDFORWARD_SOURCE.format(name=axis.name, body=body),
     }
+
+
+def _settle_words(dynamics: SymbolicDynamics) -> dict[str, str]:
+    """Fields that lags of drives add to header and source; empty without lags."""
+    axis = dynamics.axis
+    words = {"name": axis.name, "n_state": dynamics.n_states, "body": settled_lags(dynamics)}
+    words |= {"force": sent_forces(axis), "forces": force_parameters(axis)}
+    texts = {"settle_header": SETTLE_HEADER, "settle_source": SETTLE_SOURCE}
+    return {key: text.format(**words) if words["body"] else "" for key, text in texts.items()}
 
 
 def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:

@@ -38,7 +38,7 @@ void {name}_step(const {name}_parameters *p, double x[{n_state}], {forces}, doub
 /* Readings of the sensors, y = {{{sensors}}}; dx is what {name}_derivative gave. */
 void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}]);
 
-{feedforward_header}{way_header}
+{feedforward_header}{settle_header}{way_header}
 #ifdef __cplusplus
 }}
 #endif
@@ -81,7 +81,7 @@ void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], doubl
 {{
 {readings}
 }}
-{feedforward_source}{way_source}"""
+{feedforward_source}{settle_source}{way_source}"""
 
 REGRESSOR_SIZES = """
     {name}_signals = {n_signals},
@@ -128,6 +128,20 @@ FEEDFORWARD_SOURCE = """\
 double {name}_feedforward(const {name}_parameters *p, double position_, double velocity_, double acceleration_)
 {{
     (void)p, (void)position_, (void)velocity_, (void)acceleration_;
+{body}
+}}
+"""
+
+SETTLE_HEADER = """\
+/* Before the first step: puts the lags in the state x where they are after a long time under constant {force}. */
+void {name}_settle(const {name}_parameters *p, double x[{n_state}], {forces});
+
+"""
+
+SETTLE_SOURCE = """\
+
+void {name}_settle(const {name}_parameters *p, double x[{n_state}], {forces})
+{{
 {body}
 }}
 """

@@ -25,6 +25,7 @@ typedef struct {
 #ifdef AXIS_way
     AXIS_way way; /* what delays hold back */
 #endif
+    int settled; /* whether lags have begun where the first inputs hold them */
 } Instance;
 
 static const AXIS_parameters *parameters(const Instance *c) { return (const AXIS_parameters *)(const void *)c->p; }
@@ -70,6 +71,10 @@ static int advance(Instance *c, double time, double step)
     if (!(step > 0.0)) return 0;
     const int count = (int)ceil(step/c->internal_step*(1.0 - 1e-12));
     const double h = step/count;
+#ifdef AXIS_settle
+    if (!c->settled) AXIS_settle(parameters(c), c->x, AXIS_FORCES(c->input));
+#endif
+    c->settled = 1;
     for (int k = 0; k < count; k++) {
 #ifdef AXIS_way
         AXIS_advance(parameters(c), &c->way, c->x, AXIS_FORCES(c->input), h, c->y);

@@ -241,5 +241,7 @@ def _wrapper(axis: Axis, source: str, fmi: FmiVersion) -> str:
     sizes = {"AXIS_STATES": f"{axis.name}_states", "AXIS_READINGS": f"{axis.name}_readings"}
     if f"{axis.name}_way" in source:
         names |= {f"AXIS_{word}": f"{axis.name}_{word}" for word in ("way", "advance")}
+    if f"{axis.name}_settle" in source:
+        names["AXIS_settle"] = f"{axis.name}_settle"
     defined = "".join(f"#define {key} {value}\n" for key, value in {**words, **names, **sizes}.items())
     return f"{defined}{text}"

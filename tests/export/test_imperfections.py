@@ -95,12 +95,12 @@ def by_c(axis: Axis, folder: Path, values: dict[str, float] = RIGID, force: np.n
     return np.vstack([first, readings]).T
 
 
-def by_unit(axis: Axis, folder: Path) -> np.ndarray:
+def by_unit(axis: Axis, folder: Path, given: np.ndarray = FORCE) -> np.ndarray:
     """First reading at the samples by FMPy."""
     file = folder / f"{axis.name}.fmu"
     losses = write_fmu(derive(axis), RIGID, file)
     assert not any("left out" in loss for loss in losses)
-    inputs = np.rec.fromarrays([TIME, FORCE], names="time,F")
+    inputs = np.rec.fromarrays([TIME, given], names="time,F")
     description = fmpy.read_model_description(str(file))
     unit = fmpy.fmi2.FMU2Slave(
         guid=description.guid,
@@ -128,6 +128,22 @@ def test_every_imperfection_is_tried() -> None:
     declared = {getattr(module, name) for module in modules for name in module.__all__}
     concrete = {kind for kind in declared if not kind.__subclasses__()}
     assert concrete == {type(element) for elements in ELEMENTS.values() for element in elements}
+
+
+@pytest.mark.parametrize("name", ["lag", "two_lags", "drive"])
+def test_lags_begin_where_the_first_force_holds_them(name: str, tmp_path: Path) -> None:
+    """They began at zero: a hoist fell for as long as its drive lags before the force that holds it was there."""
+    steady = FORCE + 20.0
+    wanted = simulated(axis_with(name), force=steady)["q"]
+    found = by_unit(axis_with(name), tmp_path, steady)
+    assert np.abs(found - wanted).max() < 2 * FIRST_ORDER * np.ptp(wanted)
+
+
+def test_load_is_a_force_where_the_signal_is_a_current(tmp_path: Path) -> None:
+    driven = replace(axis_with("load"), drive=replace(AXIS.only_drive, gain="Kf", unit="A"))
+    (found,) = by_c(driven, tmp_path, RIGID | {"Kf": 20.0}, FORCE / 20.0)
+    wanted = simulated(axis_with("load"))["q"]
+    assert np.abs(found - wanted).max() < FIRST_ORDER * np.ptp(wanted)
 
 
 @pytest.mark.parametrize("name", ELEMENTS)
