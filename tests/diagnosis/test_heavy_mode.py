@@ -48,6 +48,17 @@ def test_a_mode_that_rings_from_before_the_log_is_found() -> None:
     assert found.effects[0].parameters["m"].value == pytest.approx(TIP, rel=0.1)
 
 
+def test_the_axis_is_simulated_from_the_swing_in_which_a_log_begins() -> None:
+    hub = Body("hub", inertia="J")
+    axis = Axis(
+        "arm", (hub, ViscousFriction(hub, "Fv")), Drive("v", hub, unit="V"), (Position("theta", hub),)
+    )
+    found = diagnose(axis, swept_arm(), validation=swept_arm().window(500, 1300))
+    assert [effect.effect for effect in found.effects] == ["flexible_mode"]
+    motion = found.gap.motion
+    assert motion.explained.position_rms < 0.1 * motion.reidentified.position_rms
+
+
 def test_a_declared_load_that_moves_when_the_log_begins_is_identified() -> None:
     hub, tip = Body("hub", inertia="J"), Body("tip", inertia="Jt")
     beam = Spring("beam", Between(first=hub, second=tip), stiffness="K", damping="D")

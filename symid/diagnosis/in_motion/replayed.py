@@ -44,6 +44,7 @@ _EXPLAINED = 0.9
 """Least share of the force's variance that a cascade read from a log must explain to count as its controller."""
 _AT_REST = 0.01
 """Initial speed, relative to the highest, below which the axis starts at rest."""
+_SWING = 0.01  # states of hidden bodies whose response is found, relative to range and speed of the position
 _ENDS = 8
 _HIGHEST = 0.4
 """Highest cutoff of differentiated signals, relative to the sampling frequency."""
@@ -229,13 +230,43 @@ def fastest(plant: Plant) -> float:
 def simulated_positions(
     explained: ExplainedAxis, parts: Sequence[Part], drivers: Sequence[Driver]
 ) -> list[FloatArray]:
-    """Noise-free readings of the position next to each drive of a simulated axis, at the samples of a log."""
-    run = replayed(explained, parts, drivers)
-    return [np.asarray(run[part.signal][:: part.factor]) for part in parts]
+    """Noise-free readings of the position next to each drive of a simulated axis, at the samples of a log.
+
+    Where a whole log begins in motion, hidden bodies may swing already: their state there is the one that leads nearest
+    to the measured positions. For a part of a log it is not sought, as it would let a mode imitate friction.
+    """
+
+    def positions(added: FloatArray | float = 0.0) -> list[FloatArray]:
+        run = replayed(explained, parts, drivers, added)
+        return [np.asarray(run[part.signal][:: part.factor]) for part in parts]
+
+    found = positions()
+    swings = any(part.start[1] for part in parts) and all(part.used.all() for part in parts)
+    if not swings or not (states := _hidden_states(explained, parts)).size:
+        return found
+    measured, without = np.concatenate([part.position for part in parts]), np.concatenate(found)
+    columns = np.stack([np.concatenate(positions(state)) - without for state in states]).T
+    other = positions(np.linalg.lstsq(columns, measured - without, rcond=1e-6)[0] @ states)
+    return min(other, found, key=lambda moved: float(np.linalg.norm(measured - np.concatenate(moved))))
 
 
-def replayed(explained: ExplainedAxis, parts: Sequence[Part], drivers: Sequence[Driver]) -> Log:
-    """Noise-free signals of a simulated axis along a log, at the samples of the simulated controller."""
+def _hidden_states(explained: ExplainedAxis, parts: Sequence[Part]) -> FloatArray:
+    """Small displacements and velocities that leave the positions next to the drives, of shape (n_states, 2 n)."""
+    plant = plant_of(explained.axis, explained.values)
+    free = scipy.linalg.null_space(np.array([plant.sensors[part.signal].row for part in parts])).T
+    return np.asarray(_SWING * np.kron(np.diag([np.ptp(parts[0].position), np.ptp(parts[0].speed)]), free))
+
+
+def replayed(
+    explained: ExplainedAxis,
+    parts: Sequence[Part],
+    drivers: Sequence[Driver],
+    added: FloatArray | float = 0.0,
+) -> Log:
+    """Noise-free signals of a simulated axis along a log, at the samples of the simulated controller.
+
+    `added`, of shape (2 n,), are displacements and velocities beside those in which its springs are in equilibrium.
+    """
     log, axis = parts[0].log, explained.axis
     plant = plant_of(axis, explained.values)
     if fastest(plant) * log.sampling_period > _STIFFEST:
@@ -257,7 +288,7 @@ def replayed(explained: ExplainedAxis, parts: Sequence[Part], drivers: Sequence[
         explained.values,
         [part.path for part in parts],
         [Replay(part.forces, loop) for part, loop in zip(parts, loops, strict=True)],
-        start=plant.follows(begin),
+        start=plant.follows(begin) + added,
     )
     return run.log
 
