@@ -116,6 +116,7 @@ FILES = {
     "PlotJuggler, sparse": File("aj.csv", layouts.sparse, "", "--resample own"),
     "InfluxDB": File("ak.csv", layouts.annotated),
     "messages of a broker": File("al.jsonl", layouts.messages),
+    "nested JSON": File("bf.json", layouts.nested),
     "Grafana": File("am.csv", layouts.dashboard),
     "pandas, CSV": File("an.csv", layouts.numbered_rows),
     "pandas, Parquet": File("ao.parquet", layouts.indexed),

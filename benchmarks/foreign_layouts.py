@@ -135,6 +135,16 @@ def messages(path: Path) -> None:
     )
 
 
+def nested(path: Path) -> None:
+    """As a controller's interface: a record for each sample, whose values are named by their path."""
+    columns = (x.tolist() for x in (T, Q, R, F))
+    samples = [
+        {"t": t, "x": {"position": {"actual": q, "command": r}, "force": f}}
+        for t, q, r, f in zip(*columns, strict=True)
+    ]
+    path.write_text(json.dumps({"samples": samples}))
+
+
 def dashboard(path: Path) -> None:
     """As Grafana: moments and units in the cells."""
     body = (

@@ -16,7 +16,7 @@ from symid.data.text_files.column_names import split_header
 from symid.data.text_files.foreign import with_unit
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping
-from symid.identification.signals.fitting_columns import UNITS_TO_GIVE, for_sensor
+from symid.identification.signals.fitting_columns import UNITS_TO_GIVE, for_drive, for_sensor
 from symid.units import Unit, to_si
 
 _OF_A_DRIVE = ("force", "current", "percent")
@@ -104,8 +104,11 @@ def _with_signal(
             return known
         known = replace(known, named={**known.named, signal: column.header})
     column = _column_of(known.named[signal], columns)
-    if column is not None and quantity != "force" and signal not in known.units:
-        column = for_sensor(column, signal, unit)
+    if column is not None and signal not in known.units:
+        if quantity == "force":
+            column = for_drive(column, signal, in_percent=known.rated is not None)
+        else:
+            column = for_sensor(column, signal, unit)
     if column is None or column.stated or signal in known.units:
         return known
     of_drive = quantity == "force" and column.scaled

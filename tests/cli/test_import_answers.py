@@ -72,6 +72,17 @@ def test_the_unit_of_an_angle_and_the_factor_of_whole_numbers_are_asked_for(
     assert "rad" in mapping["units"].values()
 
 
+def test_the_factor_of_a_torque_without_a_unit_is_asked_for(
+    recorded, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    columns = {"t [s]": recorded.time, "pos [m]": recorded["q"], "TorqueReference": recorded["F"] / 8}
+    (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n\n\n\n8\n"))
+    assert run("import", "a.csv", "--axis", "rigid_1m", "--ask", "-o", "m.json") == 0
+    mapping = json.loads((folder / "m.json").read_text())
+    assert (mapping["gains"], mapping["missing"]) == ({"F": 8.0}, [])
+
+
 def test_a_rate_is_asked_for_where_there_is_no_time(
     recorded, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from symid.data.formats.channels import described, short_names, table_of_arrays
 from symid.data.formats.named_rows import table_of_records
 from symid.data.table import Table, parsing, require_memory
+from symid.data.text_files.foreign import quantity_named
 from symid.data.text_files.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
@@ -47,13 +48,24 @@ def _table(path: Path, whole: object) -> Table:
     if (of_rows := table_of_records(path, whole)) is not None:
         return of_rows
     found = list(_columns(whole, ()))
-    names = short_names([names or ("values",) for names, _ in found])
+    names = short_names([_told(names or ("values",)) for names, _ in found])
     table = table_of_arrays(dict(zip(names, (array for _, array in found), strict=True)))
     if not table.headers:
         raise LogError(
             f"{path}: holds no columns of numbers: give lists of numbers by name, or a list of records"
         )
     return table
+
+
+def _told(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Names that lead to a list, the last two joined where only the first of them tells a quantity.
+
+    >>> _told(("x", "pos", "actual")), _told(("x", "pos"))
+    (('x', 'pos.actual'), ('x', 'pos'))
+    """
+    if len(names) > 1 and quantity_named(names[-1]) is None and quantity_named(names[-2]):
+        return (*names[:-2], ".".join(names[-2:]))
+    return names
 
 
 def _columns(value: object, names: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], npt.NDArray[Any]]]:
