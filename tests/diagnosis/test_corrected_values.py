@@ -6,6 +6,9 @@ import pytest
 
 from symid import Log, StribeckFriction, load_axis
 from symid.diagnosis import LIBRARY, Diagnosis, diagnose, explained_axis
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.in_motion.corrected import corrected
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.step import accepted_of
@@ -48,3 +51,10 @@ def test_logs_slower_than_the_simulated_controller_keep_theirs(found: Diagnosis)
     log = slide(1)
     assert corrected(fitted, joined([log])) is not None
     assert corrected(fitted, joined([replace(log, sampling_period=2e-3)])) is None
+
+
+def test_a_force_that_is_early_is_not_simulated_and_leaves_the_values(found: Diagnosis) -> None:
+    fitted = accepted_of(found.search)[0].best.fit
+    early = Placed(next(e for e in LIBRARY if e.name == "delay"), "actuator", (-1e-3,), (1.0,))
+    state = with_effects(fitted.state, fitted.weighting, (*fitted.state.placed, early))
+    assert corrected(Fit(state, fitted.weighting), joined([slide(1)])) is None

@@ -66,6 +66,8 @@ def _corrected(fit: Fit, run: Joined, controller: Given) -> Fit | None:
     parts = [[replace(part, drive=d) for d in range(record.n_drives)] for part in whole]
     if whole[0].factor > 1 or (len(parts) > 1 and belongs_to_log(fit.state).any()):
         return None  # the force would change within a sample; values of one log would be those of all
+    if axis_with_effects(fit.state).left_out:
+        return None
     drivers = drivers_of(record, whole, [fit.state], controller)
     moved = _replays(fit.state, parts, drivers)
     off = applied(fit.state, _as_simulated(record, run, moved), fit.weighting.allowed)[0].errors
