@@ -16,6 +16,7 @@ from symid import (
     CoulombFriction,
     Drive,
     Log,
+    PendulumWeight,
     Position,
     ViscousFriction,
     load_axis,
@@ -29,7 +30,7 @@ from symid.diagnosis.effects import (
     Placed,
     SaturationEffect,
 )
-from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect
+from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect, is_line_of_motion
 from symid.diagnosis.fitting.cross_validation import Blocks
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
@@ -69,6 +70,18 @@ def test_the_size_of_a_force_of_one_sign_explains_nothing(least: float) -> None:
     data = data_of(load_axis("rigid_1m"), (joined([log]), None), Recorded({}, None))
     fit = Fit(*first_state(data.record, {"M": 5.0, "Fv": 8.0, "Fs": 0.1}))
     assert bool(screened(fit, [GainAsymmetryEffect()])) is (least == 0.0)
+
+
+@pytest.mark.parametrize(("hertz", "own"), [(0.8, True), (2.0, False)])
+def test_the_frequency_at_which_an_axis_swings_is_no_disturbance(hertz: float, own: bool) -> None:
+    """At the resonance of its pendulum, which needs hardly a torque; friction that lacks needs more."""
+    body = Body("arm", inertia="J")
+    axis = Axis("arm", (body, PendulumWeight(body, "ml")), Drive("T", body), (Position("q", body),))
+    phase = 2 * np.pi * 0.8 * np.arange(0.0, 6.5, 2e-3)
+    log = Log.from_arrays({"q": 0.2 * np.sin(phase), "T": 0.2 * np.sign(np.cos(phase))}, sampling_period=2e-3)
+    data = data_of(axis, (joined([log]), None), Recorded({}, None))
+    state, _ = first_state(data.record, {"J": 0.1, "ml": 0.1 * (2 * np.pi * 0.8) ** 2 / 9.81})
+    assert is_line_of_motion(state.prediction, hertz, 0.25) is own
 
 
 @pytest.mark.parametrize(("change", "plausible"), [(4.0, True), (-2.0, True), (9.0, False), (-3.5, False)])

@@ -30,6 +30,9 @@ _PEAK = 3.0
 _FEWEST_CYCLES = 4.0  # of a disturbance within a log; with fewer, it is any slow course
 _SAME = 0.15
 """Relative difference of amplitude and frequency in two logs below which it is the same disturbance."""
+_OWN = 0.5
+"""Share of the power of the speed at a frequency from which on it is that of the motion: friction, inertia and weight
+then make such a force, and a disturbance fitted in their place leaves them none (the swing of a double pendulum)."""
 _HARMONICS = 5
 """Cycles of a disturbance per cycle of the motion up to which it may be a harmonic of the motion."""
 
@@ -94,7 +97,8 @@ def is_mode(prediction: Prediction, frequency: float) -> bool:
 def is_line_of_motion(prediction: Prediction, frequency: float, amplitude: float) -> bool:
     """Whether the force of the motion has a spectral line at a frequency, stronger than a disturbance there.
 
-    The bins at the frequency are compared with the median of their neighbours. A controller counteracts a slow
+    The bins at the frequency are compared with the median of their neighbours. Where most of the speed is at the
+    frequency, its force is one of the motion whatever the model leaves of it. A controller counteracts a slow
     disturbance, so that the motion shows little of it; a fast one is not a harmonic of the motion.
     """
     drives = range(prediction.record.n_drives)
@@ -115,5 +119,8 @@ def _has_line(prediction: Prediction, drive: int, frequency: float, amplitude: f
     low, high = max(at - _NEIGHBOURS, 1), min(at + _NEIGHBOURS + 1, lines.size)
     if at < 1 or at + 2 > lines.size or high - low < _NEIGHBOURS:
         return False
+    power = np.abs(np.fft.rfft((velocity - velocity.mean()) * np.hanning(velocity.size))) ** 2
+    if power[at - 1 : at + 2].sum() > _OWN * power.sum():
+        return True
     line = float(lines[at - 1 : at + 2].max())
     return line > max(_LINE * float(np.median(lines[low:high])), amplitude)
