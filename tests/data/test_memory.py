@@ -52,6 +52,12 @@ def test_a_matlab_bomb_is_refused_before_it_is_loaded(
         open_log(file, expected=EXPECTED, memory=1_000_000)
 
 
+def test_a_matlab_file_without_compression_is_read_within_its_memory(tmp_path: Path) -> None:
+    file, t = tmp_path / "plain.mat", np.arange(2000) / 1000.0
+    scipy.io.savemat(file, {"t": t, "q": np.sin(9 * t), "F": np.cos(9 * t)})
+    assert open_log(file, expected=EXPECTED, memory=10_000_000).n_samples == t.size
+
+
 @pytest.mark.parametrize("stated", [None, 1000])
 def test_a_bomb_in_a_struct_is_refused_before_it_is_loaded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stated: int | None

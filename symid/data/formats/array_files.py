@@ -231,10 +231,6 @@ def _without_objects(arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, npt.ND
     return found
 
 
-if __name__ == "__main__":
-    answer(_parsed)
-
-
 def unpacked_sizes(path: Path) -> Iterator[int]:
     """Bytes that the compressed variables of a MATLAB file take: a growing sum, first as stated, then as counted.
 
@@ -259,3 +255,7 @@ def unpacked_sizes(path: Path) -> Iterator[int]:
                 counted, packed = counted + len(piece), stream.unconsumed_tail
                 yield whole + max(counted, stated)
             whole += counted
+
+
+if __name__ == "__main__":
+    answer(_parsed)
