@@ -60,7 +60,9 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             place, speed = by_driven[j] * q[i] + by_hidden[j] * x, by_driven[j] * v[i] + by_hidden[j] * rate
             slowing = by_hidden[j] * held[p, 1] * on_hidden[j]  # of the joint in a step, for a unit of force
             arguments[j, 0] = 0.5 * (before[j] + place)
-            own = stop = speed / slowing  # stops the joint in the step; it is at most the level of the law
+            stop = speed / slowing  # stops the joint in the step; it is at most the level of the law
+            held_before = abs(forces[j, i - 1]) if i else 0.0  # the level hardly changes from step to step
+            own = min(max(stop, -held_before), held_before)
             for _ in range(rounds[j]):  # the level in the middle of the step may depend on the force
                 arguments[j, 1] = 0.5 * (speed_before[j] + (speed - slowing * own))
                 level = _value(j, operations, operands, ends, arguments, stack)
