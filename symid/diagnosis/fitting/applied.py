@@ -6,6 +6,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, least_squares
 from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import ITERATIONS, RANK, fitted
 from symid.diagnosis.fitting.moments import timed
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
@@ -29,7 +30,7 @@ def applied(
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_SETTLING if effects else 0):
             state = with_effects(state, weighting, effects)
-        state = timed(state, weighting)
+        state = timed(state, weighting, Fit(model, model.weighting).mean_square)
     weighting = with_restarts(weighting, state.hidden)
     return state.weighted(weighting), weighting
 
