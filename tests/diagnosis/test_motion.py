@@ -112,7 +112,7 @@ def test_effects_that_make_the_motion_worse_are_no_causes(logs, monkeypatch: pyt
 def test_motion_off_by_a_quarter_of_a_pitch_says_nothing_of_a_force_that_repeats(
     off: float, speaks: bool
 ) -> None:
-    cogging = SimpleNamespace(parameters={"pitch": SimpleNamespace(value=1.0)})
+    cogging = SimpleNamespace(effect="cogging", parameters={"pitch": SimpleNamespace(value=1.0)})
     before, after = SimpleNamespace(position_rms=off), SimpleNamespace(position_rms=2 * off)
     motion = SimpleNamespace(reidentified=before, steps=(after,))
     assert is_contradicted(SimpleNamespace(effects=(cogging,), gap=SimpleNamespace(motion=motion))) is speaks
@@ -124,9 +124,20 @@ def test_motion_off_by_a_quarter_of_a_pitch_says_nothing_of_a_force_that_repeats
 def test_the_last_model_speaks_for_one_that_cannot_be_simulated(
     after: float, last: float, speaks: bool
 ) -> None:
-    effects = (SimpleNamespace(parameters={}), SimpleNamespace(parameters={}))
+    effects = (SimpleNamespace(effect="cogging", parameters={}),) * 2
     before, *steps = (SimpleNamespace(position_rms=rms) for rms in (1.0, after, last))
     motion = SimpleNamespace(reidentified=before, steps=tuple(steps))
+    assert is_contradicted(SimpleNamespace(effects=effects, gap=SimpleNamespace(motion=motion))) is speaks
+
+
+@pytest.mark.parametrize(
+    ("effect", "worse", "speaks"),
+    [("flexible_mode", 1.2, True), ("spring_damping", 1.2, False), ("spring_damping", 1.6, True)],
+)
+def test_a_mode_must_not_make_the_motion_worse(effect: str, worse: float, speaks: bool) -> None:
+    before, after = SimpleNamespace(position_rms=1.0), SimpleNamespace(position_rms=worse)
+    motion = SimpleNamespace(reidentified=before, steps=(after,))
+    effects = (SimpleNamespace(effect=effect, parameters={}),)
     assert is_contradicted(SimpleNamespace(effects=effects, gap=SimpleNamespace(motion=motion))) is speaks
 
 

@@ -118,6 +118,7 @@ __all__ = [
     "EncoderRippleEffect",
     "ForceConstantRippleEffect",
     "FreeForce",
+    "FlexibleModeEffect",
     "FrictionDriftEffect",
     "GainAsymmetryEffect",
     "GainNonlinearityEffect",

@@ -11,15 +11,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import ComplexArray
+from symid.arrays import BoolArray, ComplexArray
 from symid.data import Log
+from symid.diagnosis.effects import Placed
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.parameter_changes import effect_values, parameter_changes
 from symid.diagnosis.fitting.applied import applied, applied_or_none, belongs_to_log
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import continued
-from symid.diagnosis.fitting.state import State
+from symid.diagnosis.fitting.state import State, with_effects
 from symid.diagnosis.in_motion.declared import axis_with_effects
 from symid.diagnosis.in_motion.motion import Given, drivers_of
 from symid.diagnosis.in_motion.replayed import Driver, Part, replayed
@@ -45,7 +46,11 @@ def with_corrected_values(
     if last is None:
         return found, comparison
     values = effect_values(better)[-n:]
-    effects = (replace(own, parameters=new) for own, new in zip(found.effects, values, strict=True))
+    moments = (own.effect.moments for own in better.state.placed[-n:])
+    effects = (
+        replace(own, parameters={name: own.parameters[name] if name in kept else new[name] for name in new})
+        for own, new, kept in zip(found.effects, values, moments, strict=True)
+    )
     parameters = parameter_changes((fits[0], better), fits[0].nominal)
     found = replace(found, effects=tuple(effects), parameters=parameters)
     return found, replace(models, states=(*models.states[:-1], last))
@@ -75,9 +80,33 @@ def _corrected(fit: Fit, run: Joined, controller: Given) -> Fit | None:
         if record.dynamics.sensors[name][1] == 2:  # jumps with the force, before which it is read
             off[i] = 0.0
     model, weighting = applied(fit.state, _less(record, off), fit.weighting.allowed)
-    after = continued(Fit(replace(model, bounds=fit.state.bounds), weighting), 1).after(fit)
+    model = with_effects(replace(model, bounds=fit.state.bounds), weighting, _at_moments_of(fit, model))
+    after = continued(Fit(model, weighting), 1, ~_moments(model)).after(fit)
     nearer = _distance(parts, _replays(after.state, parts, drivers)) < _distance(parts, moved)
     return after if nearer else None
+
+
+def _at_moments_of(fit: Fit, model: State) -> tuple[Placed, ...]:
+    """Effects of a model at the moments of a fit, which trials on the measured motion have found."""
+    return tuple(
+        replace(
+            item,
+            shape=tuple(
+                before if name in item.effect.moments else x
+                for name, before, x in zip(item.effect.shape_names, own.shape, item.shape, strict=True)
+            ),
+        )
+        for item, own in zip(model.placed, fit.state.placed, strict=True)
+    )
+
+
+def _moments(state: State) -> BoolArray:
+    """Free values that are moments, shape (n_columns,): these are found by trials, and no step leads to them."""
+    found = np.zeros(len(state.prediction.parameters) + sum(item.n_free for item in state.placed), dtype=bool)
+    for item, values in zip(state.placed, state.values_of, strict=True):
+        names = item.effect.shape_names
+        found[values.stop - len(names) : values.stop] = [name in item.effect.moments for name in names]
+    return found
 
 
 def _replays(state: State, parts: Sequence[Sequence[Part]], drivers: Sequence[Driver]) -> list[Log]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.data import Log
+from symid.diagnosis.effects import FlexibleModeEffect
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.gap import MotionError, SimulatedMotion
@@ -94,14 +95,20 @@ def _against(found: Diagnosis, motion: SimulatedMotion) -> list[bool]:
 
     A model that cannot be simulated is judged by the last one. A force that repeats along the stroke is not judged
     where the axis without it is off by a quarter of the pitch: it acts there with another phase than on the machine.
+    A mode is judged more strictly: it has a motion of its own, from which it explains any force in a swing or two.
     """
     errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
     numbers = (effect.parameters for effect in found.effects)
     farthest = (_PHASE * abs(own["pitch"].value) if "pitch" in own else math.inf for own in numbers)
     return [
-        before <= far and bool(np.fmin(after, errors[-1]) > THRESHOLDS.worse_motion * before)
-        for before, after, far in zip(errors[:-1], errors[1:], farthest, strict=True)
+        before <= far and bool(np.fmin(after, errors[-1]) > _most(own.effect) * before)
+        for own, before, after, far in zip(found.effects, errors[:-1], errors[1:], farthest, strict=True)
     ]
+
+
+def _most(effect: str) -> float:
+    """Factor on the error of the simulated motion from which on it speaks against an effect."""
+    return THRESHOLDS.worse_with_mode if effect == FlexibleModeEffect.name else THRESHOLDS.worse_motion
 
 
 def motions_of(
