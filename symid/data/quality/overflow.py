@@ -65,9 +65,11 @@ def continued_times(x: FloatArray) -> tuple[FloatArray, str]:
     >>> bool((found == t).all()), note, continued_times(t % 60000)[1]
     (True, 't began again 4 times after 65536: it is continued', '')
     """
+    if not np.isfinite(x).all() or x.min(initial=0.0) < 0:
+        return x, ""
     steps = np.diff(x)
     falls = steps < 0
-    if not np.isfinite(x).all() or not falls.any() or falls.all() or x.min() < 0:
+    if not falls.any() or falls.all():
         return x, ""
     usual = float(np.median(steps[~falls]))
     for whole in (2.0**bits * scale for bits in _OF_CLOCKS for scale in _SCALES):
