@@ -57,7 +57,7 @@ class FlexibleModeEffect(LinearEffect):
     may_be_zero = ("D",)
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
-        """It swings more than once in the log: before, a friction that turns with the motion does the same."""
+        """It swings more than twice in the log: before, a friction that turns with the motion does the same."""
         periods = placed.shape[0] * prediction.record.duration
         return super().is_possible(prediction, placed) and periods > _FEWEST_PERIODS
 

@@ -30,7 +30,7 @@ def applied(
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_SETTLING if effects else 0):
             state = with_effects(state, weighting, effects)
-        state = timed(state, weighting, Fit(model, model.weighting).mean_square)
+        state = timed(state, weighting, Fit(model, model.weighting))
     weighting = with_restarts(weighting, state.hidden)
     return state.weighted(weighting), weighting
 

@@ -26,16 +26,16 @@ _POSSIBLE, _HOPELESS = 3.0, 4.0
 of the sum of squares beyond it, relative to that limit, from which on no later moment is tried: it fluctuates."""
 
 
-def timed(state: State, weighting: Weighting, least: float = 0.0) -> State:
+def timed(state: State, weighting: Weighting, before: Fit | None = None) -> State:
     """The state with the best-fitting shapes of effects whose shapes belong to a log, and moments.
 
-    `least` is the mean square left of the log from which the values come: where no more is left here, no moment is
-    tried closely, and of a model that leaves a clear gap there only those near the best one are.
+    The values come from a fit to another log, `before`, if one is given: where no more is left here than there, no
+    moment is tried closely, and of a model that leaves a clear gap there only those near the best one are.
     """
     for i in range(len(state.placed)):
         shapes = state.placed[i].effect.shapes_of_log(state.prediction, state.placed[i])
         state = _enclosed(_best(state, weighting, i, shapes), weighting, i)
-        state = _timed_closely(state, weighting, i, least)
+        state = _timed_closely(state, weighting, i, before)
     return state
 
 
@@ -47,7 +47,7 @@ def with_best_moments(fit: Fit) -> Fit:
     return fit if state is fit.state else Fit(state, fit.weighting).after(fit)
 
 
-def _timed_closely(state: State, weighting: Weighting, at: int, least: float = 0.0) -> State:
+def _timed_closely(state: State, weighting: Weighting, at: int, before: Fit | None = None) -> State:
     """The state, or one with another moment at which a body begins to ring, where that leaves far less.
 
     The error has a valley of some milliseconds at such a moment and does not show the way to it from outside.
@@ -55,6 +55,7 @@ def _timed_closely(state: State, weighting: Weighting, at: int, least: float = 0
     item, fit = state.placed[at], Fit(state, weighting)
     for reach, enough in ((NEAR, THRESHOLDS.explained), (ANYWHERE, THRESHOLDS.clear_gap)):
         shapes = list(item.effect.close_shapes(state.prediction, item, reach))
+        least = before.mean_square if before and shapes else 0.0
         if not shapes or fit.mean_square < max(enough, least / THRESHOLDS.far_less):
             break
         if reach == ANYWHERE and least > THRESHOLDS.clear_gap:

@@ -153,7 +153,7 @@ def _best_shape(
     found: list[Candidate] = []
     prediction, n_drives = fit.state.prediction, fit.state.prediction.record.n_drives
     of_drives = slice(n_drives), fit.weighting.kept
-    force = fit.weighting.rows(prediction.record.measured)[of_drives]
+    force = fit.weighting.rows(prediction.record.measured)[of_drives] if effect.is_of_command else None
     many = max(1, _BATCH // (max(len(effect.amplitudes), 1) * fit.state.rows.size))
     for first in range(0, len(shapes), many):
         some = shapes[first : first + many]
@@ -165,7 +165,7 @@ def _best_shape(
         for shape, own, (gain, amplitudes), (white_gain, _) in zip(some, rows, plain, white, strict=True):
             if effect.positive and amplitudes[0] < 0:
                 continue
-            if effect.is_of_command and is_in_proportion(own[0][of_drives], force):
+            if force is not None and is_in_proportion(own[0][of_drives], force):
                 continue
             values = (1.0,) if effect.fixed else tuple(map(float, amplitudes))
             found.append(Candidate(Placed(effect, place, shape, values), gain, white_gain))
