@@ -21,10 +21,10 @@ from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
 from symid.units import Unit
 
-_PERIODS_OF_MODE = 3.0  # least periods of a mode within a log
-_FEWEST_PERIODS = 2.0
-"""Periods of a mode within a log below which it is any slow course: a bare motor that turned to and fro once, without
-the Coulomb friction of its model, had one of 1.5 periods (LAAS, real)."""
+_PERIODS_SOUGHT = 3.0  # in the log, of the lowest mode from which a fit starts
+_PERIODS_FITTED = 2.0
+"""Periods in the log below which a fitted mode may be any slow course: a bare motor that turned to and fro once,
+without the Coulomb friction of its model, had one of 1.5 periods (LAAS, real)."""
 _LOWEST_MODES = (0.5, 3.0)
 """Range of the lowest frequency sought, Hz: below it, a mode looks like a weight or a spring."""
 _SHARE_OF_MOTION = 0.9
@@ -59,7 +59,7 @@ class FlexibleModeEffect(LinearEffect):
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         """It swings more than twice in the log: before, a friction that turns with the motion does the same."""
         periods = placed.shape[0] * prediction.record.duration
-        return super().is_possible(prediction, placed) and periods > _FEWEST_PERIODS
+        return super().is_possible(prediction, placed) and periods > _PERIODS_FITTED
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """Its mass is part of that of the body, and the axis moves at its frequency and at others."""
@@ -147,5 +147,5 @@ class FlexibleModeEffect(LinearEffect):
 
 def _modes_seen(record: Record) -> tuple[float, float]:
     """Lowest and highest frequency of a mode that a log shows, Hz."""
-    lowest = float(np.clip(_PERIODS_OF_MODE / record.duration, *_LOWEST_MODES))
+    lowest = float(np.clip(_PERIODS_SOUGHT / record.duration, *_LOWEST_MODES))
     return lowest, _SHARE_OF_MOTION * record.motion_hz

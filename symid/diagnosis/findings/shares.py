@@ -7,6 +7,7 @@ from symid.diagnosis.findings.gap import Removed
 
 _BLOCKS = 24  # of rows, drawn as wholes, since neighbouring errors are correlated
 _DRAWS = 400  # of blocks with replacement
+_SIDES = (0.025, 0.975)  # quantiles of a 95 % interval
 
 
 def closed_fraction(before: FloatArray, after: FloatArray, floor: float = 1.0) -> float:
@@ -33,7 +34,7 @@ def surely_decreases(before: FloatArray, after: FloatArray) -> bool:
     (True, False)
     """
     drawn = _drawn(np.stack([before, after]))
-    return bool(np.quantile(drawn[:, 0] - drawn[:, 1], 0.025) > 0)
+    return bool(np.quantile(drawn[:, 0] - drawn[:, 1], _SIDES[0]) > 0)
 
 
 def closed_interval(before: FloatArray, after: FloatArray, floor: float) -> tuple[float, float]:
@@ -43,7 +44,7 @@ def closed_interval(before: FloatArray, after: FloatArray, floor: float) -> tupl
     finite = [x for x in found if np.isfinite(x)]
     if len(finite) < _DRAWS // 2:
         return float("nan"), float("nan")
-    low, high = np.quantile(finite, [0.025, 0.975])
+    low, high = np.quantile(finite, _SIDES)
     return float(low), float(high)
 
 
@@ -56,5 +57,5 @@ def removed_share(squares: FloatArray, floor: float) -> Removed:
 
     if not np.all(np.isfinite(squares)):
         return Removed(float("nan"), float("nan"), float("nan"))
-    low, high = np.quantile(share(_drawn(squares)), [0.025, 0.975])
+    low, high = np.quantile(share(_drawn(squares)), _SIDES)
     return Removed(float(share(squares.mean(axis=1))), float(low), float(high))
