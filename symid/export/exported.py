@@ -1,7 +1,8 @@
 """Result of an export: its files, and the parts of the axis that they do not model."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from symid.axis import Axis, Imperfection
 from symid.errors import SettingError
@@ -28,6 +29,14 @@ class Exported:
         main, *others = self.files.values()
         lines = (line for line in main.splitlines(keepends=True) if not line.startswith('#include "'))
         return "\n".join([*others, "".join(lines)])
+
+
+class TextTarget(NamedTuple):
+    """A format whose files are texts made of an axis and the values of its parameters, SI."""
+
+    name: str  # as `symid export --to` takes it
+    program: str  # the program or language, as the help of the command names it
+    write: Callable[[Axis, Mapping[str, float]], Exported]
 
 
 def require_physical(axis: Axis, values: Mapping[str, float]) -> None:

@@ -20,7 +20,7 @@ from symid.axis import (
     Sensor,
 )
 from symid.errors import SettingError
-from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
+from symid.export.exported import Exported, TextTarget, losses_of_imperfections, losses_of_signals
 from symid.export.mechanism import Mechanism, Path, is_joint, mechanism
 from symid.simulation import plant_of
 
@@ -282,3 +282,6 @@ def _written(number: float) -> str:
 def _fixed(name: str, path: Path, properties: str) -> list[str]:
     joints = (f'      <joint joint={quoteattr(body)} coef="{_written(factor)}"/>' for body, factor in path)
     return [f"    <fixed name={quoteattr(name)}{properties}>", *joints, "    </fixed>"]
+
+
+TARGET = TextTarget("mjcf", "MuJoCo", mjcf)

@@ -10,7 +10,7 @@ from sympy.printing.str import StrPrinter
 
 from symid.axis import Axis, Between, Body
 from symid.errors import SettingError
-from symid.export.exported import Exported, losses_of_imperfections, require_physical
+from symid.export.exported import Exported, TextTarget, losses_of_imperfections, require_physical
 from symid.export.feedforward import ACCELERATION, POSITION, SPEED, feedforward
 
 _BLOCK = """\
@@ -182,3 +182,6 @@ def _statement(expression: sp.Expr, named: Mapping[str, str], *more: str) -> str
     names = {**{sp.Symbol(a): b for a, b in named.items()}, **words}
     text = _StructuredTextPrinter().doprint(written.xreplace({a: sp.Symbol(b) for a, b in names.items()}))
     return " + ".join([*more, text]) if text != "0.0" or not more else more[0]
+
+
+TARGET = TextTarget("st", "feed-forward in Structured Text", structured_text)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 
 from symid.axis import Axis, Body
-from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
+from symid.export.exported import Exported, TextTarget, losses_of_imperfections, losses_of_signals
 from symid.export.mechanism import Mechanism, is_joint, mechanism
 
 _WIDE = "1e9"  # limits that URDF requires of a prismatic joint
@@ -81,3 +81,6 @@ def _losses(axis: Axis, machine: Mechanism) -> Iterator[str]:
     for play in machine.plays:
         yield f"play of {play.gap:.6g} m or rad: URDF has none."
     yield from losses_of_imperfections(axis, "URDF")
+
+
+TARGET = TextTarget("urdf", "URDF", urdf)

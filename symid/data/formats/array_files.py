@@ -257,5 +257,8 @@ def unpacked_sizes(path: Path) -> Iterator[int]:
             whole += counted
 
 
+READERS = {".mat": open_matlab, ".npz": open_numpy, ".npy": open_numpy}
+
+
 if __name__ == "__main__":
     answer(_parsed)

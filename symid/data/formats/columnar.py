@@ -121,3 +121,6 @@ def numbers_of(column: pl.Series, first: int | None = None) -> FloatArray | str:
         spans = column - column[0] if isinstance(column.dtype, pl.Datetime) else column
         return values_of(spans.dt.total_nanoseconds().cast(pl.Float64) * 1e-9)
     return f"holds {column.dtype} where numbers are required: convert the column"
+
+
+READERS = {".parquet": open_parquet, ".feather": open_feather, ".arrow": open_feather}

@@ -60,3 +60,6 @@ def open_compressed(path: Path, memory: int | None = None, layout: Layout | None
         raise LogError(f"{path}: holds more than {most / 1e6:.3g} MB of text: uncompress it")
     given = layout or layout_of_text(path, text)
     return with_own_clocks(laid_out(path, given, lines_of(path, text, given.encoding), lambda: text))
+
+
+READERS = {text + suffix: open_compressed for text in (".csv", "") for suffix in OPENERS}

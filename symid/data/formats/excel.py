@@ -45,3 +45,6 @@ def _headers(path: Path, cells: pl.DataFrame) -> tuple[tuple[str, ...], int]:
     except LogError:
         return (), 0
     return layout.headers(lines_of(path, text, layout.encoding)), layout.skipped
+
+
+READERS = dict.fromkeys((".xlsx", ".xls", ".ods"), open_excel)

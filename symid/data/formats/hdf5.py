@@ -127,3 +127,6 @@ def _as_texts(given: Any) -> list[str]:
     values = np.ravel(np.asarray(given, dtype=object)).tolist()
     texts = [value.decode("utf-8", "replace") if isinstance(value, bytes) else value for value in values]
     return texts if all(isinstance(text, str) for text in texts) else []
+
+
+READERS = {".h5": open_hdf5, ".hdf5": open_hdf5}

@@ -146,3 +146,6 @@ def _numbers(values: list[Any]) -> npt.NDArray[Any] | None:
     except (ValueError, TypeError, OverflowError):
         return None
     return array if array.ndim == 2 else None
+
+
+READERS = {".json": open_json, ".jsonl": open_json_lines, ".ndjson": open_json_lines}

@@ -39,5 +39,8 @@ def _parsed(path: Path, memory: int | None) -> list[Channel]:
     ]
 
 
+READERS = {".mf4": open_mdf, ".mdf": open_mdf}
+
+
 if __name__ == "__main__":
     answer(_parsed)

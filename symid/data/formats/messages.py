@@ -159,3 +159,6 @@ def _numbers(value: object, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, 
     elif isinstance(value, (list, tuple, np.ndarray)) and len(value) <= _LONGEST_ARRAY:
         for i, inner in enumerate(value):
             yield from _numbers(inner, (*path[:-1], f"{path[-1]}[{i}]") if path else (f"[{i}]",))
+
+
+READERS = {".mcap": open_mcap, ".db3": open_rosbag, ".bag": open_rosbag}

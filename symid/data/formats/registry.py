@@ -12,28 +12,21 @@ from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from symid.data.columns import TIME, split_unit
-from symid.data.formats.array_files import open_matlab, open_numpy
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.codesys_trace import codesys_trace_in
-from symid.data.formats.columnar import open_feather, open_parquet
 from symid.data.formats.compressed import OPENERS, open_compressed
-from symid.data.formats.excel import open_excel
-from symid.data.formats.hdf5 import open_hdf5
-from symid.data.formats.json_log import open_json, open_json_lines
-from symid.data.formats.mdf import open_mdf
-from symid.data.formats.messages import open_mcap, open_rosbag
 from symid.data.formats.named_rows import named_rows_in
 from symid.data.formats.own_clocks import with_own_clocks
 from symid.data.formats.scope_text import scope_text_in
 from symid.data.formats.serial_text import serial_text_in
 from symid.data.formats.split_times import with_joined_times
-from symid.data.formats.tdms import open_tdms
 from symid.data.table import Table, first_line, naming_file
 from symid.data.text_files.csv_table import open_csv, open_laid_out
 from symid.data.text_files.foreign import foreign_columns
 from symid.data.text_files.layout import Layout, guessed_layout
 from symid.errors import LogError
 from symid.files import require_regular
+from symid.registered import registered
 from symid.units import to_si
 
 
@@ -114,35 +107,15 @@ def _special_text(path: Path) -> Callable[[], Table] | None:
 
 
 READERS: Final[Mapping[str, Reader]] = MappingProxyType(
-    {
-        ".csv": _open_text,
-        ".parquet": open_parquet,
-        ".mat": open_matlab,
-        ".feather": open_feather,
-        ".arrow": open_feather,
-        ".h5": open_hdf5,
-        ".hdf5": open_hdf5,
-        ".tdms": open_tdms,
-        ".mf4": open_mdf,
-        ".mdf": open_mdf,
-        ".mcap": open_mcap,
-        ".db3": open_rosbag,
-        ".bag": open_rosbag,
-        ".xlsx": open_excel,
-        ".xls": open_excel,
-        ".ods": open_excel,
-        ".npz": open_numpy,
-        ".npy": open_numpy,
-        ".json": open_json,
-        ".jsonl": open_json_lines,
-        ".ndjson": open_json_lines,
-        **{text + suffix: open_compressed for text in (".csv", "") for suffix in OPENERS},
-    }
+    {".csv": _open_text}
+    | {suffix: read for own in registered(__package__, "READERS") for suffix, read in own.items()}
 )
-"""Readers by suffix; a new format is a module and a line here."""
+"""Readers by suffix: those that the modules of this package list in their own `READERS`."""
 
 SUFFIXES: Final = tuple(READERS)
 """Suffixes of files that can be read."""
+_COMMON: Final = (".csv", ".parquet", ".mat")
+"""Those that a message names first."""
 FOLDER_SUFFIXES: Final = tuple(
     s for s in SUFFIXES if s not in (".json", ".npz", ".npy", ".xls", ".ods", *OPENERS)
 )
@@ -199,7 +172,8 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         raise _not_readable(path, error) from error
     if len(parts) > 1:
         return open_joined(parts, lambda part: open_table(part, layout_found(part), memory))
-    kinds = f"{', '.join(SUFFIXES[:2])} or {SUFFIXES[2]} file, or {', '.join(SUFFIXES[3:])}"
+    others = ", ".join(suffix for suffix in SUFFIXES if suffix not in _COMMON)
+    kinds = f"{', '.join(_COMMON[:-1])} or {_COMMON[-1]} file, or {others}"
     if path.is_dir():
         raise LogError(f"{path}: is a directory: give a {kinds}")
     require_regular(path, LogError)

@@ -55,3 +55,6 @@ def _times(channel: Any) -> FloatArray:
         return np.empty(0)
     start = channel.properties.get("wf_start_offset", 0.0)
     return np.asarray(float(start) + float(step) * np.arange(len(channel)))
+
+
+READERS = {".tdms": open_tdms}
