@@ -42,6 +42,10 @@ class FleetAxis:
         whole = (symid.__version__, self.axis.signature, repr(declared), self.settings.canonical, *texts)
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
+    def __getstate__(self) -> dict[str, object]:
+        """What is sent to a worker, with the fingerprint: each group of logs arrives with a new copy."""
+        return {**self.__dict__, "fingerprint": self.fingerprint}
+
     def model(self, measured: Sequence[str]) -> GeneratedModel:
         """Generated model of a set of sensors; one that was not generated is derived."""
         wanted = tuple(sensor.signal for sensor in self.axis.measured(measured))

@@ -76,9 +76,9 @@ class Estimation:
     def trial(self) -> CutoffTrial:
         """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
         first = self._at([self.preparation] * len(self.logs))
-        is_open = self.preparation.cutoff_hz is None
-        is_described = self.left(first) < CRITERIA.cutoff_fit and not self._is_drowned(first)
-        if not self.model.is_flexible or not is_open or is_described:
+        if not self.model.is_flexible or self.preparation.cutoff_hz is not None:
+            return first
+        if self.left(first) < CRITERIA.cutoff_fit and not self._is_drowned(first):
             return first
         tried, lefts = [first], [math.inf if self._is_drowned(first) else self.left(first)]
         for k in range(1, _LOWER_CUTOFFS + 1):

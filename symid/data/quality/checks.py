@@ -98,12 +98,15 @@ def jumps_of(x: FloatArray) -> list[int]:
     """Samples before which a position jumps: the step is far larger than those nearby, its neighbours left out."""
     if x.size < 2 * _NEAR:
         return []
-    curvature = np.abs(np.diff(x, 2))
+    step = x[1:] - x[:-1]
+    curvature = np.abs(step[1:] - step[:-1])
     odd = np.minimum(curvature[:-1], curvature[1:])  # of the step from sample i + 1 to i + 2
-    coarse = np.abs(np.diff(x))
+    found = np.flatnonzero(odd > _JUMP_RANGE * float(np.ptp(x)))
+    if not found.size:
+        return []
+    coarse = np.abs(step)
     finest = float(np.min(coarse, where=coarse > 0, initial=np.inf))
-    least = max(_JUMP_STEPS * finest, _JUMP_RANGE * float(np.ptp(x)))
-    around, found = np.pad(odd, _NEAR + 2), np.flatnonzero(odd > least)
+    around, found = np.pad(odd, _NEAR + 2), found[odd[found] > _JUMP_STEPS * finest]
     for apart in (*range(-_NEAR, -2), *range(3, _NEAR + 3)):
         found = found[odd[found] > _JUMP_RATIO * around[found + _NEAR + 2 + apart]]
     return (found + 2).tolist()

@@ -54,8 +54,11 @@ def require_seconds(time: FloatArray) -> None:
     symid.errors.LogError: t has no unit and steps of 4, which may be 4 ms: write t [ms], or give `units` t=ms, or t=s
     """
     known = time[np.isfinite(time)]
-    step = float(np.median(np.diff(known))) if known.size > 1 else 0.0
     low, high = PLAUSIBLE_PERIODS
+    steps = np.diff(known)
+    if steps.size and low <= steps.min() and steps.max() <= high:
+        return
+    step = float(np.median(steps)) if steps.size else 0.0
     fitting = (unit for unit in ("ms", "us", "ns", "day") if low <= step * to_si(unit, Unit.of("s")) <= high)
     if not low <= step <= high and (unit := next(fitting, None)):
         raise LogError(

@@ -55,8 +55,9 @@ def lag_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -
     """
     timing = found.timing
     by_delay = timing.remaining if timing is not None and timing.is_significant else 1.0
+    most = CRITERIA.lag_leaves * by_delay
     every = [
-        (_filtered_before(parts, fit, [part.moved(name).slope for part in parts]), name)
+        (_filtered_before(parts, fit, [part.moved(name).slope for part in parts], most=most), name)
         for name in shiftable(found.model)
     ]
     lags = [(lag.remaining, name, lag) for lag, name in every if lag is not None]
@@ -64,7 +65,7 @@ def lag_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -
         return ""
     remaining, name, best = min(lags, key=lambda one: one[:2])
     lag = best.factor
-    if remaining > CRITERIA.lag_leaves * by_delay or lag < parts[0].log.sampling_period:
+    if remaining > most or lag < parts[0].log.sampling_period:
         return ""
     explains = remaining <= CRITERIA.lagging * by_delay
     if not explains and not (
@@ -82,7 +83,7 @@ def ac_coupling_of(
     found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
 ) -> str:
     """Statement on one of some signals that has passed a high-pass, which moves parameters out of their intervals."""
-    model, passed = found.model, []
+    model, passed, most = found.model, [], CRITERIA.ac_coupling_leaves
     for name in names:
         integrals = [
             _rows_of(part, name, running_integral(part.log[name], part.log.sampling_period)) for part in parts
@@ -90,12 +91,12 @@ def ac_coupling_of(
         starts = [_rows_of(part, name, np.ones(part.log.n_samples)) for part in parts]
         one = (
             _by_other_sensors(model, parts, integrals, name)
-            or _filtered_before(parts, fit, integrals, starts)
-            or _filtered_before(parts, fit, integrals)  # the model has its own constant
+            or _filtered_before(parts, fit, integrals, starts, most=most)
+            or _filtered_before(parts, fit, integrals, most=most)  # the model has its own constant
         )
         passed += [(one, name)] if one else []
     for one, name in sorted(passed, key=lambda pair: pair[0].remaining):
-        explains = one.remaining < CRITERIA.ac_coupling_leaves
+        explains = one.remaining < most
         if (
             explains
             and is_beyond_intervals(found, one.parameters)
@@ -119,19 +120,20 @@ def smoothing_by_residual(
     with noise was filtered. Then less counts: what this takes from the residual, and half of the change, since of other
     filters it undoes a part only.
     """
+    is_late = found.timing is not None and found.timing.is_significant
+    is_filtered = not is_late and _is_bare(parts)
+    most = 1.0 if is_filtered else max(CRITERIA.smoothing_leaves, CRITERIA.lagging)
     every = []
     for name in names:
         bent = [
             _rows_of(part, name, _second_derivative(part.log[name], part.log.sampling_period))
             for part in parts
         ]
-        one = _filtered_before(parts, fit, bent)
+        one = _filtered_before(parts, fit, bent, most=most)
         every += [(one, name)] if one else []
     if not every:
         return ""
     best, name = min(every, key=lambda pair: pair[0].remaining)
-    is_late = found.timing is not None and found.timing.is_significant
-    is_filtered = not is_late and _is_bare(parts)
     least = 1.0 if is_filtered else CRITERIA.smoothing_leaves if best.factor < 0.0 else CRITERIA.lagging
     moves = CRITERIA.smoothing_moves if is_filtered else CRITERIA.cutoff_change
     if best.remaining > least or not is_beyond_intervals(found, best.parameters, moves):
@@ -191,17 +193,27 @@ class _Filter:
 
 
 def _filtered_before(
-    parts: Sequence[Excerpt], fit: LeastSquares, more: Sequence[_Rows], constants: Sequence[_Rows] = ()
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    more: Sequence[_Rows],
+    constants: Sequence[_Rows] = (),
+    *,
+    most: float,
 ) -> _Filter | None:
     """Factor of rows that a derivative or an integral of a signal makes of each part; None if it is not determined.
 
-    With `constants` each part has its own, from which an integral starts.
+    With `constants` each part has its own, from which an integral starts. None too where any factor leaves more than
+    `most` of the residual.
     """
     before = estimate_of_parts(parts)
     every = [
         _StepRows.of(part.observation, [one, *constants[k : k + 1]])
         for k, (part, one) in enumerate(zip(parts, more, strict=True))
     ]
+    whole = np.maximum(before.residual_norm**2, np.finfo(float).tiny)
+    least = np.concatenate([rows.least_squares for rows in every])
+    if math.sqrt(float(np.mean(least / whole))) > most:
+        return None
     factor, X, p = 0.0, fit.solution, fit.solution.size
     for _ in range(_MOST_ROUNDS):
         steps = [rows.of_step(factor, X, k, len(constants)) for k, rows in enumerate(every)]
@@ -218,14 +230,14 @@ def _filtered_before(
         factor += size
         if abs(size) < _SETTLED * abs(factor):
             break
-    left, whole = found.residual_norm**2, np.maximum(before.residual_norm**2, np.finfo(float).tiny)
 
     def deviation() -> float:
         last = [rows.combined(step) for rows, step in zip(every, steps, strict=True)]
         correlated = corrected_covariance_of_blocks(lambda: blocks_of(last), found)
         return float(correlated.standard_deviations[p])
 
-    return _Filter(factor, deviation, float(np.sqrt(np.mean(left / whole))), X)
+    remaining = float(np.sqrt(np.mean(found.residual_norm**2 / whole)))
+    return _Filter(factor, deviation, remaining, X)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,6 +255,11 @@ class _StepRows:
         W = np.concatenate([seen.W, *(x for W, y in made for x in (W, y[..., None]))], axis=2)
         used = np.any(W != 0.0, axis=(0, 1))
         return cls(seen, W, used, triangular_factors(W[..., used], seen.y, seen.valid))
+
+    @property
+    def least_squares(self) -> FloatArray:
+        """Sum of squares of the residual of each equation that any combination of its columns leaves at least."""
+        return np.array([factor.R[-1, -1] ** 2 for factor in self.factors])
 
     def of_step(self, factor: float, X: FloatArray, part: int, n_constants: int) -> FloatArray:
         """Matrix that makes W and y of a step of the used columns and y."""

@@ -8,7 +8,7 @@ frequency of the product of their gains with the level.
 
 import math
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cache, lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -48,19 +48,27 @@ def noise_levels(model: GeneratedModel, log: AnyLog, *, forces: bool = True) -> 
     (1.0, 9)
     """
     segment = min(max(16, min(_LONGEST_SEGMENT, log.n_samples // 16)), log.n_samples - 2)
-    rate, found = log.sampling_frequency, {}
-    names = [name for name in model.highest_derivatives if forces or name not in model.forces]
-    spectra = {name: _bent_spectra(log, name, segment) for name in names}
-    motion = [spectra[name] for name in names if name not in model.forces]
-    for name in names:
-        if name in model.forces:
-            frequency, density = incoherent_density_of(spectra[name], np.stack(motion), rate, segment)
+    names = list(model.highest_derivatives)
+    motion = tuple(name for name in names if name not in model.forces)
+    spectra = cache(lambda name: _bent_spectra(log, name, segment))
+
+    def level(name: str, beside: tuple[str, ...]) -> float:
+        rate = log.sampling_frequency
+        if beside:
+            others = np.stack([spectra(other) for other in beside])
+            frequency, density = incoherent_density_of(spectra(name), others, rate, segment)
         else:
-            frequency, density = density_of(spectra[name], rate, segment)
+            frequency, density = density_of(spectra(name), rate, segment)
         upper = (frequency > NOISE_FROM * rate) & (frequency < 0.5 * rate)
         gain = (2 * np.sin(np.pi * frequency[upper] / rate)) ** 4
-        found[name] = float(np.median(density[upper] / gain))
-    return found
+        return float(np.median(density[upper] / gain))
+
+    def kept(name: str) -> float:
+        beside = motion if name in model.forces else ()
+        found = partial(level, name, beside)
+        return log.kept((noise_levels, name, beside), found) if isinstance(log, Log) else found()
+
+    return {name: kept(name) for name in names if forces or name not in model.forces}
 
 
 def _bent_spectra(log: AnyLog, name: str, segment: int) -> ComplexArray:
