@@ -44,7 +44,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Assignment:
-    """Assignment of columns, by their headers, by the user and the axis; the rest is as in `read_log`."""
+    """Columns of a file, assigned to signals by the user and by the axis; the fields are as in `read_log`."""
 
     headers: tuple[str, ...]
     expected: Mapping[str, Unit]

@@ -64,11 +64,11 @@ class LongLog:
     signals: tuple[str, ...]
     """Names of the signals."""
     read: Callable[[int, int], Mapping[str, FloatArray]]
-    """From the first sample and the one behind the last to the values of each signal, SI."""
+    """Takes the first sample and the one after the last, returns the values of each signal, SI."""
     notes: tuple[str, ...] = ()
     """Remarks on oddities of the data."""
     block: int = BLOCK
-    """Samples that are worked on at a time."""
+    """Samples that are processed at a time."""
 
     def __post_init__(self) -> None:
         if self.block < 1:
@@ -76,7 +76,7 @@ class LongLog:
 
     @classmethod
     def of(cls, log: Log, block: int = BLOCK) -> LongLog:
-        """A log in memory that is worked on in blocks."""
+        """A log in memory that is processed in blocks."""
 
         def read(first: int, stop: int) -> Mapping[str, FloatArray]:
             return log.window(first, stop).signals

@@ -62,7 +62,7 @@ def read_log(
     alternatives: Mapping[str, tuple[str, float]] | None = None,
     **foreign: Unpack[ForeignColumns],
 ) -> Log:
-    """Read and check the signals of an axis from a file of any kind that is read.
+    """Read and check the signals of an axis from a file of any supported kind.
 
     A column is named after its signal, with or without a unit (SI): ``q2`` or ``q2 [mm]``.
 

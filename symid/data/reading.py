@@ -15,7 +15,7 @@ from symid.data.log import Log
 from symid.data.quality.checks import inspect_finite, inspect_steps, inspect_values
 from symid.data.quality.clock import inspect_clock, require_seconds
 from symid.data.quality.lost_samples import restored
-from symid.data.quality.overflow import continued, continued_times
+from symid.data.quality.overflow import unwrapped, unwrapped_times
 from symid.data.quality.stuck import inspect_spans
 from symid.data.table import Table, require_memory
 from symid.errors import LogError
@@ -62,7 +62,7 @@ def read_table(
         return _checked(str(file), values, notes, expected)
     if resample != "own" and not 1e-9 < resample < 1e12:
         raise LogError(f"rate {resample:g} Hz is not possible: give a positive number, or own")
-    values, again = _continued(values, expected)
+    values, again = _unwrapped(values, expected)
     notes = [*notes, *again]
     signals = {name: x for name, x in values.items() if name != TIME}
     _require_sound(signals, clocks, expected)
@@ -108,13 +108,13 @@ def _require_sound(
         raise LogError("; ".join(faults))
 
 
-def _continued(
+def _unwrapped(
     values: Mapping[str, FloatArray], expected: Mapping[str, Unit]
 ) -> tuple[dict[str, FloatArray], list[str]]:
-    """Values with positions that go on where their counter began again, and notes."""
+    """Values with unwrapped positions, and notes."""
     found, notes = dict(values), []
     for name in positions_of(expected, values):
-        found[name], note = continued(name, values[name], is_angle=expected[name] == Unit.of("rad"))
+        found[name], note = unwrapped(name, values[name], is_angle=expected[name] == Unit.of("rad"))
         notes += [note] * bool(note)
     return found, notes
 
@@ -144,7 +144,7 @@ def _read(
     faults, notes = [], []
     for source, column in zip(sources, columns, strict=True):
         if not isinstance(column, str):
-            written, note = continued_times(column) if source.signal == TIME else (column, "")
+            written, note = unwrapped_times(column) if source.signal == TIME else (column, "")
             values[source.signal] = in_si(written, source.factor)
             notes += [note] * bool(note)
         elif source.signal in references and source.signal not in named:
@@ -195,7 +195,7 @@ def _checked(
     faults = (*clock.faults, *inspect_values(time, needed))
     if not faults and not sound:
         positions = positions_of(expected, needed)
-        needed, again = _continued(needed, expected)
+        needed, again = _unwrapped(needed, expected)
         whole, lost = restored(needed, positions)
         values, notes = values | whole, [*notes, *again, *lost]
         faults = inspect_steps(time, {name: whole[name] for name in positions})

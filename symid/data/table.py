@@ -20,7 +20,7 @@ _MANY_ROWS = 1_000_000
 
 
 def require_memory(n_values: int, memory: int | None = None) -> None:
-    """Raise LogError if numbers of 64 bit take more bytes than they may; by default, than this machine has free."""
+    """Raise LogError if so many 64-bit numbers need more than the given memory; by default, the free memory."""
     if not fits_memory(n_values, memory):
         needed, allowed = _VALUE * n_values, _allowed(memory)
         which = "are free" if memory is None else "are allowed (`memory`)"
@@ -127,7 +127,7 @@ def first_line(error: BaseException) -> str:
 
 
 def damaged(path: Path, kind: str, error: BaseException) -> LogError:
-    """Error for a file that is not of the kind of its suffix."""
+    """Error for a file whose content does not match its suffix."""
     return LogError(f"{path}: is damaged or no {kind} file ({first_line(error)}): write it again")
 
 

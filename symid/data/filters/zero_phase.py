@@ -1,6 +1,6 @@
 """Recursive filters run forward and backward, over pieces of a signal that several threads share.
 
-A recursive filter forgets: after `reach` samples nothing that a number can hold is left of the state it started
+A recursive filter forgets: after `reach` samples the state is left of the state it started
 from. A piece of a signal, filtered together with that many samples on either side, therefore equals what filtering the
 whole signal gives, to rounding. Pieces stay in the cache, need no memory of the size of the signal, and can be
 computed by several threads at a time.

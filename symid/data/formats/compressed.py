@@ -19,7 +19,7 @@ from symid.errors import LogError
 _TIMES_TEXT: Final = 4
 """Memory for the columns and the text, in multiples of the text."""
 _MEMORY: Final = 1_000_000_000
-"""Memory for them by default, bytes: a small file may hold text without end."""
+"""Memory for them by default, bytes: a small file may unpack to any amount of text."""
 _Opener: TypeAlias = "Callable[[Path], Any]"
 
 

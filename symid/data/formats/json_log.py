@@ -48,7 +48,7 @@ def _table(path: Path, whole: object) -> Table:
     if (of_rows := table_of_records(path, whole)) is not None:
         return of_rows
     found = list(_columns(whole, ()))
-    names = short_names([_told(names or ("values",)) for names, _ in found])
+    names = short_names([_with_quantity(names or ("values",)) for names, _ in found])
     table = table_of_arrays(dict(zip(names, (array for _, array in found), strict=True)))
     if not table.headers:
         raise LogError(
@@ -57,10 +57,10 @@ def _table(path: Path, whole: object) -> Table:
     return table
 
 
-def _told(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Names that lead to a list, the last two joined where only the first of them tells a quantity.
+def _with_quantity(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Names that lead to a list; the last two are joined if only the first of them names a quantity.
 
-    >>> _told(("x", "pos", "actual")), _told(("x", "pos"))
+    >>> _with_quantity(("x", "pos", "actual")), _with_quantity(("x", "pos"))
     (('x', 'pos.actual'), ('x', 'pos'))
     """
     if len(names) > 1 and quantity_named(names[-1]) is None and quantity_named(names[-2]):
@@ -133,7 +133,7 @@ def _flat(record: Mapping[str, Any], names: tuple[str, ...]) -> Iterator[tuple[t
 
 
 def _numbers(values: list[Any]) -> npt.NDArray[Any] | None:
-    """Numbers, nan where there is none; moments as seconds; None for anything else."""
+    """Numbers, with nan for missing ones; moments as seconds; None for anything else."""
     if all(isinstance(value, (int, float)) or value is None for value in values):
         try:
             return np.array([np.nan if value is None else value for value in values], dtype=np.float64)

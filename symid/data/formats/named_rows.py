@@ -1,4 +1,4 @@
-"""Rows that each hold a time, the name of a signal and its value, as data bases, brokers and historians export them."""
+"""Rows that each hold a time, the name of a signal and its value, as databases, brokers and historians export them."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -78,7 +78,7 @@ def _open_text(path: Path, layout: Layout, headers: Sequence[str], places: tuple
 
 
 def _table(path: Path, header: str, rows: Sequence[Sequence[str]], *, decimal: str) -> Table:
-    """A column for each name, with the times of its rows; rows without a number are passed over."""
+    """A column for each name, with the times of its rows; rows without a number are skipped."""
     kept = [row for row in rows if row[1] and row[2] and is_number_text(row[2], comma=decimal == ",")]
     if len(kept) < LEAST_ROWS:
         raise LogError(f"{path}: names signals in its rows, but has no values of them: export them as well")
@@ -95,7 +95,7 @@ def _table(path: Path, header: str, rows: Sequence[Sequence[str]], *, decimal: s
     most = times[max(of_name.values(), key=len)]
     unit = described_column(header, most).unit
     if unit is None:
-        raise LogError(f"{path}: its times {header!r} are in no known unit: write it behind, as in 't [ms]'")
+        raise LogError(f"{path}: its times {header!r} have no known unit: add it to the name, as in 't [ms]'")
     seconds: FloatArray = to_si(unit) * (times - times[0])
     return table_of_channels(
         [Channel(name, "", seconds[places], values[places]) for name, places in of_name.items()]
@@ -103,5 +103,5 @@ def _table(path: Path, header: str, rows: Sequence[Sequence[str]], *, decimal: s
 
 
 def _text(value: Any) -> str:
-    """The text of a value in JSON; empty of what is no value of a signal."""
+    """Text of a JSON value; empty for one that is not the value of a signal."""
     return str(value) if isinstance(value, (str, int, float)) and not isinstance(value, bool) else ""

@@ -16,7 +16,7 @@ from symid.units import to_si
 
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """A column of times, s, and the positions of the columns behind it."""
+    """A column of times, s, and the positions of the columns that follow it."""
 
     time: FloatArray
     members: list[int]
@@ -45,12 +45,12 @@ def with_own_clocks(table: Table) -> Table:
 
 
 def _is_measured(header: str) -> bool:
-    """Whether a column may hold a signal: numbers of samples are none, whose times are when a message came."""
+    """Whether a column may hold a signal; one that numbers the samples does not: its times are those of messages."""
     return match(words_of(header), NUMBERS) is None
 
 
 def _groups(table: Table, columns: list[FloatArray | str], places: list[int]) -> list[_Group]:
-    """Columns of times that rise and have other columns behind them, up to the next one."""
+    """Columns of rising times, each with the columns up to the next one."""
     found = []
     for place, after in zip(places, [*places[1:], len(columns)], strict=True):
         time = columns[place]

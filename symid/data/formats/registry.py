@@ -1,7 +1,7 @@
 """Files as tables of named columns: the reader of each kind of file, found by its suffix.
 
-Of CSV, Parquet, Feather and HDF5 files only the headers and the columns asked for are read. A fault of the file
-raises; a fault of one column is returned in its place, as a sentence, so that a caller can report the faults of all
+Of CSV, Parquet, Feather and HDF5 files only the headers and the requested columns are read. A fault of the file raises
+an error. A fault of one column is returned in place of its values, as a sentence, so that a caller can report all
 columns together.
 """
 
@@ -31,7 +31,7 @@ from symid.units import to_si
 
 
 def parts_of(path: Path) -> tuple[Path, ...]:
-    """Files of a log; those behind the first may be named without its folder.
+    """Files of a log; all but the first may be named without their folder.
 
     >>> parts_of(Path("a.csv"))
     (PosixPath('a.csv'),)
@@ -43,9 +43,9 @@ def parts_of(path: Path) -> tuple[Path, ...]:
 
 
 def open_joined(parts: Sequence[Path], read: Callable[[Path], Table]) -> Table:
-    """Columns of several files in one table, each with the times of its file, which count from one moment.
+    """Columns of several files in one table, each with the times of its file; all times count from the same moment.
 
-    LogError if a file has no column of the time, or its times are moments, which lose their begin.
+    LogError if a file has no time column, or its times are moments: those are read as seconds from the first one.
     """
     channels: list[tuple[tuple[str, ...], Channel]] = []
     for part in parts:
@@ -67,7 +67,7 @@ def open_joined(parts: Sequence[Path], read: Callable[[Path], Table]) -> Table:
 
 
 def _clock(part: Path, table: Table) -> tuple[int, float]:
-    """Position of the column of the times, and what one of its units is in seconds."""
+    """Position of the time column, and its unit in seconds."""
     if table.stamps:
         raise LogError(
             f"{part}: its times are moments, whose common start is not known: save seconds in both files"
@@ -89,17 +89,17 @@ Reader: TypeAlias = "Callable[[Path, int | None], Table]"
 
 
 _BEGINNING: Final = 800_000
-"""Bytes that show what wrote a text: 200 000 characters of any encoding."""
+"""Bytes from which the program that wrote a text is recognised: 200 000 characters of any encoding."""
 
 
 def _open_text(path: Path, memory: int | None = None) -> Table:
-    """Table in a CSV file, or in the text of a scope, a trace, a serial monitor or a data base."""
+    """Table in a CSV file, or in the text of a scope, a trace, a serial monitor or a database."""
     special = _special_text(path)
     return special() if special else open_csv(path)
 
 
 def _special_text(path: Path) -> Callable[[], Table] | None:
-    """Reader of the text of a scope, a trace, a serial monitor or a data base; None of other files."""
+    """Reader for the text of a scope, a trace, a serial monitor or a database; None for other files."""
     with path.open("rb") as file:
         begin = file.read(_BEGINNING)
     kinds = scope_text_in, codesys_trace_in, serial_text_in, named_rows_in
@@ -115,7 +115,7 @@ READERS: Final[Mapping[str, Reader]] = MappingProxyType(
 SUFFIXES: Final = tuple(READERS)
 """Suffixes of files that can be read."""
 _COMMON: Final = (".csv", ".parquet", ".mat")
-"""Those that a message names first."""
+"""Suffixes that a message names first."""
 FOLDER_SUFFIXES: Final = tuple(
     s for s in SUFFIXES if s not in (".json", ".npz", ".npy", ".xls", ".ods", *OPENERS)
 )
@@ -129,7 +129,7 @@ def layout_found(path: Path, encoding: str | None = None) -> Layout | None:
 
 
 def _is_text(path: Path) -> bool:
-    """Whether a file is text by its suffix, or by its content: programs give tables of text the suffix of Excel."""
+    """Whether a file is text by its suffix, or by its content: some programs write text with the suffix of Excel."""
     suffix = suffix_of(path)
     if suffix == ".xls":
         with path.open("rb") as file:
@@ -198,6 +198,6 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
 
 
 def _not_readable(path: Path, error: OSError | ValueError) -> LogError:
-    """Error for a file that the system does not give."""
+    """Error for a file that the system cannot open."""
     reason = getattr(error, "strerror", None) or first_line(error)
     return LogError(f"{path}: cannot be read ({reason}): check the file and its permissions")

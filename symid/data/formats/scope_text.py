@@ -29,7 +29,7 @@ _TWINCAT: Final = ("Name", *_OF_CHANNELS, "Unit")
 _OF_EXPORT: Final = ("Starttime of export", "StartRecord")
 """Properties of a file; with ``Name``, one of them or of the channels begins a line of such a file."""
 _STAMP, _ROUNDED = 1e-7, 32.0
-"""Seconds in a full time stamp, and stamps by which one may be off as a number of 64 bit, which keeps 16 of them."""
+"""Unit of a full time stamp, s, and rounding error of one in 64 bits, in such units."""
 _VALUES: Final = "trace_values"
 _END: Final = "EOF"
 _NAMES, _UNITS = ("name", "path", "variable"), ("unit",)

@@ -1,4 +1,4 @@
-"""Parsers that may end their process where a file is damaged, run in a process of their own.
+"""Parsers that may crash on a damaged file, run in a separate process.
 
 ``python -m MODULE FILE OUT.npz MEMORY`` writes the channels of FILE for the process that asked, by `answer`.
 """

@@ -1,4 +1,4 @@
-"""Times in two columns, whole seconds and the rest, as robots, system calls and controllers write them."""
+"""Times in two columns, whole seconds and fractions, as robots, system calls and controllers write them."""
 
 import re
 from collections.abc import Sequence
@@ -14,13 +14,13 @@ from symid.data.table import Table
 _REST: Final = re.compile(r"(?P<stem>.*?)(?P<prefix>nano|micro|n|u)(?:s|secs?|seconds?)", re.IGNORECASE)
 _PARTS: Final = {"nano": 1e-9, "n": 1e-9, "micro": 1e-6, "u": 1e-6}
 _MILLISECONDS: Final = re.compile(r"milli(?:tm)?|m(?:illi)?s(?:ec(?:ond)?s?)?")
-"""Names of the rest beside a time of day in whole seconds."""
+"""Names of a column of milliseconds beside a time of day in whole seconds."""
 _WHOLE_WITHIN: Final = 1e-6  # s
 _WHOLE: Final = ("sec", "secs", "second", "seconds", "s")
 
 
 def with_joined_times(table: Table) -> Table:
-    """The table with a column ``t [s]`` in place of whole seconds beside which there is one of the rest.
+    """The table with a column ``t [s]`` in place of whole seconds, if another column holds the fractions.
 
     >>> parts = [np.array([17.0, 18.0]), np.array([5e8, 0.0])]
     >>> headers = ("stamp.sec", "stamp.nanosec")
@@ -48,7 +48,7 @@ def with_joined_times(table: Table) -> Table:
 
 
 def _pair(headers: Sequence[str]) -> tuple[int, int, float] | None:
-    """Positions of whole seconds and of the rest, and what is one of the rest in seconds; None without such a pair."""
+    """Positions of whole seconds and of fractions, and the unit of these in seconds; None without such a pair."""
     lower = [header.strip().lower() for header in headers]
     if TIME in lower or any(name.startswith(f"{TIME} [") for name in lower):
         return None
@@ -62,7 +62,7 @@ def _pair(headers: Sequence[str]) -> tuple[int, int, float] | None:
 
 
 def _time_of_day(table: Table) -> tuple[int, int, float] | None:
-    """As `_pair`, of times of day beside a column of milliseconds."""
+    """As `_pair`, for times of day beside a column of milliseconds."""
     rest = [
         place for place, name in enumerate(table.headers) if _MILLISECONDS.fullmatch(name.strip().lower())
     ]

@@ -31,7 +31,7 @@ def is_coarse(time: FloatArray) -> bool:
 
 
 def period_of_rows(time: FloatArray) -> float | None:
-    """Period by which the numbers of the rows give coarse times; None where these are not those of even samples.
+    """Sampling period of evenly sampled rows with these coarse times; None if no period fits.
 
     Times of even samples, rounded to a tick, deviate from a straight line over a range of at most the tick. Of the
     periods of such lines it is that of the fewest digits, as itself or as a frequency. A gap of more than one sample
@@ -51,7 +51,7 @@ def period_of_rows(time: FloatArray) -> float | None:
 
 
 def change_between(values: FloatArray, time: FloatArray) -> bool:
-    """Whether values change among samples of one time as they do from time to time; repeated rows do not."""
+    """Whether values change between samples that share a time as they do elsewhere; those of repeated rows do not."""
     if values.size != time.size:
         return False
     changes, shared = np.diff(values) != 0.0, np.diff(time) == 0.0

@@ -1,4 +1,4 @@
-"""Positions and times whose counter, or whose angle, begins again at the end of its range, and their continuation."""
+"""Unwrapping of positions and times whose counter or angle wraps around at the end of its range."""
 
 import math
 from typing import Final
@@ -21,17 +21,17 @@ _TURN: Final = 2.0 * math.pi
 
 
 @np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range
-def continued(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, str]:
-    """A position without the jumps of its counter, and a note; as it is, and no note, where a jump is none of those.
+def unwrapped(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, str]:
+    """An unwrapped position, and a note; unchanged and without a note if it jumps otherwise.
 
     All jumps must be of 2^8 to 2^32 of the smallest steps of the values, or of a turn of an angle in rad, and go
     against the motion beside them.
 
     >>> counts = np.round(3000 * np.sin(np.arange(600) / 50))
-    >>> x, note = continued("q", 1e-3 * (counts % 1024), is_angle=False)
+    >>> x, note = unwrapped("q", 1e-3 * (counts % 1024), is_angle=False)
     >>> bool(np.allclose(np.diff(x), 1e-3 * np.diff(counts))), note
     (True, "'q' began again 18 times after 1024 steps: it is continued")
-    >>> continued("q", np.where(np.arange(600) > 300, 1e-3 * counts, 0.5), is_angle=False)[1]
+    >>> unwrapped("q", np.where(np.arange(600) > 300, 1e-3 * counts, 0.5), is_angle=False)[1]
     ''
     """
     jumps = np.array(jumps_of(x) if np.isfinite(x).all() else [], dtype=np.intp)
@@ -55,14 +55,14 @@ def continued(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, 
     return x, ""
 
 
-def continued_times(x: FloatArray) -> tuple[FloatArray, str]:
-    """Times as written, without the falls of a counter of 16, 24 or 32 bits, and a note; unchanged without such falls.
+def unwrapped_times(x: FloatArray) -> tuple[FloatArray, str]:
+    """Times from a counter of 16, 24 or 32 bits, unwrapped, and a note; other times unchanged, without a note.
 
     Each fall must leave a usual step, once the range is added. Microseconds may be written in seconds, for instance.
 
     >>> t = 1000.0 * np.arange(300)
-    >>> found, note = continued_times(t % 65536)
-    >>> bool((found == t).all()), note, continued_times(t % 60000)[1]
+    >>> found, note = unwrapped_times(t % 65536)
+    >>> bool((found == t).all()), note, unwrapped_times(t % 60000)[1]
     (True, 't began again 4 times after 65536: it is continued', '')
     """
     if not np.isfinite(x).all() or x.min(initial=0.0) < 0:

@@ -25,7 +25,7 @@ _SINGLE: Final = "gGmsh"  # letters that are a unit; others, such as U, name an 
 def split_header(header: str) -> tuple[str, str | None]:
     """Name and unit of a foreign header; a number in brackets is that of an axis or channel.
 
-    An end that is a unit of the quantity that the name tells is that unit, whatever else it may mean.
+    If the name ends with a unit of the quantity that it names, this is its unit, whatever else it may mean.
 
     >>> split_header("Time (ms)"), split_header("Torque %"), split_header("data(:,1)"), split_header("load (4)")
     (('Time', 'ms'), ('Torque', '%'), ('data(:,1)', None), ('load (4)', None))
@@ -35,8 +35,8 @@ def split_header(header: str) -> tuple[str, str | None]:
     (('acc', 'g'), ('pos', 'inch'), ('FORCE', 'kN'), ('torque', 'N*mm'))
     """
     match = _BRACKETS.fullmatch(header)
-    if match is None and (told := _told_by_the_name(header)):
-        return told
+    if match is None and (found := _unit_at_end(header)):
+        return found
     if match is None and (match := _TRAILING.fullmatch(header)):
         return match["name"], match["unit"].replace("_", "/")
     if match is None or match["unit"].strip().isdecimal():
@@ -45,7 +45,7 @@ def split_header(header: str) -> tuple[str, str | None]:
 
 
 def is_in_doubt(header: str, unit: str, quantity: Quantity) -> str:
-    """What the unit at the end of a name may mean besides, so that it is asked for; empty without a doubt.
+    """Second meaning of the unit at the end of a name, for which the user is asked; empty without one.
 
     >>> is_in_doubt("pos_in", "in", "position"), is_in_doubt("pos [in]", "in", "position")
     ("'in' at the end of its name may be inches or an input", '')
@@ -60,8 +60,8 @@ def is_in_doubt(header: str, unit: str, quantity: Quantity) -> str:
     return f"{unit!r} at the end of its name stands for several units" if len(of_quantity) > 1 else ""
 
 
-def _told_by_the_name(header: str) -> tuple[str, str] | None:
-    """Name and unit, if the end of the header is a unit, or one in doubt, of what the words before it name."""
+def _unit_at_end(header: str) -> tuple[str, str] | None:
+    """Name and unit, if the header ends with a unit of the quantity that its other words name."""
     for joint in _JOINT.finditer(header):
         name, end = header[: joint.start()].removesuffix(" in"), header[joint.end() :]
         quantity, _ = next(named(words_of(name)), (None, ""))

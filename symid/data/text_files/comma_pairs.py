@@ -10,7 +10,7 @@ _PAIR: Final = re.compile(r"([-+]?\d+),(\d+(?:[eE][-+]?\d+)?)[^\S\n]*(,|$)", re.
 
 
 def are_pairs(lines: Sequence[str], n_names: int) -> bool:
-    """Whether each number of lines is two fields below so many names: the whole part, and its fraction.
+    """Whether each number takes two fields, its whole part and its fraction, below the given number of names.
 
     All lines have twice as many fields as there are names. The fractions of a column have as many digits each, or
     never end in a zero.
@@ -33,7 +33,7 @@ def are_pairs(lines: Sequence[str], n_names: int) -> bool:
 
 
 def may_be_pairs(lines: Sequence[str]) -> str:
-    """Sentence on lines of more numbers without a point than there are names above them; empty of other lines.
+    """Sentence on lines that hold more numbers than names, none with a point; empty for other lines.
 
     >>> may_be_pairs(["t,q", "0,1", "0,001,1,25", "0,002,1,5", "0,003,1,5", "0,004,2,5"])
     'below 2 names lines have 2 or 4 whole numbers between commas'

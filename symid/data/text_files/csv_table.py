@@ -111,7 +111,7 @@ def _of_pairs(path: Path, text: str, width: int) -> str:
 
 
 def _without_lines(text: str, above: Sequence[str]) -> str:
-    """Lines of values without comments, and without those that repeat one above them, as files that were joined do."""
+    """Lines of values without comments and repeated headers, which joined files have."""
     repeated = {line for line in above if line.strip()}
     if not any(f"\n{line}\n" in text for line in repeated) and not any(
         f"\n{mark}" in text for mark in _COMMENTS
@@ -257,7 +257,7 @@ def _without_blank_end(frame: pl.DataFrame) -> pl.DataFrame:
 
 
 def _without_unit(texts: pl.Series) -> pl.Series:
-    """Texts without the unit of the first of them, which stands behind the number."""
+    """Texts without the unit that follows the number in the first of them."""
     unit = split_cell(next((text for text in texts if text), ""))[1]
     return texts.str.replace(rf"\s*{re.escape(unit)}$", "") if unit else texts
 
@@ -265,7 +265,7 @@ def _without_unit(texts: pl.Series) -> pl.Series:
 def values_of_texts(
     texts: pl.Series, separator: str, before: int | None = None, decimal: str = ""
 ) -> FloatArray | str:
-    """Values of a column of texts, the whole of it, or the rows after some `before`, or what is wrong with them."""
+    """Values of a column of texts, or of its rows after the first `before`; a sentence if they are not numbers."""
     cleaned = _without_unit(texts.str.strip_chars(" \t\"'").str.replace(_NO_VALUE, ""))
     cleaned = cleaned.str.replace(FORTRAN.pattern, "${1}e${2}")
     whole = before is None  # only a whole column distinguishes separators of thousands from decimal marks

@@ -113,12 +113,12 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
 def _by_motion(
     found: Mapping[int, ForeignColumn], values: Mapping[int, FloatArray]
 ) -> dict[int, ForeignColumn]:
-    """Measured positions and velocities without a stated unit, whose rates tell it."""
+    """Measured positions and velocities without a stated unit, with the one that follows from their rates."""
     times = [(i, column.unit) for i, column in found.items() if column.quantity == "time" and column.unit]
     if not times:
         return {}
     clock, unit = times[0]
-    time, told = values[clock] * to_si(unit), dict[int, ForeignColumn]()
+    time, identified = values[clock] * to_si(unit), dict[int, ForeignColumn]()
     pairs: tuple[tuple[Rate, Rate], ...] = ("velocity", "position"), ("position", "velocity")
     for known, wanted in pairs:
         of_known = [
@@ -126,15 +126,15 @@ def _by_motion(
         ]
         lacking = [i for i, c in found.items() if c.quantity == wanted and not (c.stated or c.setpoint)]
         for i, j in product(lacking, of_known):
-            if i in told or not values[i].size == values[j].size == time.size:
+            if i in identified or not values[i].size == values[j].size == time.size:
                 continue
             place, speed = (i, j) if wanted == "position" else (j, i)
             read = unit_by_motion(values[place], values[speed], time, known, found[j].unit or "")
             if read is not None:
                 moves = "its rate is" if wanted == "position" else "it is the rate of"
                 why = f"{moves} what column {found[j].header!r} reads in {found[j].unit}"
-                told[i] = replace(found[i], unit=read, scaled=False, reason=why)
-    return told
+                identified[i] = replace(found[i], unit=read, scaled=False, reason=why)
+    return identified
 
 
 def described_column(header: str, values: FloatArray) -> ForeignColumn:
@@ -206,7 +206,7 @@ def quantity_named(header: str) -> Quantity | None:
 
 
 def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
-    """A column in a unit that its user gives; LogError if it measures nothing that a log holds."""
+    """A column in a unit that the user gives; LogError if no quantity of a log has this unit."""
     quantity, read = measured_in(unit)
     if quantity is None:
         to_si(unit)

@@ -177,7 +177,7 @@ def guessed_layout(path: Path, encoding: str | None = None) -> Layout:
 def layout_of_text(path: Path, content: bytes, encoding: str | None = None) -> Layout:
     """The layout that the bytes of a text file seem to have; errors as those of `guessed_layout`.
 
-    Of the encodings of text that is no UTF-8 it is the first by which most names are known words.
+    Text that is not UTF-8 is read in the first encoding in which most names are known words.
     """
     seems = Layout(encoding).encoding if encoding else encoding_of(content[:_BEGINNING])
     if encoding or seems != _OLD[0]:
@@ -197,7 +197,7 @@ def layout_of_text(path: Path, content: bytes, encoding: str | None = None) -> L
 
 
 def _is_known(name: str) -> bool:
-    """Whether a name tells a quantity by a word: letters stand alone between what other encodings make of a text."""
+    """Whether a word, not a single letter, names a quantity: a wrong encoding leaves single letters between symbols."""
     _, word = next(named(words_of(name)), (None, ""))
     return len(word) > 1
 
@@ -230,7 +230,7 @@ def _layout_in(path: Path, content: bytes, encoding: str) -> Layout:
 def _with_separator(
     lines: Sequence[str], encoding: str, separator: str, *, beside_texts: bool
 ) -> tuple[int, Layout] | None:
-    """Columns of a table whose fields are separated so, and its layout; None where there is none."""
+    """Columns of a table with this separator, and its layout; None if there is no such table."""
     found = values_in(lines, separator, beside_texts=beside_texts)
     if found is None:
         return None

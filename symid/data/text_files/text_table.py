@@ -77,7 +77,7 @@ def is_number_text(text: str, *, comma: bool) -> bool:
 
 
 def split_cell(text: str) -> tuple[str, str]:
-    """Number and unit of a field; the unit is empty if the field is no number with a unit behind it.
+    """Number and unit of a field; the unit is empty unless the field is a number followed by a unit.
 
     >>> split_cell("1.5 mm"), split_cell("-3kN"), split_cell("12 %"), split_cell("7"), split_cell("3 axes")
     (('1.5', 'mm'), ('-3', 'kN'), ('12', '%'), ('7', ''), ('3 axes', ''))
@@ -189,15 +189,15 @@ def numbers_columns(texts: Sequence[str]) -> bool:
 
 def _named_by(lines: Sequence[tuple[int, list[str]]]) -> int | None:
     """Line of the names among adjacent lines of texts, the nearest to the values first."""
-    told = [one for one in lines if any(map(str.isalnum, "".join(one[1])))] or lines
-    if not told:
+    worded = [one for one in lines if any(map(str.isalnum, "".join(one[1])))] or lines
+    if not worded:
         return None
-    of_units = next((i for i, (_, texts) in enumerate(told) if are_units(texts)), None)
-    if of_units is not None and len(told) > 1:
-        return told[of_units + 1 if of_units + 1 < len(told) else of_units - 1][0]
-    place, texts = told[0]
+    of_units = next((i for i, (_, texts) in enumerate(worded) if are_units(texts)), None)
+    if of_units is not None and len(worded) > 1:
+        return worded[of_units + 1 if of_units + 1 < len(worded) else of_units - 1][0]
+    place, texts = worded[0]
     has_units = any((unit := _BRACKETS.fullmatch(text)) and _is_unit(unit[1]) for text in texts)
-    return place if has_units or len(told) == 1 else told[1][0]
+    return place if has_units or len(worded) == 1 else worded[1][0]
 
 
 def are_units(texts: Sequence[str]) -> bool:
@@ -206,8 +206,8 @@ def are_units(texts: Sequence[str]) -> bool:
     >>> are_units(["s", "[mm]", "-", "Inkr"]), are_units(["s", "v", "F"])
     (True, False)
     """
-    told = [text for text in (text.strip("[]() ") for text in texts) if text not in _NO_UNIT]
-    return sum(map(_is_unit, told)) > len(told) / 2
+    written = [text for text in (text.strip("[]() ") for text in texts) if text not in _NO_UNIT]
+    return sum(map(_is_unit, written)) > len(written) / 2
 
 
 def _is_unit(text: str) -> bool:

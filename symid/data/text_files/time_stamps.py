@@ -110,7 +110,7 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
 
 
 def _seconds_of_durations(written: pl.Series) -> FloatArray | None:
-    """Seconds from the first of these durations; None if one is none."""
+    """Seconds from the first of these durations; None if a text is not a duration."""
     parts = written.str.extract_groups(_DURATION).struct.unnest()
     numbers = parts.select(pl.all().cast(pl.Float64))
     if numbers.select(pl.all_horizontal(pl.all().is_null()).any()).item():
@@ -123,7 +123,7 @@ def _seconds_of_durations(written: pl.Series) -> FloatArray | None:
 
 
 def _days(written: pl.Series) -> FloatArray | None:
-    """Days as numbers; zeros where there are none, None where they follow no known order."""
+    """Days as numbers; zeros without days, None if their order is not known."""
     if written.is_null().all():
         return np.zeros(len(written))
     if str(written[0]).endswith(("day", "days")):

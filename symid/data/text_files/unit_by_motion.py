@@ -28,7 +28,7 @@ def unit_by_motion(
     known: Rate,
     unit: str,
 ) -> str | None:
-    """Unit of the one of a position and a velocity that is not known; None if the data do not decide.
+    """Unknown unit of a position or of a velocity, from the other one; None if the data do not decide.
 
     Parameters
     ----------
