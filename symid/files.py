@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from symid.errors import SettingError
+from symid.text import listed
 
 _LARGEST_JSON: Final = 64_000_000
 """Bytes of a JSON file of settings at most: what is longer is something else."""
@@ -55,6 +56,20 @@ def require_regular(path: str | os.PathLike[str], error: type[Exception] = Setti
         raise error(f"{path}: cannot be read ({cause}): check the path") from failure
     if kind:
         raise error(f"{path}: is {kind}: give a regular file")
+
+
+def written_path(what: str, file: str | os.PathLike[str], *suffixes: str) -> Path:
+    """Path of a file to write; SettingError unless it ends with one of the suffixes, in any case.
+
+    >>> written_path("log", "run.csv", ".csv", ".parquet").name
+    'run.csv'
+    """
+    path = Path(file)
+    if path.suffix.lower() not in suffixes:
+        raise SettingError(
+            f"{what} {str(path)!r} is of an unknown kind: end its name with {listed(suffixes, 'or')}"
+        )
+    return path
 
 
 def read_json(file: str | os.PathLike[str]) -> Any:

@@ -25,15 +25,16 @@ from symid.cli.options import (
     numbers,
     page_of,
     parameter_file,
-    reference_file,
     report_option,
     write_json,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.terminal import say, with_options, working
 from symid.data import write_log
+from symid.data.writing import WRITTEN_SUFFIXES
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
+from symid.files import written_path
 from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
 from symid.simulation import ClosedLoop
 
@@ -109,7 +110,8 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     if simulated and nominal:
         raise SettingError("--nominal and --simulated both define the simulation: give one of them")
     limits = numbers(options["limits"], "--limit", _LIMITS)
-    experiment = reference_file(options["experiment"]) if options["experiment"] else None
+    reference = options["experiment"]
+    experiment = written_path("reference", reference, *WRITTEN_SUFFIXES) if reference else None
     page, written = page_of(options["report"]), options["write_axis"] and axis_path(options["write_axis"])
     with working("diagnosing"):
         if simulated:

@@ -21,7 +21,6 @@ from symid.cli.options import (
     measured_option,
     parameter_file,
     parameter_option,
-    reference_file,
     shared,
     signal_list,
 )
@@ -30,9 +29,11 @@ from symid.cli.simulate_command import cascades_of, with_imperfections
 from symid.cli.terminal import say, tracked
 from symid.codegen import model_of
 from symid.data import REFERENCE, Log, write_log
+from symid.data.writing import WRITTEN_SUFFIXES
 from symid.errors import SettingError
 from symid.excitation import Design, IdentificationTrial, design
 from symid.excitation.best_reference import FINAL_RUNS, LEAST_RUNS
+from symid.files import written_path
 from symid.simulation import Limits, Trajectory, plant_of
 from symid.units import Unit
 
@@ -97,7 +98,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     and force are those of the simulated axis, jerk is that of the reference. Several drives share one reference, unless
     --limits apart=... says by how much they may differ: each then has its own column.
     """
-    reference_file(output)
+    written_path("reference", output, *WRITTEN_SUFFIXES)
     declared = with_imperfections(load_axis(axis), options)
     if known := fixed_values(options["fixed"], declared):
         declared = declared.with_known(known)

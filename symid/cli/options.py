@@ -165,14 +165,6 @@ def require_signals(axis: Axis, names: Iterable[str]) -> None:
         )
 
 
-def reference_file(file: str) -> Path:
-    """Path of a reference; SettingError, before long work, if its kind is not known."""
-    path = Path(file)
-    if path.suffix not in (".csv", ".parquet"):
-        raise SettingError(f"reference {file!r} is of an unknown kind: end its name with .csv or .parquet")
-    return path
-
-
 def signal_list(text: str | None) -> tuple[str, ...] | None:
     """Signals of a comma-separated list."""
     return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())

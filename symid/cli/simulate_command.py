@@ -32,7 +32,9 @@ from symid.cli.options import (
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.terminal import say, tracked
 from symid.data import columns_in, read_log, write_log
+from symid.data.writing import WRITTEN_SUFFIXES
 from symid.errors import SettingError
+from symid.files import written_path
 from symid.simulation import (
     Cascade,
     Controller,
@@ -132,8 +134,7 @@ controller_options = shared(
 @json_option
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
     """Simulate AXIS under its controller along a trajectory and write the log."""
-    if Path(output).suffix not in (".csv", ".parquet"):
-        raise SettingError(f"log {output!r} is of an unknown kind: end its name with .csv or .parquet")
+    file_of_log = written_path("log", output, *WRITTEN_SUFFIXES)
     declared = with_imperfections(load_axis(axis), options)
     parameters = parameter_file(file, declared, fixed_values(options["fixed"], declared))
     plant = plant_of(declared, parameters)
@@ -149,7 +150,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         start="equilibrium" if options["start"] == "equilibrium" else None,
         progress=partial(tracked, what="parts of the simulation"),
     )
-    write_log(run.log, Path(output))
+    write_log(run.log, file_of_log)
     record = {
         "axis": declared.name,
         "log": output,

@@ -9,8 +9,7 @@ import polars as pl
 
 from symid.data.log import Log
 from symid.data.table import first_line
-from symid.errors import SettingError
-from symid.files import replacing
+from symid.files import replacing, written_path
 
 WRITTEN_SUFFIXES = (".csv", ".parquet")
 """Kinds of tables that are written."""
@@ -35,7 +34,7 @@ def write_frame(frame: pl.DataFrame, file: Path, metadata: Mapping[str, str] | N
     """
     with replacing(file) as unfinished:
         try:
-            if file.suffix == ".parquet":
+            if file.suffix.lower() == ".parquet":
                 frame.write_parquet(unfinished, metadata=dict(metadata) if metadata else None)
             else:
                 frame.write_csv(unfinished)
@@ -62,7 +61,4 @@ def write_log(log: Log, file: str | os.PathLike[str]) -> None:
     OSError
         If it cannot be written.
     """
-    path = Path(file)
-    if path.suffix not in WRITTEN_SUFFIXES:
-        raise SettingError(f"log {str(file)!r} is of an unknown kind: end its name with .csv or .parquet")
-    write_frame(log.to_frame(), path)
+    write_frame(log.to_frame(), written_path("log", file, *WRITTEN_SUFFIXES))

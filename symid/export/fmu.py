@@ -16,7 +16,7 @@ from xml.sax.saxutils import quoteattr
 from symid.axis import Axis, axis_of
 from symid.errors import SettingError
 from symid.export.c_source import c_source, internal_step
-from symid.files import replacing
+from symid.files import replacing, written_path
 from symid.symbolic import DerivedModel
 from symid.units import BASE_UNITS, Unit
 
@@ -82,9 +82,7 @@ def write_fmu(
     SettingError
         If the suffix is not .fmu, no machine has the values, or there is no C compiler.
     """
-    path, axis = Path(file), axis_of(model)
-    if path.suffix != ".fmu":
-        raise SettingError(f"unit {path.name!r} is of an unknown kind: end its name with .fmu")
+    path, axis = written_path("unit", file, ".fmu"), axis_of(model)
     exported = c_source(model, values)
     if sys.platform not in _LIBRARIES:
         raise SettingError(

@@ -15,9 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from symid.arrays import FloatArray
-from symid.errors import SettingError
 from symid.estimation.residual_measures import Means
-from symid.files import replacing
+from symid.files import replacing, written_path
 
 
 class Drawn(Figure):
@@ -32,11 +31,7 @@ class Drawn(Figure):
 
 def save_figure(figure: Figure, file: str | Path) -> None:
     """Write a figure as png, svg or pdf, as a whole or not at all; SettingError for another suffix."""
-    path = Path(file)
-    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise SettingError(
-            f"figure {path.name!r} is of an unknown kind: end its name with .png, .svg or .pdf"
-        )
+    path = written_path("figure", file, ".png", ".svg", ".pdf")
     with replacing(path) as unfinished:
         figure.savefig(unfinished, dpi=150, format=path.suffix.lower()[1:])
 

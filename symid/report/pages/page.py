@@ -17,6 +17,7 @@ import scipy
 
 from symid import __version__
 from symid.errors import SettingError
+from symid.files import written_path
 from symid.report.figures import colours
 from symid.report.tables import number_text
 from symid.report.tables.diagnosis import removes
@@ -29,9 +30,7 @@ Record = TypeVar("Record")
 
 def html_path(file: str | Path) -> Path:
     """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist."""
-    path = Path(file)
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise SettingError(f"report {path.name!r} is of an unknown kind: end its name with .html")
+    path = written_path("report", file, ".html", ".htm")
     if not path.parent.is_dir():
         raise SettingError(f"report {path}: there is no folder {path.parent}; make it first")
     return path
