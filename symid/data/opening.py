@@ -161,16 +161,14 @@ def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> fr
     return frozenset(headers) | {split_unit(header)[0] for header in headers}
 
 
-def _is_coarse(table: Table, place: int) -> bool:
-    (time,) = table.read([place])
-    return not isinstance(time, str) and is_coarse(time)
-
-
 def _with_clock(table: Table, sampling_period: float) -> Table:
     """The table with a last column `t` of the time; LogError if it has one already, unless it is coarse."""
-    if TIME in table.headers and _is_coarse(table, place := table.headers.index(TIME)):
-        headers = tuple(f"{h} (rounded)" if i == place else h for i, h in enumerate(table.headers))
-        table = replace(table, headers=headers)
+    if TIME in table.headers:
+        place = table.headers.index(TIME)
+        (time,) = table.read([place])
+        if not isinstance(time, str) and is_coarse(time):
+            headers = tuple(f"{h} (rounded)" if i == place else h for i, h in enumerate(table.headers))
+            table = replace(table, headers=headers)
     if TIME in table.headers:
         raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
     if not 1e-12 < sampling_period < 1e9:

@@ -29,7 +29,9 @@ def with_own_clocks(table: Table) -> Table:
         return table
     columns = table.read(range(len(table.headers)))
     groups = _groups(table, columns, places)
-    measured = [one for one in groups if any(_is_measured(table.headers[i]) for i in one.members)]
+    # a column that only numbers the samples holds no signal: its times are those at which messages came
+    words = [words_of(header) for header in table.headers]
+    measured = [one for one in groups if any(match(words[i], NUMBERS) is None for i in one.members)]
     first = next(iter(measured), None)
     if first is None or all(np.array_equal(one.time, first.time, equal_nan=True) for one in groups):
         return table
@@ -42,11 +44,6 @@ def with_own_clocks(table: Table) -> Table:
                 name, unit = split_unit(table.headers[place])
                 channels.append(Channel(name, unit or "", group.time[there], values[there]))
     return table_of_channels(channels)
-
-
-def _is_measured(header: str) -> bool:
-    """Whether a column may hold a signal; one that numbers the samples does not: its times are those of messages."""
-    return match(words_of(header), NUMBERS) is None
 
 
 def _groups(table: Table, columns: list[FloatArray | str], places: list[int]) -> list[_Group]:

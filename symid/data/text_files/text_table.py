@@ -126,14 +126,12 @@ def values_in(
     if count < least or len(last) < least or len(numeric) < 2:
         return None
     begin = end
-    while begin and len(rows[begin - 1]) == usual and _all_at(numeric, rows[begin - 1], separator):
+    while begin and len(rows[begin - 1]) == usual:
+        are_numbers = _are_numbers(rows[begin - 1], separator)
+        if not all(are_numbers[place] for place in numeric):
+            break
         begin -= 1
     return usual, begin
-
-
-def _all_at(places: Sequence[int], row: Sequence[str], separator: str) -> bool:
-    found = _are_numbers(row, separator)
-    return all(found[place] for place in places)
 
 
 def _are_numbers(row: Sequence[str], separator: str) -> list[bool]:

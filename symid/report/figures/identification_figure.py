@@ -19,7 +19,7 @@ from symid.report.figures.identification_curves import (
     identification_curves,
     parameters_shown,
 )
-from symid.report.figures.panels import Panel, draw_bode, draw_panel
+from symid.report.figures.panels import draw_bode, draw_panel
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
@@ -54,7 +54,9 @@ def identification_figure(
     pairs = correlated_pairs(parameters.covariance)[:_MOST_ELLIPSES]
     across = len(responses) if not narrow else 1
     down = -(-len(responses) // max(across, 1))
-    heights = [_panel_height(panel, narrow) for panel in panels] + [_BODE * down] * bool(responses)
+    alone, in_motion = (_NARROW_PANEL, _NARROW_PANEL_IN_MOTION) if narrow else (_PANEL, _PANEL)
+    heights = [alone if panel.motion is None else in_motion for panel in panels]
+    heights += [_BODE * down] * bool(responses)
     heights += [_ELLIPSES * (len(pairs) if narrow else 1)] * bool(pairs)
     with mpl.rc_context(palette.style):
         figure = Drawn(figsize=(_NARROW_WIDTH if narrow else _WIDTH, sum(heights)), layout="constrained")
@@ -78,9 +80,3 @@ def identification_figure(
         for axes in figure.axes:
             label_log_scales(axes)
     return figure
-
-
-def _panel_height(panel: Panel, narrow: bool) -> float:
-    if not narrow:
-        return _PANEL
-    return _NARROW_PANEL if panel.motion is None else _NARROW_PANEL_IN_MOTION
