@@ -115,7 +115,7 @@ class Timing:
         when = "before it was" if self.late > 0 else "after it was"
         instead = " in place of the given value" if self.declared else ""
         others = (
-            "a lag of the drive, a flexibility, friction that builds up behind reversals and errors of a gear"
+            "a lag of the drive, a flexibility, friction that builds up after reversals and errors of a gear"
             if self.is_force
             else "a flexibility and play"
         )

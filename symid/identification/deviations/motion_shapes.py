@@ -17,7 +17,7 @@ from symid.signal_names import derivative_name
 _WIDTHS = (0.05, 0.2)
 """Speeds, over the highest one, within which friction decays."""
 _PATHS = (0.03, 0.1)
-"""Distances behind a reversal, over the stroke, within which friction builds up."""
+"""Distances after a reversal, over the stroke, within which friction builds up."""
 QUARTER = "cogging a quarter further"
 """Name of cogging a quarter of a period away from that which is named alone."""
 FRICTION = "Coulomb friction", "viscous friction"
@@ -88,7 +88,7 @@ def shapes_of(motion: Motion, drive: FloatArray | None = None, middle: float = 0
     since = (path - np.maximum.accumulate(turned)) / stroke
     found = decaying(velocity, highest) | {
         "friction with the square of the speed": velocity * np.abs(velocity) / highest**2,
-        "friction that builds up behind reversals": sign * np.exp(-since / _PATHS[0]),
+        "friction that builds up after reversals": sign * np.exp(-since / _PATHS[0]),
         "friction with the load": np.abs(load if drive is None else drive) * sign,
         "a spring that is not linear": load * np.abs(load),
         "play": np.sign(load),
