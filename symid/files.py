@@ -1,7 +1,7 @@
-"""Files: those that are read must be files and not pipes or devices, those that are written are whole or not there.
+"""Reading of regular files, not of pipes or devices, and writing of whole files.
 
-A writer fills a file beside the one that is wanted and then renames it: a full disk, a crash or Ctrl-C leaves what was
-there before.
+A writer fills a temporary file beside the target and then renames it: after a full disk, a crash or Ctrl-C the former
+file is still there.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ from symid.errors import SettingError
 from symid.text import listed
 
 _LARGEST_JSON: Final = 64_000_000
-"""Bytes of a JSON file of settings at most: what is longer is something else."""
+"""Size of the largest JSON file of settings, bytes; a larger file is something else."""
 
 _UNSEEN: Final = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 """Characters that JSON does not escape and terminals do not show."""
@@ -123,7 +123,7 @@ def _finite(value: Any) -> Any:
 
 
 def is_finite_number(value: object) -> bool:
-    """Whether a value of a JSON file is a number that is finite; true and false are none.
+    """Whether a JSON value is a finite number; true and false are not.
 
     >>> [is_finite_number(value) for value in (1, 2.5, True, "1", float("nan"), None)]
     [True, True, False, False, False, False]
@@ -147,13 +147,13 @@ def shortened(value: object) -> str:
 
 
 def _integer(digits: str) -> int | float:
-    """An integer; one that no float holds as infinity, which those who ask for a finite number refuse."""
+    """An integer; infinity if it exceeds the range of floats, so that checks for finite numbers refuse it."""
     return int(digits) if len(digits) <= 300 else float(digits)
 
 
 @contextlib.contextmanager
 def replacing(file: str | os.PathLike[str]) -> Iterator[Path]:
-    """A path to fill, which takes the place of a file once it is filled; a failure leaves the file as it was.
+    """Path of a temporary file, which replaces the target once it is filled; after a failure the target is unchanged.
 
     A link stays a link to the file that is replaced. A pipe or a device, such as /dev/stdout, is written to.
 

@@ -31,12 +31,12 @@ def parameter_entries(record: Mapping[str, Any]) -> dict[str, ParameterEntry]:
 
 
 def entries_of(written: object) -> dict[str, ParameterEntry]:
-    """Entries by name, each a value or a record of it; none of anything but a mapping."""
+    """Entries by name, each a value or its record; empty unless a mapping is given."""
     return {name: _entry(one) for name, one in written.items()} if isinstance(written, dict) else {}
 
 
 def _entry(written: object) -> ParameterEntry:
-    """An entry; of a diagnosis with the effects found."""
+    """An entry; of a diagnosis, the values with the effects found."""
     if not isinstance(written, dict):
         return ParameterEntry(written)
     inner = (written.get(name) for name in ("explained", "reidentified"))

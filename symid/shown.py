@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 class Shown(ABC):
-    """Result that a user displays.
+    """Result that can be displayed.
 
-    How each kind looks is written in `symid.report.views`, above all results: it is opened when one is shown, so that
-    computing needs no drawing.
+    `symid.report.views` defines how each kind looks. It is imported when a result is shown, so that computing does not
+    load the drawing libraries.
 
     >>> from symid import load_axis
     >>> load_axis("rigid_1m")
@@ -64,7 +64,7 @@ class Shown(ABC):
         return figure
 
     def report(self, path: str | Path) -> Path:
-        """Write a page that needs nothing beside it, and return its path.
+        """Write a self-contained page, and return its path.
 
         Parameters
         ----------

@@ -60,7 +60,7 @@ def listed(names: Sequence[str], conjunction: str = "and") -> str:
 
 
 def spoken(name: str, at: str = "") -> str:
-    """The name of an effect or a status in words, with its place if one is given that the name does not say.
+    """The name of an effect or a status in words, with its place if one is given that the name does not contain.
 
     >>> spoken("stribeck_friction", "motor"), spoken("actuator_lag", "actuator")
     ('Stribeck friction at motor', 'actuator lag')
@@ -79,7 +79,7 @@ def moment(seconds: float, digits: int = 7) -> str:
 
 
 def similar(name: str, names: Collection[str]) -> str:
-    """A name that is meant perhaps, in brackets behind what is not known; empty if none is close.
+    """Suggestion for a misspelt name, in brackets; empty if no known name is close.
 
     >>> similar("rigid_1", ["emps", "rigid_1m"]), similar("x", ["emps"])
     (" (did you mean 'rigid_1m'?)", '')

@@ -132,7 +132,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
 
 
 def _axes(names: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[str | Axis, ...]:
-    """Axes with the values of ``--fix``; each is one of the first axis that has such a parameter."""
+    """Axes with the values of ``--fix``; each value applies to the first axis that has the parameter."""
     if not fixed:
         return names
     declared = [load_axis(name) for name in names]

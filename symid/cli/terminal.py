@@ -131,9 +131,9 @@ def fail(message: str, code: int = 2) -> int:
 
 
 def prepare_streams() -> None:
-    """Let streams escape characters that are not in their encoding, and open those that are closed on nothing.
+    """Let streams escape characters that their encoding lacks, and open closed ones on the null device.
 
-    Worker processes flush them, and a file must not get their number: what a library prints would be written into it.
+    Worker processes flush them, and a file must not get their descriptor: libraries would print into it.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:

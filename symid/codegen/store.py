@@ -1,4 +1,4 @@
-"""Files of the folder `generated/`, and which are current; with those of forward dynamics simulating needs no sympy."""
+"""Files of the folder `generated/`, and which are current; stored forward dynamics save the import of sympy."""
 
 import difflib
 import hashlib
@@ -39,7 +39,7 @@ def module_name(axis: str, measured: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class GeneratedFile:
-    """A generated file with its required and its present text, None where there is to be none or is none."""
+    """A generated file with its required and its present text; None if it is to be removed, or does not exist."""
 
     path: Path
     wanted: str | None

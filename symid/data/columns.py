@@ -142,7 +142,7 @@ def split_unit(header: str) -> tuple[str, str | None]:
 
 
 def _position(headers: Sequence[str], column: str) -> int | None:
-    """Position of the column with this header or, failing that, with this name before its unit."""
+    """Position of the column with this header or, failing that, with this name before the unit."""
     wanted = column.strip()
     for names in (headers, [split_unit(header)[0] for header in headers]):
         found = [position for position, name in enumerate(names) if name == wanted]

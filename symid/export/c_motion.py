@@ -120,7 +120,7 @@ def acting_force(
 
 
 def settled_lags(dynamics: SymbolicDynamics) -> str:
-    """Statements that put the lags of drives at what they follow under constant forces; empty without lags."""
+    """Statements that settle the lags of drives at constant forces; empty without lags."""
 
     def follows(_: str, memory: Memory) -> tuple[list[str], str]:
         return [f"{memory.symbol} = {c_code(memory.gain / memory.decay)};"], str(memory.symbol)

@@ -1,4 +1,4 @@
-"""Forward dynamics of an axis as expressions, imperfections included: what a plant holds as numbers.
+"""Forward dynamics of an axis as expressions, imperfections included; a `Plant` holds them as numbers.
 
 M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), see `symid.symbolic.forward_terms`.
 """
@@ -76,7 +76,7 @@ class SymbolicDynamics:
 
     @property
     def n_states(self) -> int:
-        """Displacements, velocities, and what imperfections remember."""
+        """Number of displacements, velocities and states of imperfections."""
         return 2 * len(self.bodies) + len(self.imperfect.states)
 
 

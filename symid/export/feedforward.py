@@ -73,7 +73,7 @@ def feedforward(axis: Axis) -> Feedforward:
 
 
 def _of_springs(axis: Axis) -> sp.Matrix:
-    """Stiffness of the springs; a law of the position, such as that of a cable chain, is a force that moves along."""
+    """Stiffness of the springs, without laws of the position (a cable chain, for instance): their force moves along."""
     along_stroke = [e for e in axis.laws if not e.in_spring and any(t.expression == "q" for t in e.terms())]
     return symbolic_dynamics(axis.without(*along_stroke)).stiffness
 

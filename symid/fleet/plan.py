@@ -87,7 +87,7 @@ def fleet_axes(
 ) -> tuple[FleetAxis, ...]:
     """Axes of a batch from names, paths or declarations; `folder` replaces the folder of their generated modules.
 
-    Parameters that are `known` in each log are none of the results; their values are those of the first log.
+    Parameters that are `known` in each log are not part of the results; their values are those of the first log.
     """
     several = axes if isinstance(axes, Sequence) and not isinstance(axes, str) else (axes,)
     given = [axis if isinstance(axis, str) else axis_of(axis) for axis in several]

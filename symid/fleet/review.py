@@ -34,7 +34,7 @@ class Outlier:
     """A log of which a parameter is far from those of the other logs.
 
     It is z robust standard deviations off their `level`: the median, or that of its segment where the parameter steps
-    or drifts, so that a change is one finding and not an outlier for each log behind it.
+    or drifts, so that a change is one finding and not an outlier for each later log.
     """
 
     log: str

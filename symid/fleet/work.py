@@ -1,4 +1,4 @@
-"""The work on one log in any process: from a path to a row. No content of a log raises."""
+"""The work on one log in any process: from a path to a row. No log raises an error, whatever it contains."""
 
 import contextlib
 import ctypes
@@ -111,10 +111,10 @@ _KEPT = 128 * 2**20  # bytes
 
 @lru_cache(maxsize=1)
 def _keep_freed_memory() -> None:
-    """Make glibc keep what it would give back to the system after each array, only to ask for it again.
+    """Make glibc keep freed memory, which it would return to the system after each array and then request again.
 
-    It would give back from 128 kB on and, in a worker of Dask, which sets the threshold, for ever. Other C libraries
-    have no mallopt.
+    Its threshold is 128 kB at first; it adapts, but not in a worker of Dask, which sets it. Other C libraries have no
+    mallopt.
     """
     with contextlib.suppress(AttributeError, OSError, TypeError):
         mallopt = ctypes.CDLL(None).mallopt

@@ -47,7 +47,7 @@ def level_code(formula: str) -> str | None:
 
 
 def dry_level(code: str) -> str | None:
-    """The same of a law that is NumPy code already.
+    """As `level_code`, for a law that is NumPy code already.
 
     >>> dry_level("np.sign(v) * np.exp(-(v / 0.01) ** 2)"), dry_level("np.sign(v)"), dry_level("v * np.abs(v)")
     ('np.exp(-(v / 0.01) ** 2)', '1.0', None)

@@ -1,4 +1,4 @@
-"""Figures that notebooks display, files show and pages hold, and the scales of their diagrams."""
+"""Figures for notebooks, files and pages, and the scales of their diagrams."""
 
 import io
 import math

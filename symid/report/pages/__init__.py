@@ -1,1 +1,1 @@
-"""Results as HTML files that need nothing beside them."""
+"""Results as self-contained HTML files."""

@@ -93,7 +93,7 @@ _MOST_SHOWN = 8
 def write_html(
     found: Diagnosis, file: str | Path, reword: Callable[[Any], Any] = as_it_is, command: str = ""
 ) -> None:
-    """Write a diagnosis as one HTML file, which loads nothing; without JavaScript only its plots are missing.
+    """Write a diagnosis as one self-contained HTML file; without JavaScript only its plots are missing.
 
     `reword` writes the settings that messages name; `command` is the command line that made it.
     """

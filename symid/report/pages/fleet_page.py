@@ -57,7 +57,7 @@ class _Section:
 def write_fleet_html(
     found: FleetReview, file: str | Path, joined: Mapping[str, JointIdentification] | None = None
 ) -> None:
-    """Write the review of a fleet, with joint results by axis, as one HTML file, which loads nothing.
+    """Write the review of a fleet, with joint results by axis, as one self-contained HTML file.
 
     Without JavaScript only the table of all logs is missing.
     """

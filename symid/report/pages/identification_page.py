@@ -52,7 +52,7 @@ def write_identification_html(
     command: str = "",
     reword: Callable[[Any], Any] = as_it_is,
 ) -> None:
-    """Write an identification as one HTML file, which loads nothing.
+    """Write an identification as one self-contained HTML file.
 
     With the axis and its logs, that of the validation last (without one, those that the result keeps), the page shows
     the residual over the motion, the simulated motion and the frequency response; `command` is the command line that
