@@ -70,7 +70,7 @@ def test_a_column_of_words_beside_a_value_of_one_signal_stays_a_column(tmp_path:
     [
         ([("0.1", "a", None)] * 9, "has no values of them"),
         ([(k, f"n{k % 99}", 1.5) for k in range(999)], "has rows of 99 signals"),
-        ([(5, "a", 1.5)] * 99, "in no known unit"),
+        ([(5, "a", 1.5)] * 99, "have no known unit"),
         ([("soon", "a", 1.5)] * 99, "holds texts such as 'soon'"),
     ],
 )
