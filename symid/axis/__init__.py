@@ -2,6 +2,7 @@
 
 from symid.axis import drive_imperfections, elements, imperfections, laws, sensors
 from symid.axis.axis import Axis, Element
+from symid.axis.carriers import carrier_of
 from symid.axis.drive_imperfections import *
 from symid.axis.elements import *
 from symid.axis.imperfections import *
@@ -25,6 +26,7 @@ __all__ = [
     "axis_of",
     "axis_path",
     "axis_source",
+    "carrier_of",
     "chain",
     "force_unit",
     "length_unit",

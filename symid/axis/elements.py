@@ -159,6 +159,8 @@ class Body(Parametrised):
 class Between:
     """The displacement of one body against another: d = x(second) - ratio * x(first), in absolute coordinates.
 
+    Of a turning and a sliding body, that of the sliding one is taken against the body that carries the turning one.
+
     Parameters
     ----------
     first, second : Body or Ground

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import Between, Body, Ground, Joint
+from symid.axis import Between, Body, Ground, Joint, carrier_of
 from symid.errors import SettingError
 
 LawFunction = Callable[[Any, Any], Any]
@@ -237,8 +237,10 @@ def direction_of(joint: Joint, bodies: Sequence[str]) -> FloatArray:
 def _shares(joint: Joint) -> Iterator[tuple[str, float]]:
     """Factors of the displacements of free bodies whose sum is the displacement in a joint."""
     if isinstance(joint, Between):
-        yield from _absolute(joint.second, 1.0)
-        yield from _absolute(joint.first, -joint.ratio)
+        first, second = joint.first, joint.second
+        for body, other, factor in ((second, first, 1.0), (first, second, -joint.ratio)):
+            yield from _absolute(body, factor)
+            yield from _absolute(carrier_of(body, other), -factor)
     elif joint.gears:
         yield from ((name, gear.ratio * share) for gear in joint.gears for name, share in _shares(gear.to))
     else:

@@ -11,7 +11,20 @@ from typing import Literal
 
 import sympy as sp
 
-from symid.axis import GROUND, Axis, Between, Body, Damper, Ground, Joint, Law, PendulumWeight, Spring, Weight
+from symid.axis import (
+    GROUND,
+    Axis,
+    Between,
+    Body,
+    Damper,
+    Ground,
+    Joint,
+    Law,
+    PendulumWeight,
+    Spring,
+    Weight,
+    carrier_of,
+)
 from symid.signal_names import derivative_name
 from symid.symbolic.expressions import law_expression, parameter_symbol
 
@@ -95,7 +108,9 @@ class Kinematics:
         """Displacement in a joint."""
         if isinstance(joint, Between):
             ratio = self.constant(f"ratio_{joint.first.name}_{joint.second.name}", joint.ratio)
-            return sp.expand(self.absolute(joint.second) - ratio * self.absolute(joint.first))
+            pairs = ((joint.first, joint.second), (joint.second, joint.first))
+            first, second = (self.absolute(b) - self.absolute(carrier_of(b, other)) for b, other in pairs)
+            return sp.expand(second - ratio * first)
         if joint.geared is None:
             return self.symbol(joint)
         ratios = ((self.constant(f"ratio_{g.to.name}_{joint.name}", g.ratio), g.to) for g in joint.gears)
