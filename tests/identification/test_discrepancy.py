@@ -118,7 +118,8 @@ def test_cogging_of_any_phase_is_one_column(phase):
     assert abs(np.corrcoef(found[QUARTER], found["cogging"])[0, 1]) < 0.2
 
 
-def test_a_constant_force_that_a_weight_nearly_imitates_is_within_the_intervals():
+@pytest.mark.parametrize("stroke", [1.0, 0.45])
+def test_a_constant_force_that_a_weight_nearly_imitates_is_within_the_intervals(stroke):
     arm = Body("arm", inertia="J")
     axis = Axis(
         "turned",
@@ -128,7 +129,7 @@ def test_a_constant_force_that_a_weight_nearly_imitates_is_within_the_intervals(
     )
     t = np.arange(12000) / RATE
     w = 2 * np.pi * np.array([[0.3], [0.9], [1.7]])
-    size, phase = np.array([[0.35], [0.05], [0.02]]), np.array([[0.0], [1.0], [2.0]])
+    size, phase = stroke * np.array([[0.35], [0.05], [0.02]]), np.array([[0.0], [1.0], [2.0]])
     q = np.sum(size * np.sin(w * t + phase), axis=0)
     v = np.sum(size * w * np.cos(w * t + phase), axis=0)
     a = -np.sum(size * w**2 * np.sin(w * t + phase), axis=0)

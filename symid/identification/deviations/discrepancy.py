@@ -29,6 +29,7 @@ from symid.identification.deviations.motion_shapes import (
     QUARTER,
     Motion,
     has_speeds,
+    least_resolved,
     shapes_of,
     speeds_of,
     waves,
@@ -57,8 +58,6 @@ _LARGEST = 0.1
 """Size of one with less, as part of the output, beyond which it is no small effect, but noise that is made large."""
 _MAINLY = 0.25
 """Part of the residual's power that such a large one must explain."""
-_RESOLVED = 1e-4
-"""Part of a column's power that rounding and filters leave of one that the model does explain."""
 _NOISY = 0.05
 """Relative bias by noise in W, beyond the deviation, from which the residual shows this bias rather than effects."""
 _PASSES = {"half": 4, "a quarter": 16}
@@ -237,7 +236,8 @@ def _pursued(columns: _Columns, *, is_noisy: bool) -> Iterator[Discrepancy]:
     C = np.stack([column / (float(np.max(np.abs(column))) or 1.0) for column in named.values()], axis=1)
     along = np.linalg.lstsq(Z, C, rcond=None)[0]
     own = C - Z @ along
-    whole = np.maximum(np.sum(C**2, axis=0), np.finfo(float).tiny / _RESOLVED)
+    resolved = least_resolved(names)
+    whole = np.maximum(np.sum(C**2, axis=0), np.finfo(float).tiny / resolved)
     # A friction law that the model has is none that it may lack, whatever filters leave of its column.
     own[:, np.isin(names, FRICTION) & (np.sum(own**2, axis=0) <= _INDEPENDENT * whole)] = 0.0
     # Noise of W is in what the model leaves of a column that holds none itself, and in the residual.
@@ -245,7 +245,7 @@ def _pursued(columns: _Columns, *, is_noisy: bool) -> Iterator[Discrepancy]:
     (noise, both), largest = columns.noise(), _LARGEST**2 * float(predicted @ predicted)
     for k in range(_MOST):
         taken, power = own.T @ rest + quiet * (along.T @ both), np.sum(own**2, axis=0)
-        factor = np.divide(taken, power, out=np.zeros_like(power), where=power > _RESOLVED * whole)
+        factor = np.divide(taken, power, out=np.zeros_like(power), where=power > resolved * whole)
         explained = np.minimum(factor * taken / max(float(rest @ rest), np.finfo(float).tiny), 1.0)
         explained[power < 2 * np.einsum("aj,ab,bj->j", along, noise, along)] = 0.0  # half of them is noise
         if is_noisy:
