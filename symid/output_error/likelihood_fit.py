@@ -101,7 +101,7 @@ def fit_errors(
     trials = promising
     for iterations, survivors in errors[0].trials[1:]:
         trials = _ranked([trial.improved(iterations) for trial in trials])[:survivors]
-    best = trials[0].continued(errors).weighted().improved(_ITERATIONS)
+    best = trials[0].continued(errors).updated().weighted().improved(_ITERATIONS)
     # Unmeasured motion and timing depend on the parameters, but are constant within a search: alternate until settled.
     if not all(error.is_settled for error in errors):
         for _ in range(_PASSES):
@@ -152,7 +152,8 @@ def _promising(
     beginnings = [
         Search.at(dynamics, excerpts, _visible_parameters(model, start), start, limit) for start in starts
     ]
-    trials = [search for search in beginnings if np.isfinite(search.cost)]
+    # a hidden body moves as each start predicts: at rest, its weight or friction would be put on other parameters
+    trials = [search.updated() for search in beginnings if np.isfinite(search.cost)]
     if not trials:
         raise np.linalg.LinAlgError("no start can be evaluated")
     iterations, survivors = excerpts[0].trials[0]

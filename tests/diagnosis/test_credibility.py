@@ -192,6 +192,20 @@ def test_the_constant_of_a_drive_is_taken_as_given_and_effects_are_in_its_force(
         diagnose(axis, log)
 
 
+def test_a_nominal_constant_of_a_drive_that_a_known_mass_contradicts_is_identified() -> None:
+    slide = Body("slide", mass=100.0)
+    laws = ViscousFriction(slide, "Fv"), CoulombFriction(slide, "Fs")
+    axis = Axis("slide", (slide, *laws), Drive("iq", slide, gain="Kt", unit="A"), (Position("q", slide),))
+    log = rigid_log()
+    current = Log.from_arrays({"q": log["q"], "iq": log["F"] / 50.0}, sampling_period=log.sampling_period)
+    library = tuple(effect for effect in LIBRARY if effect.name == "gain_nonlinearity")
+    found = diagnose(axis, current, nominal={"Fv": 140.0, "Fs": 9.0, "Kt": 57.5}, library=library)
+    assert not found.effects
+    taken = next(statement for statement in found.assumptions if statement.startswith("Kt of iq"))
+    assert taken.endswith("N/A, as the log shows; the nominal value is 57.5 N/A.")
+    assert float(taken.split()[6]) == pytest.approx(50.0, rel=2e-3)
+
+
 def test_a_mode_that_only_passes_on_less_of_the_encoder_noise_is_not_found():
     case = machines.drawn(353747, worldly=True)
     log, other = case.logs

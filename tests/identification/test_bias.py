@@ -192,6 +192,6 @@ def test_a_lacking_effect_is_seen_beside_the_bias_by_noise(seed: int) -> None:
     pulled = Log.from_arrays({"q": log["q"], "F": log["F"] + 400.0 * position}, sampling_period=1 / RATE)
     found = identify(load_generated("rigid_1m"), pulled, preparation=Preparation(cutoff_hz=60.0))
     assert found.status == "ok"
-    assert "a force with the position" in [one.effect for one in found.discrepancies if one.is_seen]
+    assert "a force with the position" in [one.effect for one in found.discrepancies if one.moves()]
     error = np.abs(np.array(list(found.physical_parameters.values())) - [95.0, 200.0, 20.0])
     assert np.all(error < 2 * found.physical_deviations)

@@ -67,7 +67,7 @@ def test_a_lacking_effect_is_within_the_printed_intervals(effect):
 
 def test_a_constant_force_hides_no_other_effect():
     found = slide(lambda q, v: drag(q, v) + 3.0, noise=6.0)
-    assert [one.effect for one in found.discrepancies if one.is_seen] == [
+    assert [one.effect for one in found.discrepancies if one.moves()] == [
         "a constant force",
         "friction with the square of the speed",
     ]
@@ -77,7 +77,7 @@ def test_a_constant_force_hides_no_other_effect():
 def test_without_lacking_effects_deviations_are_those_of_the_noise():
     found = slide()
     assert found.status == "ok"
-    assert not any(one.is_seen for one in found.discrepancies)
+    assert not any(one.moves() for one in found.discrepancies)
     assert np.all(found.physical_deviations < 0.002 * np.array([M, FV, FS]))
 
 
@@ -105,7 +105,13 @@ def test_a_change_between_bands_counts_beyond_its_noise_alone():
 def test_a_change_that_is_certain_in_one_parameter_counts_with_less_in_others():
     change = Discrepancy("band", np.array([[5.0, 3.5], [3.5, 3.9]]), np.diag([1.0, 1.0]))
     assert change.variance(np.eye(2)).tolist() == [25.0, 3.25]
-    assert not Discrepancy("band", np.array([[3.5, 3.9]]), np.diag([1.0, 1.0])).is_seen
+    assert not Discrepancy("band", np.array([[3.5, 3.9]]), np.diag([1.0, 1.0])).moves()
+
+
+def test_a_change_may_be_certain_in_a_combination_of_parameters_alone():
+    change = Discrepancy("band", np.array([[3.5, -3.5]]), np.array([[1.0, 0.9], [0.9, 1.0]]))
+    assert not change.moves()
+    assert change.moves(np.array([[1.0, -1.0]]))
 
 
 @pytest.mark.parametrize("phase", [0.3, 1.9, 4.0])
@@ -175,7 +181,7 @@ def test_friction_that_drifts_beside_a_growing_speed_is_within_the_intervals(dri
     F += noise * np.random.default_rng(4).standard_normal(t.size)
     found = identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
     assert found.status == "ok"
-    assert [one.effect for one in found.discrepancies if one.is_seen] == [f"{drifting} friction that drifts"]
+    assert [one.effect for one in found.discrepancies if one.moves()] == [f"{drifting} friction that drifts"]
     assert np.all(off(found) < 2 * found.physical_deviations)
 
 
@@ -188,7 +194,7 @@ def test_drag_that_viscous_friction_nearly_imitates_is_within_the_intervals():
     found = identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
     assert found.status == "ok"
     assert (
-        next(one.effect for one in found.discrepancies if one.is_seen)
+        next(one.effect for one in found.discrepancies if one.moves())
         == "friction with the square of the speed"
     )
     assert off(found)[1] > 0.05 * FV

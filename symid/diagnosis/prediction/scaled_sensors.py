@@ -12,8 +12,9 @@ import numpy as np
 from symid.axis import Axis, Sensor
 from symid.codegen import model_of
 from symid.data import Log
-from symid.errors import SettingError, SymidError
+from symid.errors import EliminationError, SettingError, SymidError
 from symid.identification import identify
+from symid.identification.parameters.physical import open_by_structure
 
 _CONTRADICTS = 5.0
 """Deviations by which a gain of the log must differ from the nominal one to be taken instead."""
@@ -43,16 +44,12 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
     (None, [2.5, 2.5, 2.5], 'q is taken with gain 2 and offset 0.5.')
     """
     scaled = [sensor for sensor in axis.sensors if sensor.is_scaled]
-    constants = {drive.constant: drive for drive in axis.drives if drive.constant in axis.physical_parameters}
+    constants = _constants(axis)
     if not (scaled or constants):
         return Unscaled(axis, list(logs), axis, ())
     read = [sensor for sensor in scaled if all(sensor.signal in log.signals for log in logs)]
     values = _values(axis, [*_parameters_of(read), *constants], logs[0], nominal or {})
-    units = axis.parameter_units
-    notes = [
-        f"{name} of {one.signal} is taken as {values[name]:.6g} {units[name]}."
-        for name, one in constants.items()
-    ]
+    notes = [_taken(axis, name, signals, values, nominal or {}) for name, signals in constants.items()]
     changed = list(logs)
     for sensor in read:
         gain = 1.0 if sensor.gain is None else values[sensor.named("gain")]
@@ -83,11 +80,11 @@ def _parameters_of(sensors: Sequence[Sensor]) -> list[str]:
 def _values(axis: Axis, names: Sequence[str], log: Log, nominal: Mapping[str, float]) -> dict[str, float]:
     """Known or nominal values of gains and offsets, or those of the log if there are none or it contradicts them."""
     given = axis.with_known_values(nominal)
-    constants = {name: given[name] for name in (drive.constant for drive in axis.drives) if name in given}
-    if any(name not in {**axis.known, **constants} for name in names):
-        values = given | _of_log(axis.with_known(constants), log, names, given)
-    else:
-        values = given
+    measured = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
+    constants = [name for name in _constants(axis) if name in given]
+    axis = axis.with_known({name: given[name] for name in _open(axis, measured, constants)})
+    of_log = _of_log(axis, measured, log, names, given) if set(names) - set(axis.known) else {}
+    values = given | of_log
     if lacking := [name for name in names if not np.isfinite(values.get(name, np.nan))]:
         raise SettingError(
             f"the log does not determine {', '.join(lacking)}: give what is known with `fixed`, or `nominal`"
@@ -95,9 +92,38 @@ def _values(axis: Axis, names: Sequence[str], log: Log, nominal: Mapping[str, fl
     return values
 
 
-def _of_log(axis: Axis, log: Log, names: Sequence[str], given: Mapping[str, float]) -> dict[str, float]:
+def _taken(
+    axis: Axis, name: str, signals: Sequence[str], values: Mapping[str, float], nominal: Mapping[str, float]
+) -> str:
+    """Sentence on the value of a constant of drives."""
+    unit, value = axis.parameter_units[name], values[name]
+    given = nominal.get(name, value)
+    instead = "" if given == value else f", as the log shows; the nominal value is {given:.6g} {unit}"
+    return f"{name} of {' and '.join(signals)} is taken as {value:.6g} {unit}{instead}."
+
+
+def _constants(axis: Axis) -> dict[str, list[str]]:
+    """Unknown constants of drives, with the signals of their drives."""
+    found: dict[str, list[str]] = {}
+    for drive in axis.drives:
+        if drive.constant in axis.physical_parameters:
+            found.setdefault(drive.constant, []).append(drive.signal)
+    return found
+
+
+def _open(axis: Axis, measured: Sequence[str], constants: Sequence[str]) -> Sequence[str]:
+    """Those of the constants that no log of these sensors determines."""
+    try:
+        left = open_by_structure(model_of(axis, measured)) if constants else ()
+    except EliminationError:  # a law acts on hidden motion
+        return constants
+    return [name for name in constants if name in left]
+
+
+def _of_log(
+    axis: Axis, measured: Sequence[str], log: Log, names: Sequence[str], given: Mapping[str, float]
+) -> dict[str, float]:
     """Gains and offsets from the log: those that are not given, and all if it contradicts a given one."""
-    measured = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
     lacking = [name for name in names if name not in given]
     try:
         found = identify(model_of(axis, measured), log, nominal=given)

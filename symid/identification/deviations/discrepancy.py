@@ -79,10 +79,10 @@ class Discrepancy:
         """Whether it is a delay of a signal."""
         return self.effect.startswith(_LATE)
 
-    @property
-    def is_seen(self) -> bool:
-        """Whether it moves any of the minimal parameters."""
-        return bool(np.any(self.variance(np.eye(len(self.covariance)))))
+    def moves(self, sensitivity: FloatArray | None = None) -> bool:
+        """Whether it moves any of the minimal parameters, or of functions of them by their derivatives."""
+        of = np.eye(len(self.covariance)) if sensitivity is None else sensitivity
+        return bool(np.any(self.variance(of)))
 
     def variance(self, sensitivity: FloatArray) -> FloatArray:
         """Square of the change of functions of the parameters whose derivatives have the shape (n, n_parameters)."""

@@ -96,7 +96,8 @@ def with_discrepancies(found: Identification, discrepancies: tuple[Discrepancy, 
     """An "ok" identification whose deviations cover lacking effects, with a note where these are most of them."""
     wider = replace(found, discrepancies=discrepancies)
     status, message, notes = found.status, found.message, found.notes
-    effects = ", ".join(dict.fromkeys(one.effect for one in discrepancies if one.is_seen))
+    stated = found.physical[0].sensitivity if found.physical else np.eye(len(found.minimal_parameters))
+    effects = ", ".join(dict.fromkeys(one.effect for one in discrepancies if one.moves(stated)))
     if found.physical:
         rows = zip(
             found.model.physical_units,
