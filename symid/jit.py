@@ -7,6 +7,7 @@ from typing import Any
 
 import numba
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime.nrt import rtsys
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -46,17 +47,22 @@ def _compiled(function: Callable[..., Any], **options: bool | str) -> Callable[.
         kept = njit(cache=True, error_model="numpy", **options)(function)
     except RuntimeError:  # no place that can be written
         return njit(error_model="numpy", **options)(function)  # type: ignore[no-any-return]
-    # Kept by another version of symid, code may be for records that are no longer there: it is compiled again.
-    files = kept._cache._cache_file
-    load = files._load_index
+    cache, files = kept._cache, kept._cache._cache_file
+    load_index = files._load_index
 
     def load_if_readable() -> Any:
-        try:
-            return load()
+        try:  # kept by another version of symid, code may be for records that are no longer there: it is made again
+            return load_index()
         except (AttributeError, ImportError):
             return {}
 
-    files._load_index = load_if_readable
+    def load_overload(signature: Any, target: Any) -> Any:
+        # Numba would first load all that it compiles by, for 0.25 s: code that is kept needs its memory manager alone.
+        rtsys.initialize(target)
+        with cache._guard_against_spurious_io_errors():
+            return cache._load_overload(signature, target)
+
+    files._load_index, cache.load_overload = load_if_readable, load_overload
     return kept  # type: ignore[no-any-return]
 
 
