@@ -14,6 +14,7 @@ from symid.identification.faults.lagging import ac_coupling_of, smoothing_by_res
 from symid.identification.faults.missing_friction import friction_shape, missing_friction
 from symid.identification.faults.modes import folding_of, lost_mode, mode_above
 from symid.identification.faults.nonlinearity import ColumnTests
+from symid.identification.faults.one_direction import one_direction
 from symid.identification.faults.poor_fit import contradicting_part, unexplained, unexplained_outputs
 from symid.identification.faults.recording import fault_of
 from symid.identification.faults.redundancy import disagreement_of
@@ -41,6 +42,7 @@ def faults_of(
     shown = shown_late(model, noise_alone=noise_alone)
     inflation = rows_per_independent(found)
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
+    alike, friction_holds = one_direction(model, parts)
     return Faults(
         recording=fault_of(model, parts, fit)
         or smoothing_of(model, parts)
@@ -61,7 +63,8 @@ def faults_of(
         drift=drift,
         missing_friction=missing_friction(more, found, found.timing),
         noise_alone=noise_alone,
-        constant_force=constant_force(model, parts),
+        constant_force=constant_force(model, parts) or alike,
+        note=friction_holds,
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
     )
 

@@ -35,8 +35,8 @@ _GAIN_OF_DIFFERENCES = 0.997
 class Faults:
     """Statements that contradict an estimate, empty without a fault: on samples, residual, clock, friction, force.
 
-    `hint` is what may be a cause of another status and is none by itself; `noise_alone` is whether the residual is no
-    larger than the noise of the signals makes it.
+    `hint` is what may be a cause of another status and is none by itself, `note` holds whatever the status is;
+    `noise_alone` is whether the residual is no larger than the noise of the signals makes it.
     """
 
     recording: str = ""
@@ -45,6 +45,7 @@ class Faults:
     missing_friction: str = ""
     constant_force: str = ""
     hint: str = ""
+    note: str = ""
     noise_alone: bool = False
 
 
@@ -89,6 +90,7 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
         message = f"{message}; {faults.hint}"
     if timing is not None and timing.statement not in message:
         notes.append(timing.statement)
+    notes += [faults.note] if faults.note else []
     return replace(found, status=status, message=message, notes=tuple(notes))
 
 

@@ -1,0 +1,53 @@
+"""Motion in one direction alone: dry friction is then a constant force."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.identification.rows.excerpts import Excerpt
+
+_LEVEL = 0.02
+"""Part by which the column of dry friction, which a filter rounds beside rests, differs from its level, rms."""
+_ALIKE = 1e-3
+"""Rms of a friction's sign beside the other columns, as part of it, below which these are the same force."""
+_MOVE = "move in both directions"
+
+
+def one_direction(model: GeneratedModel, parts: Sequence[Excerpt]) -> tuple[str, str]:
+    """Statements on dry friction that another column of the model imitates, and on what it holds otherwise.
+
+    Both are empty where the axis moves in both directions. Beside rests, where friction takes any value up to its
+    level, filters leave a course that seems to tell it from a constant force.
+    """
+    minimal = list(model.minimal_units)
+    for equation, column in model.law_columns:
+        W = np.concatenate([p.observation.W[equation][p.observation.valid[equation]] for p in parts])
+        if not W.size or not _is_of_one_sign(W[:, column]):
+            continue
+        sign, others = np.sign(W[:, column]), np.delete(W, column, axis=1)
+        sizes = np.linalg.norm(others, axis=0)
+        others = others[:, sizes > 0] / sizes[sizes > 0]
+        rest = sign - others @ np.linalg.lstsq(others, sign, rcond=None)[0]
+        name = minimal[column]
+        if np.sqrt(np.mean(rest**2)) < _ALIKE:
+            return (
+                f"the axis moves in one direction only, in which {name} and others are one force: {_MOVE}",
+                "",
+            )
+        return "", (
+            f"the axis moves in one direction only, in which a constant force, such as a weight or an offset of "
+            f"{model.output_names[equation]}, counts as the friction {name}: {_MOVE} to tell them apart"
+        )
+    return "", ""
+
+
+def _is_of_one_sign(column: FloatArray) -> bool:
+    """Whether a column is a level of one sign, as that of dry friction in one direction.
+
+    >>> _is_of_one_sign(np.full(5, -1.0)), _is_of_one_sign(np.array([1.0, -1.0])), _is_of_one_sign(np.arange(9.0))
+    (True, False, False)
+    """
+    level = float(np.median(column))
+    return bool(level != 0.0 and np.all(column * level >= 0.0) and np.std(column / level) < _LEVEL)

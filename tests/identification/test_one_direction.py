@@ -1,0 +1,49 @@
+"""An axis that moves in one direction only: dry friction is then a constant force like any other."""
+
+import numpy as np
+import pytest
+
+from symid import Log
+from symid.codegen import load_generated
+from symid.identification import Identification, identify
+
+RATE = 500.0
+SPEEDS, EVERY = (0.1, 0.3, 0.2, 0.4, 0.15), 1.2
+
+
+def moved(model: str, back: float) -> Identification:
+    """Identification of moves with rests, each second one of them backwards by a part of the speed."""
+    t = np.arange(int(EVERY * len(SPEEDS) * RATE)) / RATE
+    q, v, a = np.zeros((3, t.size))
+    for k, speed in enumerate(SPEEDS):
+        # quintic moves of 0.8 s, then a rest
+        x = np.clip((t - k * EVERY) / 0.8, 0.0, 1.0)
+        size = speed * (-back if k % 2 else 1.0)
+        q += size * (10 * x**3 - 15 * x**4 + 6 * x**5)
+        v += size * 30 * x**2 * (1 - x) ** 2 / 0.8
+        a += size * 60 * x * (1 - x) * (1 - 2 * x) / 0.8**2
+    held = 0.4  # of its level, by friction at rest
+    F = 20.0 * a + 30.0 * v + 6.0 * np.where(v == 0, held, np.sign(v)) + 15.0
+    F += 0.01 * np.random.default_rng(1).standard_normal(t.size)
+    log = Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE)
+    return identify(load_generated(model), log)
+
+
+def test_friction_and_a_constant_force_are_not_told_apart() -> None:
+    found = moved("emps", back=-1.0)
+    assert found.status == "undetermined"
+    assert "moves in one direction only, in which X3 and others are one force" in found.message
+
+
+def test_a_note_says_what_friction_holds() -> None:
+    found = moved("rigid_1m", back=-1.0)
+    assert found.status == "ok"
+    assert found.physical_parameters["Fs"] == pytest.approx(21.0, rel=0.02)
+    assert any("a constant force, such as a weight or an offset of F, counts as" in n for n in found.notes)
+
+
+def test_both_directions_tell_them_apart() -> None:
+    found = moved("emps", back=0.5)
+    assert found.status == "ok"
+    assert not any("one direction" in note for note in found.notes)
+    assert found.physical_parameters["Fc"] == pytest.approx(6.0, rel=0.02)
