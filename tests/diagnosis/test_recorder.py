@@ -18,6 +18,7 @@ from symid.data.quality.lost_samples import restored
 from symid.diagnosis import diagnose
 from symid.diagnosis.prediction.quantisation import rounding_error
 from symid.diagnosis.prediction.recorder import recovered
+from symid.errors import LogError
 from symid.identification.faults.smoothing import interpolated_from, updated_every
 
 
@@ -175,3 +176,13 @@ def test_noise_of_a_fine_encoder_that_turns_fast_is_no_rounding() -> None:
     quiet, noisy = (step * np.round((path + std * rng.standard_normal(20000)) / step) for std in (1e-8, 1e-6))
     assert rounding_error(quiet) is not None
     assert rounding_error(noisy) is None
+
+
+def test_a_short_log_shows_a_slow_channel_by_steps_that_no_encoder_makes() -> None:
+    t, step = np.arange(120) / 1000, 1e-4
+    spun_up = np.round(20 * t**2 / step) * step
+    assert updated_every(held(spun_up)) == (4, 0)
+    assert updated_every(spun_up) == updated_every(np.arange(120) // 4 * step) == (1, 0)
+    log = Log.from_arrays({"F": np.sin(60 * t), "q": held(spun_up)}, sampling_period=1e-3)
+    with pytest.raises(LogError, match="30 samples of its own, as q is updated every 4th sample only"):
+        recovered(load_axis("rigid_1m"), [log])

@@ -28,7 +28,7 @@ from symid.simulation.law_code import dry_level
 
 _JUMPS = re.compile(r"np\.(sign|heaviside)\(-?v\b")
 """Code of a law that jumps where the velocity changes its sign."""
-_LEAST_SAMPLES = 100
+LEAST_SAMPLES = 100
 """Least number of samples: with fewer, motion and noise do not separate in the spectrum."""
 NOISE_MARGIN, SLOW_SHARE = 6.0, 0.004
 """Multiple of the velocity noise, and share of the highest speed, above which an axis moves."""
@@ -258,9 +258,9 @@ def record_of(
     recorded late, s, apart from `holds`, the times for which forces are held.
     """
     signals = signals_of(dynamics, log)
-    if log.n_samples < _LEAST_SAMPLES:
+    if log.n_samples < LEAST_SAMPLES:
         raise LogError(
-            f"log {log.source!r} has {log.n_samples} samples: a diagnosis needs at least {_LEAST_SAMPLES}"
+            f"log {log.source!r} has {log.n_samples} samples: a diagnosis needs at least {LEAST_SAMPLES}"
         )
     driven = signals[: len(dynamics.axis.drives)]
     band = motion_hz or max(motion_band(log[name], log.sampling_frequency) for name in driven)

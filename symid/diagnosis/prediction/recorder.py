@@ -14,10 +14,9 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.data.quality.lost_samples import restored, without_repeated_rows
+from symid.diagnosis.prediction.record import LEAST_SAMPLES
+from symid.errors import LogError
 from symid.identification.faults.smoothing import interpolated_from, updated_every
-
-_SHORTEST = 200
-"""Least number of samples of a decimated log."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
     messages = [note for each in notes for note in each]
     slowest = {sensor.signal: _slowest(whole, sensor.signal) for sensor in axis.sensors}
     n = max((spacing for spacing, _ in slowest.values()), default=1)
-    if n == 1 or min(log.n_samples for log in whole) < n * _SHORTEST:
+    if n == 1:
         return Recovered(whole, tuple(dict.fromkeys(messages)), 1)
     rate = whole[0].sampling_frequency / n
     messages += [
@@ -51,6 +50,13 @@ def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
         for name, (spacing, how) in slowest.items()
         if spacing > 1
     ]
+    shortest = min(whole, key=lambda log: log.n_samples)
+    if shortest.n_samples < n * LEAST_SAMPLES:
+        left, reason = shortest.n_samples // n, messages[-1].split(":")[0]
+        raise LogError(
+            f"log {shortest.source!r} has {left} samples of its own, as {reason}: a diagnosis needs at least "
+            f"{LEAST_SAMPLES}"
+        )
     drives = {drive.signal for drive in axis.drives}
     return Recovered(tuple(_thinned(log, n, drives) for log in whole), tuple(dict.fromkeys(messages)), n)
 

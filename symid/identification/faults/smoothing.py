@@ -25,6 +25,8 @@ _SUCCESSIVE = 0.02
 """Least share of changes n samples after the last one; steps that are held for multiples of n have none."""
 _FEWEST_CHANGES = 100
 """Fewest changes of a channel that determine its update interval."""
+_FEWEST_JUMPS, _JUMP = 20, 2.0
+"""The same of changes that are mostly so many times the least one: an encoder shows such a motion in between."""
 _STRAIGHT = 0.01
 """Second difference between knots, over the median one at the knots of an interpolation, that counts as straight."""
 _LEAST_STRAIGHT = 0.4
@@ -95,10 +97,13 @@ def updated_every(x: FloatArray) -> tuple[int, int]:
     >>> updated_every(np.repeat(np.sign(x), 50))  # steps that last 50 samples are no channel updated every tenth
     (1, 0)
     """
-    changed = x[1:] != x[:-1]
-    if not _FEWEST_CHANGES <= np.count_nonzero(changed) <= (1.0 - _REPEATED) * x.size:
+    steps = np.abs(np.diff(x))
+    changes = np.flatnonzero(steps) + 1
+    if not _FEWEST_JUMPS <= changes.size <= (1.0 - _REPEATED) * x.size:
         return 1, 0
-    changes = np.flatnonzero(changed) + 1
+    own = steps[changes - 1]
+    if changes.size < _FEWEST_CHANGES and float(np.median(own)) < _JUMP * float(own.min()):
+        return 1, 0
     for n in reversed(SPACINGS):
         places = np.bincount(changes % n, minlength=n)
         first = int(np.argmax(places))
