@@ -75,7 +75,7 @@ def _name_faults(
 ) -> Iterator[str]:
     signals = [*(drive.signal for drive in drives), *(sensor.signal for sensor in sensors)]
     commands = [drive.command for drive in drives if drive.command]
-    parameters = [name for element in (*elements, *sensors) for name in parameter_names(element)]
+    parameters = [name for element in (*elements, *sensors) for name in parameters_in(element)]
     names = [element.name for element in elements if isinstance(element, (Body, Spring, Damper))]
     for name in dict.fromkeys([*signals, *parameters, *names, *commands]):
         if not is_signal_name(name):
@@ -90,7 +90,7 @@ def _name_faults(
             yield f"name {name!r} is reserved: choose another"
 
 
-def parameter_names(element: object) -> tuple[str, ...]:
+def parameters_in(element: object) -> tuple[str, ...]:
     """Names of the physical parameters of one element."""
     if isinstance(element, Law):
         return tuple(term.parameter for term in element.terms())
@@ -107,7 +107,7 @@ def _known_faults(elements: Sequence[object], drives: Sequence[Drive], known: ob
         yield f"known={known!r} must be a mapping of names of parameters to values"
         return
     holders = [element for element in elements if isinstance(element, (Parametrised, Law))]
-    names = {name for element in holders for name in parameter_names(element)}
+    names = {name for element in holders for name in parameters_in(element)}
     names |= {drive.constant for drive in drives if drive.constant is not None}
     signed = {term.parameter for e in holders if isinstance(e, Law) for term in e.terms() if term.signed}
     sensors = [element for element in holders if isinstance(element, Sensor)]

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from symid.axis import Axis
-from symid.cli.options import assignments, number
+from symid.cli.options import named_values, number
 from symid.data import ForeignColumn
 from symid.data.text_files.column_names import split_header
 from symid.data.text_files.foreign import with_unit
@@ -46,7 +46,7 @@ class Known:
     @classmethod
     def of(cls, options: dict[str, Any]) -> Known:
         """Facts that the options of `symid import` give."""
-        named, units = assignments(options["column"], "--column"), assignments(options["unit"], "--unit")
+        named, units = named_values(options["column"], "--column"), named_values(options["unit"], "--unit")
         return cls(named, units, options["rate"], options["gain"], options["rated"])
 
 

@@ -7,11 +7,11 @@ import click
 from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, axis_of, load_axis
-from symid.cli.fleet_command import write_page
+from symid.cli.fleet_command import write_review
 from symid.cli.identify_command import loop_options
 from symid.cli.knowledge import bounds_of, fixed_values, knowledge_options, known_of_tables, priors_of
 from symid.cli.log_options import (
-    foreign_columns,
+    column_settings,
     late_of,
     log_options,
     notes_on_guesses,
@@ -127,7 +127,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
         sys.exit(130)
     if page:
         with working("reviewing"):
-            write_page(review_fleet(batch.table, units=batch.units), page)
+            write_review(review_fleet(batch.table, units=batch.units), page)
     give_result(summary_of(batch), json_file, print_batch)
 
 
@@ -160,5 +160,5 @@ def _settings(axes: tuple[str | Axis, ...], options: dict[str, Any]) -> BatchSet
         joint=options["joint"],
         memory=bytes_of(options["memory"]),
         seconds=options["timeout"],
-        **foreign_columns(options),
+        **column_settings(options),
     )

@@ -22,7 +22,7 @@ from symid.cli.options import (
     json_option,
     late_option,
     measured_option,
-    numbers,
+    named_numbers,
     page_of,
     parameter_file,
     report_option,
@@ -109,7 +109,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         )
     if simulated and nominal:
         raise SettingError("--nominal and --simulated both define the simulation: give one of them")
-    limits = numbers(options["limits"], "--limit", _LIMITS)
+    limits = named_numbers(options["limits"], "--limit", _LIMITS)
     reference = options["experiment"]
     experiment = written_path("reference", reference, *WRITTEN_SUFFIXES) if reference else None
     page, written = page_of(options["report"]), options["write_axis"] and axis_path(options["write_axis"])

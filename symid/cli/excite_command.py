@@ -13,12 +13,12 @@ from symid.axis import Axis, load_axis
 from symid.cli.knowledge import fix_option, fixed_values, quantity
 from symid.cli.options import (
     POSITIVE,
-    assignments,
     bandwidth_option,
     gain_option,
     give_result,
     json_option,
     measured_option,
+    named_values,
     parameter_file,
     parameter_option,
     shared,
@@ -147,7 +147,7 @@ def references_log(axis: Axis, paths: Sequence[Trajectory]) -> Log:
 def _limits(text: str, axis: Axis) -> tuple[Limits, float, float | None]:
     """Limits, largest force and distance of drives of a text such as ``travel=0.4m,speed=1m/s``."""
     beyond = ("force", "apart") if len(axis.drives) > 1 else ("force",)
-    given = assignments(tuple(text.split(",")), "--limits", (*_LIMITS, *beyond))
+    given = named_values(tuple(text.split(",")), "--limits", (*_LIMITS, *beyond))
     if missing := [name for name in _REQUIRED if name not in given]:
         raise SettingError(f"--limits lacks {', '.join(missing)}: give for example {missing[0]}=1")
     position = axis.reference_units[0]

@@ -78,12 +78,12 @@ def command(results: str, **options: Any) -> None:
             models = partial(_model, {load_axis(source).name: source for source in options["declared"]})
             joined = join_results(table, models, statuses=statuses, by_folder=by_folder)
     if page:
-        write_page(found, page, joined)
+        write_review(found, page, joined)
     record = fleet_record(found, joined)
     give_result(record, options["json_file"], print_fleet)
 
 
-def write_page(
+def write_review(
     found: FleetReview, page: Path, joined: Mapping[str, JointIdentification] | None = None
 ) -> None:
     """Write the page of a review."""

@@ -10,7 +10,7 @@ from typing import Any
 from click import option
 
 from symid.axis import Axis
-from symid.cli.options import assignments, number, shared
+from symid.cli.options import named_values, number, shared
 from symid.data.columns import split_unit
 from symid.errors import SettingError
 from symid.files import read_json, require_regular
@@ -56,7 +56,7 @@ known_option = option(
 def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
     """Values of ``--fix``, SI."""
     units = axis.parameter_units
-    given = assignments(values, "--fix", units)
+    given = named_values(values, "--fix", units)
     return {name: quantity(text, units[name], f"--fix {name}") for name, text in given.items()}
 
 
@@ -65,7 +65,7 @@ def known_by_log(values: tuple[str, ...], axis: Axis, logs: Sequence[str]) -> li
     units = axis.parameter_units
     tables = [value for value in values if "=" not in value]
     known = [dict(one) for one in known_of_logs(known_of_tables(tables, units), logs)]
-    for name, text in assignments(tuple(v for v in values if v not in tables), "--known", units).items():
+    for name, text in named_values(tuple(v for v in values if v not in tables), "--known", units).items():
         parts = text.split(",")
         if len(parts) != len(logs):
             raise SettingError(
@@ -130,7 +130,7 @@ def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | No
     bounds: dict[str, tuple[float | None, float | None]] = {}
     if len(ranges) < len(values):
         bounds |= {n: (0.0, None) for n in axis.physical_parameters if n not in axis.signed_parameters}
-    for name, text in assignments(ranges, "--bounds").items():
+    for name, text in named_values(ranges, "--bounds").items():
         low, dots, high = text.partition("..")
         unit = axis.parameter_units.get(name, Unit())
         if not dots:

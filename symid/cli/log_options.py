@@ -11,11 +11,11 @@ from symid.cli.options import (
     COUNT,
     ORDER,
     RATE,
-    assignments,
     held_option,
     late_option,
+    named_numbers,
+    named_values,
     number,
-    numbers,
     require_signals,
     seconds_of,
     shared,
@@ -93,16 +93,16 @@ def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
 def log_settings(declared: Axis, options: dict[str, Any]) -> dict[str, Any]:
     """Columns from the log options, and the sensors to read."""
     require_known(mapping_of(options), declared)
-    return {"measured": signal_list(options["measured"]), **foreign_columns(options)}
+    return {"measured": signal_list(options["measured"]), **column_settings(options)}
 
 
-def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
+def column_settings(options: dict[str, Any]) -> dict[str, Any]:
     """Columns of a foreign file from mapping and log options."""
     mapping = mapping_of(options)
     return {
-        "columns": {**mapping.columns, **assignments(options["column"], "--column")},
-        "units": {**mapping.units, **assignments(options["unit"], "--unit")},
-        "gains": {**mapping.gains, **numbers(options["gain"], "--gain")},
+        "columns": {**mapping.columns, **named_values(options["column"], "--column")},
+        "units": {**mapping.units, **named_values(options["unit"], "--unit")},
+        "gains": {**mapping.gains, **named_numbers(options["gain"], "--gain")},
         "layout": mapping.layout,
         "sampling_period": mapping.sampling_period,
         "resample": options.get("resample"),
@@ -151,7 +151,7 @@ def known_late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
 
 def late_of(options: dict[str, Any]) -> dict[str, float]:
     """Seconds by which signals were recorded late, by ``--late`` and the mapping."""
-    given = assignments(options["late"], "--late")
+    given = named_values(options["late"], "--late")
     return {
         **mapping_of(options).late,
         **{name: seconds_of(text, f"--late {name}") for name, text in given.items()},

@@ -127,7 +127,9 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
     >>> cascade_gains(("Kpp=30",))
     {'position_gain': 30.0}
     """
-    return {_CASCADE[name]: value for name, value in numbers(values, "--controller-gain", _CASCADE).items()}
+    return {
+        _CASCADE[name]: value for name, value in named_numbers(values, "--controller-gain", _CASCADE).items()
+    }
 
 
 def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
@@ -170,9 +172,11 @@ def signal_list(text: str | None) -> tuple[str, ...] | None:
     return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
 
 
-def numbers(values: tuple[str, ...], option: str, known: Collection[str] | None = None) -> dict[str, float]:
-    """Mapping of options such as ``--gain q2=-1`` to finite numbers, as `assignments`."""
-    given = assignments(values, option, known)
+def named_numbers(
+    values: tuple[str, ...], option: str, known: Collection[str] | None = None
+) -> dict[str, float]:
+    """Mapping of options such as ``--gain q2=-1`` to finite numbers, as `named_values`."""
+    given = named_values(values, option, known)
     return {name: number(text, f"{option} {name}") for name, text in given.items()}
 
 
@@ -181,7 +185,9 @@ _EXAMPLES |= {"--gain": "q2=-1", "--late": "q2=125us", "--noise": "q2=1e-6", "--
 """Kind of value of each option that sets values by name."""
 
 
-def assignments(values: tuple[str, ...], option: str, known: Collection[str] | None = None) -> dict[str, str]:
+def named_values(
+    values: tuple[str, ...], option: str, known: Collection[str] | None = None
+) -> dict[str, str]:
     """Mapping of options such as ``--column q2=pos_mm``: ``NAME=VALUE``, each name once and one of those `known`."""
     pairs: dict[str, str] = {}
     for value in values:

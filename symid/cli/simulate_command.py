@@ -15,14 +15,14 @@ from symid.cli.options import (
     LIMIT,
     NOT_NEGATIVE,
     POSITIVE,
-    assignments,
     bandwidth_option,
     cascade_gains,
     gain_option,
     give_result,
     json_option,
+    named_numbers,
+    named_values,
     number,
-    numbers,
     parameter_file,
     parameter_option,
     require_signals,
@@ -172,8 +172,10 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
 
 def with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
     """The axis with the noise, resolution and delay given as options."""
-    noise, resolution = (numbers(options.get(name, ()), f"--{name}") for name in ("noise", "resolution"))
-    delay = assignments(options.get("delay", ()), "--delay")
+    noise, resolution = (
+        named_numbers(options.get(name, ()), f"--{name}") for name in ("noise", "resolution")
+    )
+    delay = named_values(options.get("delay", ()), "--delay")
     signals = dict.fromkeys([*noise, *resolution, *delay])
     require_signals(axis, signals)
     for signal in signals:

@@ -19,7 +19,7 @@ from symid.cli.options import (
     json_option,
     late_option,
     measured_option,
-    numbers,
+    named_numbers,
     parameter_file,
     parameter_option,
     plot_option,
@@ -163,7 +163,7 @@ def _bounded(declared: Axis, parameters: dict[str, float], options: dict[str, An
 
 def _total(name: str, declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> TotalTuning:
     """Tune by the total error, with the motion of a log or along a trajectory."""
-    given = numbers(options["noise"], "--noise")
+    given = named_numbers(options["noise"], "--noise")
     if not options["noise_from"]:
         model = model_of(name, signal_list(options["measured"]))
         controller, trajectory = _run_of(declared, plant_of(declared, parameters), options)

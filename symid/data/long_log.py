@@ -27,7 +27,7 @@ from symid.data.quality.clock import (
     rounded_period,
 )
 from symid.data.quality.stuck import inspect_spans
-from symid.data.reading import in_si, positions_of
+from symid.data.reading import converted, positions_of
 from symid.data.table import Slices, naming_file
 from symid.errors import LogError, SettingError
 from symid.units import Unit
@@ -157,7 +157,7 @@ def scanned(
             if isinstance(column, str):
                 faults.append(f"column {header!r} {column}")
             else:
-                values[source.signal] = in_si(column, source.factor)
+                values[source.signal] = converted(column, source.factor)
         if faults:
             raise LogError("; ".join(faults))
         return values

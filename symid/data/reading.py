@@ -124,7 +124,7 @@ def positions_of(expected: Mapping[str, Unit], signals: Collection[str]) -> list
     return [name for name in signals if expected.get(name) in (Unit.of("m"), Unit.of("rad"))]
 
 
-def in_si(column: FloatArray, factor: float) -> FloatArray:
+def converted(column: FloatArray, factor: float) -> FloatArray:
     """A column as it is or, if its unit is another, a copy in SI; what leaves the range is reported as not finite."""
     with np.errstate(over="ignore"):
         return column if factor == 1.0 else factor * column
@@ -145,7 +145,7 @@ def _read(
     for source, column in zip(sources, columns, strict=True):
         if not isinstance(column, str):
             written, note = unwrapped_times(column) if source.signal == TIME else (column, "")
-            values[source.signal] = in_si(written, source.factor)
+            values[source.signal] = converted(written, source.factor)
             notes += [note] * bool(note)
         elif source.signal in references and source.signal not in named:
             notes.append(f"column {table.headers[source.position]!r} {column}; left out")

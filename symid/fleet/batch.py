@@ -19,7 +19,7 @@ from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.journal import Journal, journal_file, locked, read_journal
 from symid.fleet.plan import FleetAxis, PathLike, fleet_axes, log_files
 from symid.fleet.result_table import (
-    parameter_columns,
+    columns_of_parameters,
     read_rows,
     result_files,
     result_frame,
@@ -76,7 +76,7 @@ class Batch(Shown):
     @cached_property
     def table(self) -> pl.DataFrame:
         """The rows as the table that is written to files."""
-        return result_frame(self.rows, parameter_columns(self.units), self.diagnosed, self.joint)
+        return result_frame(self.rows, columns_of_parameters(self.units), self.diagnosed, self.joint)
 
     @property
     def headline(self) -> str:

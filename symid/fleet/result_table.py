@@ -50,7 +50,7 @@ def units_of(rows: Iterable[Row], axes: Iterable[FleetAxis]) -> dict[str, dict[s
     return units
 
 
-def parameter_columns(units: Units) -> tuple[str, ...]:
+def columns_of_parameters(units: Units) -> tuple[str, ...]:
     """Columns of all parameters, each followed by the column of its standard deviation."""
     names = dict.fromkeys(name for sets in units.values() for named in sets.values() for name in named)
     return tuple(column for name in names for column in (name, f"{name}_std"))

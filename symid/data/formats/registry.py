@@ -30,10 +30,10 @@ from symid.registered import registered
 from symid.units import to_si
 
 
-def parts_of(path: Path) -> tuple[Path, ...]:
+def files_of_log(path: Path) -> tuple[Path, ...]:
     """Files of a log; all but the first may be named without their folder.
 
-    >>> parts_of(Path("a.csv"))
+    >>> files_of_log(Path("a.csv"))
     (PosixPath('a.csv'),)
     """
     first, *others = map(Path, str(path).split("+"))
@@ -167,7 +167,7 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         If the file does not exist, is of another kind, empty, damaged, or needs a library that is not installed.
     """
     try:
-        parts = parts_of(path)
+        parts = files_of_log(path)
     except (OSError, ValueError) as error:
         raise _not_readable(path, error) from error
     if len(parts) > 1:

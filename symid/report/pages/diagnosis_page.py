@@ -62,7 +62,7 @@ class Scale:
         return tuple(step * i for i in range(math.floor(self.largest / step) + 1))
 
 
-def scale_of(multiples: list[float]) -> Scale:
+def scale_with(multiples: list[float]) -> Scale:
     """Scale that contains all of these multiples, with a margin above the floor."""
     return Scale(max([_LEAST, *(value for value in multiples if math.isfinite(value))]))
 
@@ -107,7 +107,7 @@ def write_html(
     text = page.render(
         d=record,
         verdict=VERDICTS[found.verdict],
-        scale=scale_of([stage["multiple_of_floor"] for stage in record["waterfall"]]),
+        scale=scale_with([stage["multiple_of_floor"] for stage in record["waterfall"]]),
         maps=[(MAPS.get(name, name), cells) for name, cells in record["maps"].items() if cells],
         accepted=found.named,
         shown=shown,

@@ -113,10 +113,10 @@ def change_record(change: TrendChange) -> dict[str, Any]:
     }
 
 
-def moment(when: datetime | float) -> str:
+def time_of_run(when: datetime | float) -> str:
     """A time of a run as reports write it; the number of the log where times are not known.
 
-    >>> moment(datetime(2026, 3, 1, 6, 30)), moment(12.0)
+    >>> time_of_run(datetime(2026, 3, 1, 6, 30)), time_of_run(12.0)
     ('2026-03-01 06:30', 'log 13')
     """
     return f"{when:%Y-%m-%d %H:%M}" if isinstance(when, datetime) else f"log {when + 1:.0f}"
@@ -133,9 +133,10 @@ def change_sentence(change: TrendChange) -> str:
         size = f"{100 * change.relative:+.3g} % ({low:+.3g} to {high:+.3g} %)"
     else:
         size = f"{change.size:+.3g} ({change.interval[0]:+.3g} to {change.interval[1]:+.3g})"
+    when, earliest, latest = map(time_of_run, (change.when, change.earliest, change.latest))
     if change.kind == "drift":
-        return f"drifts by {size} from {moment(change.earliest)} to {moment(change.latest)}"
-    return f"steps by {size} at {moment(change.when)}, between {moment(change.earliest)} and {moment(change.latest)}"
+        return f"drifts by {size} from {earliest} to {latest}"
+    return f"steps by {size} at {when}, between {earliest} and {latest}"
 
 
 def print_fleet(record: dict[str, Any], console: Console | None = None) -> None:
