@@ -8,7 +8,7 @@ from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Sensor
 from symid.codegen.lowering import code
-from symid.symbolic.forward_terms import Functional, forward_terms
+from symid.symbolic.forward_terms import ForwardTerms, Functional, forward_terms
 from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import by_power
 
@@ -22,52 +22,61 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
     ([[[[1.0, [1, 0, 0]]]]], 'np.sign(v)')
     """
     terms = forward_terms(axis)
-    ring, bodies = terms.operators.ring, terms.bodies
-    constants = {sp.Symbol(name): value for name, value in terms.constants.items()}
-
-    def number(element: Any) -> float:
-        return float(ring.domain.to_sympy(ring.domain.convert(element)).xreplace(constants))
-
-    def numbers(matrix: Sequence[Sequence[PolyElement]]) -> list[list[list[list[Any]]]]:
-        return [[[[number(c), list(map(int, m[1:]))] for m, c in p.terms()] for p in row] for row in matrix]
-
-    def row(functional: Functional) -> list[float]:
-        return [number(functional[b]) if b in functional else 0.0 for b in bodies]
-
-    def sensor(one: Sensor) -> dict[str, Any]:
-        """Displacement of its joint and which derivative of that is read, and all terms if there are parameters."""
-        reading = terms.readings[one.signal]
-        joint = terms.operators.functional(Kinematics(axis).displacement(one.joint))
-        plain = {"row": row(joint), "order": one.derivative}
-        if one.derivative is not None and not one.is_scaled:
-            return plain
-        motion = [[by_power(reading.motion.get(b)).get(k, ring.zero) for b in bodies] for k in range(3)]
-        drives = [reading.drives.get(drive.signal, ring.zero) for drive in axis.drives]
-        scale = [reading.gain, reading.offset]
-        return {
-            **plain,
-            **({"law": True} if reading.laws else {}),
-            "motion": numbers(motion),
-            "drives": numbers([drives])[0],
-            "scale": numbers([scale])[0],
-        }
-
+    written = _Written(terms)
     # Only polynomials with numbers and NumPy code of laws: a simulation reads this without sympy.
     return {
-        "generators": list(map(str, ring.symbols[1:])),
-        "bodies": [body for body, entries in zip(bodies, terms.mass, strict=True) if any(entries)],
-        "stiffness": numbers(terms.stiffness),
-        "damping": numbers(terms.damping),
-        "mass": numbers(terms.mass),
-        "drives": numbers(terms.drives),
-        "constant": numbers(terms.constant),
+        "generators": list(map(str, terms.operators.ring.symbols[1:])),
+        "bodies": [body for body, entries in zip(terms.bodies, terms.mass, strict=True) if any(entries)],
+        "stiffness": written.matrix(terms.stiffness),
+        "damping": written.matrix(terms.damping),
+        "mass": written.matrix(terms.mass),
+        "drives": written.matrix(terms.drives),
+        "constant": written.matrix(terms.constant),
         "laws": [
             {
-                "direction": row(law.displacement),
-                "parameter": numbers(((law.parameter,),))[0][0],
+                "direction": written.row(law.displacement),
+                "parameter": written.polynomial(law.parameter),
                 "code": code(law.expression),
             }
             for law in terms.laws
         ],
-        "sensors": {s.signal: sensor(s) for s in axis.sensors},
+        "sensors": {sensor.signal: written.sensor(axis, sensor) for sensor in axis.sensors},
     }
+
+
+class _Written:
+    """Terms of an axis as numbers."""
+
+    def __init__(self, terms: ForwardTerms) -> None:
+        self._terms, self._domain = terms, terms.operators.ring.domain
+        self._constants = {sp.Symbol(name): value for name, value in terms.constants.items()}
+
+    def number(self, element: Any) -> float:
+        return float(self._domain.to_sympy(self._domain.convert(element)).xreplace(self._constants))
+
+    def polynomial(self, polynomial: PolyElement) -> list[list[Any]]:
+        return [[self.number(c), list(map(int, m[1:]))] for m, c in polynomial.terms()]
+
+    def matrix(self, matrix: Sequence[Sequence[PolyElement]]) -> list[list[list[list[Any]]]]:
+        return [list(map(self.polynomial, row)) for row in matrix]
+
+    def row(self, functional: Functional) -> list[float]:
+        bodies = self._terms.bodies
+        return [self.number(functional[b]) if b in functional else 0.0 for b in bodies]
+
+    def sensor(self, axis: Axis, sensor: Sensor) -> dict[str, Any]:
+        """Displacement of its joint and which derivative of that is read, and all terms if there are parameters."""
+        reading, operators = self._terms.readings[sensor.signal], self._terms.operators
+        joint = operators.functional(Kinematics(axis).displacement(sensor.joint))
+        plain = {"row": self.row(joint), "order": sensor.derivative}
+        if sensor.derivative is not None and not sensor.is_scaled:
+            return plain
+        zero, bodies = operators.ring.zero, self._terms.bodies
+        motion = [[by_power(reading.motion.get(b)).get(k, zero) for b in bodies] for k in range(3)]
+        return {
+            **plain,
+            **({"law": True} if reading.laws else {}),
+            "motion": self.matrix(motion),
+            "drives": [self.polynomial(reading.drives.get(drive.signal, zero)) for drive in axis.drives],
+            "scale": [self.polynomial(reading.gain), self.polynomial(reading.offset)],
+        }

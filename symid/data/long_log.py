@@ -7,8 +7,9 @@ fault. Stuck and clipped spans, which are notes only, are looked for in evenly s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Final, TypeAlias
 
@@ -149,32 +150,56 @@ def scanned(
     block: int,
 ) -> LongLog:
     """A long log, after a check of its rows in one pass; LogError for the first block that has a fault."""
-
-    def values_of(first: int, stop: int) -> dict[str, FloatArray]:
-        values: dict[str, FloatArray] = {}
-        faults = []
-        for source, header, column in zip(sources, headers, slices.read(first, stop), strict=True):
-            if isinstance(column, str):
-                faults.append(f"column {header!r} {column}")
-            else:
-                values[source.signal] = converted(column, source.factor)
-        if faults:
-            raise LogError("; ".join(faults))
-        return values
+    values_of = partial(_values_of, slices, sources, headers)
 
     def signals_of(first: int, stop: int) -> dict[str, FloatArray]:
         with naming_file(file):
             values = values_of(first, stop)
         return {name: x for name, x in values.items() if name != TIME}
 
-    # One pass over the blocks: clock, finite values, jumps; the range of each channel shows a constant one at the end.
+    is_stated = all(source.stated for source in sources if source.signal == TIME)
+    blocks = spans(slices.n_rows, max(block, MINIMUM_SAMPLES))
+    clock, names = _checked(((first, values_of(first, stop)) for first, stop in blocks), expected, is_stated)
+    log = LongLog(
+        source=str(file),
+        start=clock.start,
+        sampling_period=clock.period,
+        n_samples=slices.n_rows,
+        signals=names,
+        read=signals_of,
+        notes=(*clock.notes, f"read in blocks of {block} samples at most"),
+        block=block,
+    )
+    return replace(log, notes=(*log.notes, *_stuck_or_clipped(log, positions_of(expected, names))))
+
+
+def _values_of(
+    slices: Slices, sources: Sequence[Source], headers: Sequence[str], first: int, stop: int
+) -> dict[str, FloatArray]:
+    """Values of some rows by signal, SI; LogError for columns that are not numbers."""
+    values: dict[str, FloatArray] = {}
+    faults = []
+    for source, header, column in zip(sources, headers, slices.read(first, stop), strict=True):
+        if isinstance(column, str):
+            faults.append(f"column {header!r} {column}")
+        else:
+            values[source.signal] = converted(column, source.factor)
+    if faults:
+        raise LogError("; ".join(faults))
+    return values
+
+
+def _checked(
+    blocks: Iterable[tuple[int, dict[str, FloatArray]]], expected: Mapping[str, Unit], is_stated: bool
+) -> tuple[Clock, tuple[str, ...]]:
+    """Clock and signals of blocks, each with its first row; LogError for a fault of clock, values or jumps."""
     clock = _ClockOfBlocks()
+    # The range of each channel over all blocks shows a constant one at the end.
     lowest: dict[str, float] = {}
     highest: dict[str, float] = {}
-    for first, stop in spans(slices.n_rows, max(block, MINIMUM_SAMPLES)):
-        values = values_of(first, stop)
+    for first, values in blocks:
         time = values.pop(TIME)
-        if not first and not all(source.stated for source in sources if source.signal == TIME):
+        if not first and not is_stated:
             require_seconds(time)
         faults = (*clock.add(time), *inspect_finite(time, values, first))
         if not faults:
@@ -188,17 +213,7 @@ def scanned(
     found = clock.found
     if flat or found.faults:
         raise LogError("; ".join(flat or found.faults))
-    log = LongLog(
-        source=str(file),
-        start=found.start,
-        sampling_period=found.period,
-        n_samples=slices.n_rows,
-        signals=tuple(lowest),
-        read=signals_of,
-        notes=(*found.notes, f"read in blocks of {block} samples at most"),
-        block=block,
-    )
-    return replace(log, notes=(*log.notes, *_stuck_or_clipped(log, positions_of(expected, lowest))))
+    return found, tuple(lowest)
 
 
 def _stuck_or_clipped(log: LongLog, positions: Sequence[str]) -> list[str]:

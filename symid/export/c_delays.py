@@ -5,10 +5,12 @@ integral, whose change over a step gives the mean force that arrives in the step
 """
 
 import math
+from collections.abc import Iterator, Sequence
 
 from symid.export.c_code import c_name
 from symid.export.c_motion import force_parameters, lines, quantised, sent_forces
 from symid.export.dynamics import SymbolicDynamics
+from symid.export.imperfect_terms import DrivePath
 
 SHORTEST_STEP = 5e-6
 """Shortest step for which the ring buffers suffice, s."""
@@ -77,15 +79,47 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float) -> dict[str, str]:
     longest = max([*(path.delay for path in paths), *(sensor.delay for _, sensor in late)])
     if not longest:
         return {"way_header": "", "way_source": ""}
-    # Before the first step, readings and forces are taken as constant, and lags at rest. The first lanes are those of
-    # late forces; late readings follow.
-    lags = any(memory for path in paths for _, memory in path.elements)
-    begin = [
-        *([f"{axis.name}_settle(p, x, {sent_forces(axis)});"] if lags else []),
-        f"{axis.name}_derivative(p, x, {sent_forces(axis)}, change);",
-        f"{axis.name}_sensors(x, change, y);",
-    ]
-    arrive, read, forces = list[str](), list[str](), list[str]()
+    # The first lanes are those of late forces; late readings follow.
+    first_reading = sum(path.delay > 0 for path in paths)
+    begin, arrive, forces = _late_forces(paths)
+    begin = [*_constant_before(dynamics), *begin]
+    read = list[str]()
+    for lane, (i, sensor) in enumerate(late, first_reading):
+        begin.append(f"note(way, {lane}, 0.0, y[{i}]);")
+        read.append(f"note(way, {lane}, way->now, y[{i}]);")
+        read.append(f"y[{i}] = noted(way, {lane}, way->now - {sensor.delay!r});  /* {sensor.signal} */")
+        if sensor.resolution:
+            read.append(quantised(f"y[{i}]", sensor.resolution))
+    words = {
+        "name": axis.name,
+        "forces": force_parameters(axis),
+        "acting": ", ".join(forces),
+        "n_state": dynamics.n_states,
+        "n_sensors": len(axis.sensors),
+        "drives": len(paths),
+        "cells": math.ceil(longest / shortest) + 3,
+        "lanes": first_reading + len(late),
+        "longest": longest,
+        "shortest": shortest,
+        "begin": "\n".join(["    if (!way->lane[0].count) {", lines(f"    {one}" for one in begin), "    }"]),
+        "late": lines(arrive),
+        "read": lines(read),
+    }
+    return {"way_header": _HEADER.format(**words), "way_source": _SOURCE.format(**words)}
+
+
+def _constant_before(dynamics: SymbolicDynamics) -> Iterator[str]:
+    """Statements before the first step: readings and forces were constant, and lags at rest."""
+    name, forces = dynamics.axis.name, sent_forces(dynamics.axis)
+    if any(memory for path in dynamics.imperfect.drives for _, memory in path.elements):
+        yield f"{name}_settle(p, x, {forces});"
+    yield f"{name}_derivative(p, x, {forces}, change);"
+    yield f"{name}_sensors(x, change, y);"
+
+
+def _late_forces(paths: Sequence[DrivePath]) -> tuple[list[str], list[str], list[str]]:
+    """Statements before the first step, and in each step, for the delays of forces; and the forces that act."""
+    begin, arrive, forces = list[str](), list[str](), list[str]()
     for k, path in enumerate(paths):
         lane = sum(other.delay > 0 for other in paths[:k])
         force, delay = c_name(path.drive.signal), path.delay
@@ -101,25 +135,4 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float) -> dict[str, str]:
                 f"const double late_{lane}_ = (noted(way, {lane}, now + h - {delay!r}) "
                 f"- noted(way, {lane}, now - {delay!r}))/h;",
             ]
-    for lane, (i, sensor) in enumerate(late, sum(path.delay > 0 for path in paths)):
-        begin.append(f"note(way, {lane}, 0.0, y[{i}]);")
-        read.append(f"note(way, {lane}, way->now, y[{i}]);")
-        read.append(f"y[{i}] = noted(way, {lane}, way->now - {sensor.delay!r});  /* {sensor.signal} */")
-        if sensor.resolution:
-            read.append(quantised(f"y[{i}]", sensor.resolution))
-    words = {
-        "name": axis.name,
-        "forces": force_parameters(axis),
-        "acting": ", ".join(forces),
-        "n_state": dynamics.n_states,
-        "n_sensors": len(axis.sensors),
-        "drives": len(paths),
-        "cells": math.ceil(longest / shortest) + 3,
-        "lanes": sum(path.delay > 0 for path in paths) + len(late),
-        "longest": longest,
-        "shortest": shortest,
-        "begin": "\n".join(["    if (!way->lane[0].count) {", lines(f"    {one}" for one in begin), "    }"]),
-        "late": lines(arrive),
-        "read": lines(read),
-    }
-    return {"way_header": _HEADER.format(**words), "way_source": _SOURCE.format(**words)}
+    return begin, arrive, forces

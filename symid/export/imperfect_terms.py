@@ -105,14 +105,6 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
         known = {FORCE: load, TIME: NOW} | ({MEMORY: memory.symbol} if memory else {})
         return JointForce(element.at, law.xreplace(known), memory)
 
-    def scale(drive: Drive) -> sp.Expr:
-        return parameter_symbol(drive.constant) if drive.constant else sp.Integer(1)
-
-    def ripple(drive: Drive, element: Imperfection) -> JointForce:
-        return JointForce(
-            drive.at, scale(drive) * imperfection_law(element).xreplace({FORCE: acting(drive)}), None
-        )
-
     def path(drive: Drive) -> DrivePath:
         passed, place = in_order(axis.imperfections_of(drive)), drive.signal if several else "drive"
         late = sum(e.seconds for e in passed if isinstance(e, ActuatorDelay))
@@ -121,11 +113,11 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
 
     several = len(axis.drives) > 1
     # friction that grows with the load feels the sum of the sizes of all forces
-    forces = [scale(d) * acting(d) for d in axis.drives]
+    forces = [_per_unit(d) * acting(d) for d in axis.drives]
     load = sp.Add(*map(sp.Abs, forces)) if several else forces[0]
     drives = tuple(map(path, axis.drives))
     joints = [force(e) for e in axis.elements if isinstance(e, JointImperfection)]
-    joints += [ripple(drive, e) for drive in axis.drives for e in ripples(axis.imperfections_of(drive))]
+    joints += [_ripple(drive, e) for drive in axis.drives for e in ripples(axis.imperfections_of(drive))]
     changes = tuple(e for e in axis.elements if isinstance(e, PayloadChange))
     is_timed = bool(changes) or any(NOW in joint.law.free_symbols for joint in joints)
     return Imperfect(
@@ -135,6 +127,16 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
         changes=changes,
         clock=f"x[{first + len(memories)}]" if is_timed else "",
     )
+
+
+def _per_unit(drive: Drive) -> sp.Expr:
+    """Force of a drive per unit of its signal."""
+    return parameter_symbol(drive.constant) if drive.constant else sp.Integer(1)
+
+
+def _ripple(drive: Drive, element: Imperfection) -> JointForce:
+    law = imperfection_law(element).xreplace({FORCE: acting(drive)})
+    return JointForce(drive.at, _per_unit(drive) * law, None)
 
 
 def sent(element: DriveImperfection, drive: Drive) -> sp.Expr:
