@@ -7,8 +7,8 @@ from typing import Any
 
 from rich.console import Console
 
-from symid.diagnosis import Diagnosis, Experiment, Simulator
-from symid.diagnosis.findings.waterfall import waterfall
+from symid.diagnosis import Diagnosis, Experiment, ParameterChange, Simulator
+from symid.diagnosis.findings.waterfall import Stage, waterfall
 from symid.report.tables.console import TextTable, plain, report_console
 from symid.report.tables.motion_gap import motion_line, motion_rows, motions, unit_of_errors
 from symid.report.tables.number_text import (
@@ -38,17 +38,7 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
         "sentence": found.sentence,
         "gap": asdict(found.gap),
         **({"drives": [asdict(own.gap) for own in found.drives]} if found.drives else {}),
-        "waterfall": [
-            {
-                "model": stage.model,
-                "rms": None if stage.level is None else stage.level.rms,
-                "relative": None if stage.level is None else stage.level.relative,
-                "multiple_of_floor": stage.multiple,
-                "removed": stage.removed,
-                "removed_multiple_of_floor": stage.removed_multiple,
-            }
-            for stage in waterfall(found)
-        ],
+        "waterfall": list(map(_stage, waterfall(found))),
         "location": [asdict(place) for place in found.location],
         "maps": {name: [asdict(cell) for cell in cells] for name, cells in found.maps.items()},
         "effects": [
@@ -62,22 +52,34 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
         ],
         "alternatives": [asdict(other) for other in found.alternatives],
         "probabilities": dict(found.probabilities),
-        "parameters": {
-            change.name: {
-                "nominal": change.nominal,
-                "reidentified": {"value": change.reidentified, "std": change.reidentified_std},
-                "explained": {"value": change.explained, "std": change.explained_std},
-                "unit": change.unit,
-                "absorbed": change.absorbed,
-                "at_bound": change.at_bound,
-            }
-            for change in found.parameters
-        },
+        "parameters": {change.name: _change(change) for change in found.parameters},
         "faults": list(found.faults),
         "assumptions": list(found.assumptions),
         "next_experiment": found.next_experiment,
         **({} if found.planned is None else {"experiment": _experiment(found.planned)}),
         **simulated,
+    }
+
+
+def _stage(stage: Stage) -> dict[str, Any]:
+    return {
+        "model": stage.model,
+        "rms": None if stage.level is None else stage.level.rms,
+        "relative": None if stage.level is None else stage.level.relative,
+        "multiple_of_floor": stage.multiple,
+        "removed": stage.removed,
+        "removed_multiple_of_floor": stage.removed_multiple,
+    }
+
+
+def _change(change: ParameterChange) -> dict[str, Any]:
+    return {
+        "nominal": change.nominal,
+        "reidentified": {"value": change.reidentified, "std": change.reidentified_std},
+        "explained": {"value": change.explained, "std": change.explained_std},
+        "unit": change.unit,
+        "absorbed": change.absorbed,
+        "at_bound": change.at_bound,
     }
 
 

@@ -13,6 +13,7 @@ from symid.identification import (
     EquationResidual,
     Identification,
     OutputPrediction,
+    Preparation,
     SharedIdentification,
 )
 from symid.report.tables.console import TextTable, report_console
@@ -28,7 +29,6 @@ def identification_record(
     allows for its correlation, ``deviation`` also for scatter between parts of the logs and for ``bias``, the expected
     systematic error. ``bias_dominates`` names parameters whose bias exceeds a tenth of the corrected deviation.
     """
-    prepared = found.observations[0].preparation
     record: dict[str, Any] = {
         "axis": found.model.axis,
         "measured": list(found.model.measured),
@@ -37,15 +37,7 @@ def identification_record(
         "status": found.status,
         "message": found.message,
         "notes": list(found.notes),
-        "filter": {
-            "cutoff_hz": prepared.cutoff_hz,
-            "order": prepared.order,
-            "decimation": prepared.decimation,
-            "difference_order": prepared.difference_order,
-            "force_filtered": prepared.filter_force,
-            "trim": list(prepared.trim or ()),
-            "late_s": dict(prepared.late),
-        },
+        "filter": _filter(found.observations[0].preparation),
         "samples": max(found.fit.rows),
         "rows": list(found.fit.rows),
         "condition_number": found.fit.condition_number,
@@ -80,6 +72,18 @@ def identification_record(
     if validation is not None:
         record["validation"] = {"log": validation.log, "residual": _residuals(found, validation.residuals)}
     return record
+
+
+def _filter(prepared: Preparation) -> dict[str, Any]:
+    return {
+        "cutoff_hz": prepared.cutoff_hz,
+        "order": prepared.order,
+        "decimation": prepared.decimation,
+        "difference_order": prepared.difference_order,
+        "force_filtered": prepared.filter_force,
+        "trim": list(prepared.trim or ()),
+        "late_s": dict(prepared.late),
+    }
 
 
 def parameter_records(
@@ -204,11 +208,8 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
 
 def shared_record(found: SharedIdentification) -> dict[str, Any]:
     """Record of `symid identify --known ... --json`: the physical parameters, and each group of logs."""
-    first, units, deviations = (
-        found.groups[0],
-        found.physical_units.items(),
-        found.standard_deviations.tolist(),
-    )
+    first, units = found.groups[0], found.physical_units.items()
+    deviations = found.standard_deviations.tolist()
     return {
         "axis": found.axis,
         "measured": list(first.model.measured),
