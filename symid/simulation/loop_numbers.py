@@ -15,7 +15,7 @@ from symid.simulation.mode import StickSlipMode, StickSlipModes
 from symid.simulation.postfix import Program, program
 
 _ARGUMENTS: tuple[str, ...] = ("q", "v", "F", "t", "z")
-"""What a formula may depend on, before the forces of the drives, F0, F1 and so on; F is the load of the joints."""
+"""Arguments of a formula, before the forces F0, F1, ... of the drives; F is the load of the joints."""
 
 IntArray = np.ndarray[Any, np.dtype[np.int64]]
 

@@ -6,7 +6,7 @@ from typing import Final, Literal
 Quantity = Literal[
     "time", "position", "velocity", "acceleration", "force", "current", "voltage", "percent", "command"
 ]
-"""What a column measures; a command is what a controller sends to a drive, in a unit that the file does not state."""
+"""Quantity of a column; a command is sent by a controller to a drive, in a unit that the file does not state."""
 
 UNITS: Final[tuple[tuple[Quantity, tuple[str, ...]], ...]] = (
     ("time", ("s",)),

@@ -93,7 +93,7 @@ _SEEN = (0.5, 99.5)
 _ROOM = 0.15
 """Percentiles of the residual within the plot, and the margin around them."""
 _WIDE = 2.0
-"""Decades from which on only powers of ten are labelled."""
+"""Decades beyond which only powers of ten are labelled."""
 _MOST_TICKS = 7
 
 

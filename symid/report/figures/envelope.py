@@ -6,7 +6,7 @@ from symid.arrays import FloatArray
 
 
 def envelope(values: FloatArray, most: int) -> FloatArray:
-    """Lowest and highest value of each bundle of samples, in the order in which they come: no peak is lost.
+    """Lowest and highest value of each bundle of samples, in order of time: no peak is lost.
 
     Two values for each bundle, at the places of `envelope_places`, nan where the whole bundle is nan; a curve of at
     most `most` points stays as it is.

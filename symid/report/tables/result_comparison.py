@@ -18,7 +18,7 @@ from symid.report.tables.number_text import MISSING, significant, with_deviation
 from symid.text import spoken
 
 _DIFFERENT = 3.0
-"""Standard deviations from which on parameters count as different."""
+"""Standard deviations beyond which parameters count as different."""
 _STAGES = {
     "nominal": "nominal values",
     "reidentified": "re-identified",
