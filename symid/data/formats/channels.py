@@ -45,13 +45,14 @@ def described(record: Mapping[str, Any], names: tuple[str, ...]) -> tuple[str, t
     ('values', ('run', 'position'), 'mm')
     >>> described({"position": [0, 1]}, ("run",))
     """
-    name, unit = (_text_of(record, fields) for fields in (_NAMES, UNITS))
+    name, unit = (text_of(record, fields) for fields in (_NAMES, UNITS))
     field = next((field for field in _VALUES if field in record), None)
     path = (*names, name) if name else names
     return (field, path, unit) if field and path and (name or unit) else None
 
 
-def _text_of(record: Mapping[str, Any], fields: Sequence[str]) -> str:
+def text_of(record: Mapping[str, Any], fields: Sequence[str]) -> str:
+    """Text of the first of these fields that a record has; empty without one."""
     return next((str(record[f]) for f in fields if isinstance(record.get(f), str) and record[f]), "")
 
 
