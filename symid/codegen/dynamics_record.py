@@ -22,7 +22,7 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
     ([[[[1.0, [1, 0, 0]]]]], 'np.sign(v)')
     """
     terms = forward_terms(axis)
-    written = _Written(terms)
+    written = _TermsAsNumbers(terms)
     # Only polynomials with numbers and NumPy code of laws: a simulation reads this without sympy.
     return {
         "generators": list(map(str, terms.operators.ring.symbols[1:])),
@@ -44,7 +44,7 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
     }
 
 
-class _Written:
+class _TermsAsNumbers:
     """Terms of an axis as numbers."""
 
     def __init__(self, terms: ForwardTerms) -> None:
