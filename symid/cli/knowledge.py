@@ -12,7 +12,7 @@ from click import option
 from symid.axis import Axis
 from symid.cli.options import named_values, number, shared
 from symid.data.columns import split_unit
-from symid.errors import SettingError
+from symid.errors import SettingError, SymidError
 from symid.files import read_json, require_regular
 from symid.identification import known_of_logs
 from symid.parameter_entries import parameter_entries
@@ -120,7 +120,10 @@ def quantity(text: str, unit: Unit, what: str) -> float:
     found = _QUANTITY.fullmatch(text)
     if found is None:
         return number(text, what)
-    factor = to_si(found["unit"], unit) if found["unit"] else 1.0
+    try:
+        factor = to_si(found["unit"], unit) if found["unit"] else 1.0
+    except SymidError as error:
+        raise SettingError(f"{what}={text}: {error}") from error
     return number(found["number"], what) * factor
 
 

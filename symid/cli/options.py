@@ -199,8 +199,9 @@ def named_values(
             raise SettingError(
                 f"{option} {name.strip()} is given as {pairs[name.strip()]} and as {right.strip()}: give it once"
             )
-        if known is not None and name.strip() not in known:
-            raise SettingError(f"{option} {name.strip()} is not known: choose from {', '.join(known)}")
+    if known is not None and (strange := [name for name in pairs if name not in known]):
+        verb = "is" if len(strange) == 1 else "are"
+        raise SettingError(f"{option} {', '.join(strange)} {verb} not known: choose from {', '.join(known)}")
     return pairs
 
 

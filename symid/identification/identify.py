@@ -42,7 +42,8 @@ from symid.identification.faults.examined_faults import faults_of
 from symid.identification.faults.lagging import lag_of
 from symid.identification.faults.poor_fit import unexplained
 from symid.identification.faults.smoothing import slowly_updated
-from symid.identification.parameters.constraints import Constraints, constrained_estimates
+from symid.identification.parameters.constrained import constrained_estimates
+from symid.identification.parameters.constraints import Constraints
 from symid.identification.parameters.inseparable import estimates_by_priors
 from symid.identification.parameters.physical import PhysicalEstimate, physical_estimates
 from symid.identification.results.contradiction import with_constraint_check

@@ -8,7 +8,8 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.identification.parameters.constraints import Constraints, constrained_estimates
+from symid.identification.parameters.constrained import constrained_estimates
+from symid.identification.parameters.constraints import Constraints
 from symid.identification.parameters.inseparable import estimates_by_priors
 from symid.identification.parameters.physical import (
     PhysicalEstimate,

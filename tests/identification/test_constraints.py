@@ -126,10 +126,23 @@ def test_bounds_are_bounded_least_squares(friction: float) -> None:
     (note,) = [note for note in found.notes if "held at its bound" in note]
     assert note.startswith("Fv is held at its bound 1.5 N*s/m")
     assert f"costs {cost:.3g} in chi-square" in note
-    assert found.physical[0].standard_deviations[1] == 0.0
-    loose = np.delete(root, 1, axis=1)  # the others are those of least squares with Fv known
-    expected = np.sqrt(np.diag(np.linalg.inv(loose.T @ loose)))
-    assert np.allclose(found.physical[0].standard_deviations[[0, 2]], expected, rtol=1e-6)
+    # the posterior of Fv is the tail of a normal distribution; the others are as uncertain as this leaves them
+    normal, distance = np.linalg.inv(root.T @ root), np.sqrt(cost)
+    mean, variance = scipy.stats.truncnorm.stats(distance, np.inf)
+    of_bound = normal[1, 1] * (variance + (mean - distance) ** 2)
+    assert found.physical[0].standard_deviations[1] == pytest.approx(np.sqrt(of_bound), rel=1e-5)
+    slope = normal[:, 1] / normal[1, 1]
+    expected = np.diag(normal) - slope**2 * (normal[1, 1] - of_bound)
+    assert np.allclose(found.physical[0].standard_deviations, np.sqrt(expected), rtol=1e-5)
+
+
+def test_a_bound_that_costs_nothing_does_not_make_others_certain() -> None:
+    log = log_of(4, noise=10.0)
+    free = plain(log)
+    low = free.physical_parameters["Fv"] * (1 + 1e-9)
+    found = plain(log, bounds={"Fv": (low, None)})
+    assert any("held at its bound" in note for note in found.notes)
+    assert np.allclose(found.physical[0].standard_deviations, free.physical[0].standard_deviations, rtol=1e-3)
 
 
 def test_what_contradicts_the_log_is_not_ok() -> None:
@@ -204,6 +217,17 @@ def test_a_fixed_stiffness_separates_what_one_frequency_does_not() -> None:
 def test_what_is_not_possible_is_refused(knowledge: dict[str, object], message: str) -> None:
     with pytest.raises(SettingError, match=message):
         plain(log_of(0), **knowledge)
+
+
+def test_all_faults_of_what_is_known_are_told_at_once() -> None:
+    with pytest.raises(SettingError) as refused:
+        plain(log_of(0), bounds={"M": (3.0, 2.0), "A": (1.0, 2.0)}, prior={"Fv": (1.0, 0.0), "B": (1.0, 1.0)})
+    for fault in (
+        "bounds of M: 3 is not below 2",
+        "the prior of Fv is",
+        "'A', 'B' are no unknown parameters",
+    ):
+        assert fault in str(refused.value)
 
 
 def test_a_start_that_was_given_is_not_asked_for_again() -> None:

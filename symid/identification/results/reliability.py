@@ -195,7 +195,8 @@ def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str,
     every = list(found.model.physical_units if found.physical else found.model.minimal_units)
     values, deviations = _reported(found)
     free = values - bias.total  # parameters that are 0 without their bias have no relative one
-    relative = np.where(np.abs(free) > _CERTAIN * deviations, bias.total / np.abs(free), 0.0)
+    certain = np.abs(free) > np.maximum(_CERTAIN * deviations, 0.0)
+    relative = np.divide(bias.total, np.abs(free), out=np.zeros_like(free), where=certain)
     large = (np.abs(bias.total) > _CERTAIN * deviations) & (np.abs(relative) > _LARGE_BIAS)
     places = [every.index(name) for name in names]
     share = np.sum(np.abs(bias.noise[places]) / deviations[places])
