@@ -128,7 +128,7 @@ def first_line(error: BaseException) -> str:
 
 def damaged(path: Path, kind: str, error: BaseException) -> LogError:
     """Error for a file whose content does not match its suffix."""
-    return LogError(f"{path}: is damaged or no {kind} file ({first_line(error)}): write it again")
+    return LogError(f"{path}: is damaged, or not a {kind} file ({first_line(error)}): write it again")
 
 
 @contextmanager

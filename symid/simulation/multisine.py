@@ -209,7 +209,7 @@ def _lines(
         raise SettingError("the lines of a multisine must be positive frequencies in Hz: give at least one")
     if (np.diff(lines) <= 0.0).any():
         raise SettingError(
-            "the lines of a multisine do not ascend: sort the frequencies and leave out doubles"
+            "the lines of a multisine do not ascend: sort the frequencies and leave out duplicates"
         )
     if lines[-1] * sampling_period >= 0.5:
         raise SettingError(

@@ -48,7 +48,7 @@ def test_matlab_7_3(tmp_path):
     path = tmp_path / "a.mat"
     text = b"MATLAB 7.3 MAT-file, Platform: GLNXA64"
     path.write_bytes(text.ljust(512) + b"\x89HDF\r\n\x1a\n" + bytes(500))
-    assert "is damaged or no HDF5 file" in error_of(path)
+    assert "is damaged, or not a HDF5 file" in error_of(path)
 
 
 def test_matlab_arrays_that_are_no_signals(tmp_path):

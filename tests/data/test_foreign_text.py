@@ -197,11 +197,11 @@ def test_text_with_the_suffix_of_excel_is_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"PAR1" + bytes(90), "holds no text but a .parquet file"),
-        (b"\x1f\x8b" + bytes(90), "holds no text but a .gz file"),
+        (b"PAR1" + bytes(90), "is not text but a .parquet file"),
+        (b"\x1f\x8b" + bytes(90), "is not text but a .gz file"),
         (b"<html><table>", "holds a page of HTML"),
         (b"\n\n", "is empty"),
-        (b"t,q\n0,1\n1,2\n", "has fewer than 5 rows of numbers"),
+        (b"t,q\n0,1\n1,2\n", "has fewer than 5 consecutive rows of numbers"),
         (b"\x81\x8d\xff\xff", "is not text in cp1252: give its `encoding`"),
     ],
 )

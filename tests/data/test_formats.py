@@ -54,7 +54,7 @@ def test_a_file_that_ends_its_parser_is_one_line(tmp_path: Path) -> None:
     data = bytearray((tmp_path / "a.mat").read_bytes())
     data[176 + 1] = 0xFF  # the type of the name's element: scipy 1.17 reads where it may not
     (tmp_path / "a.mat").write_bytes(bytes(data))
-    with pytest.raises(LogError, match=r"a\.mat: is damaged or no MATLAB file"):
+    with pytest.raises(LogError, match=r"a\.mat: is damaged, or not a MATLAB file"):
         open_table(tmp_path / "a.mat")
 
 
@@ -67,7 +67,7 @@ def test_what_threads_of_polars_print_of_a_damaged_file_is_dropped(
 
     monkeypatch.setattr(pl, "scan_ipc", broken)
     FILES["a.feather"](tmp_path / "a.feather")
-    with pytest.raises(LogError, match=r"a\.feather: is damaged or no Feather file"):
+    with pytest.raises(LogError, match=r"a\.feather: is damaged, or not a Feather file"):
         open_table(tmp_path / "a.feather")
     assert capfd.readouterr().err == ""
 
@@ -195,7 +195,7 @@ def test_json_without_columns_is_refused(content: str, tmp_path: Path) -> None:
 
 def test_no_objects_are_loaded(tmp_path: Path) -> None:
     np.savez(tmp_path / "o.npz", t=np.array([{"a": 1}] * 30, dtype=object))
-    with pytest.raises(LogError, match=r"o\.npz: is damaged or no NPZ file"):
+    with pytest.raises(LogError, match=r"o\.npz: is damaged, or not a NPZ file"):
         open_table(tmp_path / "o.npz")
 
 

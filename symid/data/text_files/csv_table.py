@@ -68,7 +68,7 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
     skipped = layout.skipped
     if len(lines) <= skipped:
         raise LogError(
-            f"{path}: ends above the values, which the layout expects below line {skipped}: correct it"
+            f"{path}: ends above the values, which the layout places below line {skipped}: correct the layout"
         )
     of_pairs = layout.separator == layout.decimal
     row = fields(with_points(lines[skipped]) if of_pairs else lines[skipped], layout.separator)

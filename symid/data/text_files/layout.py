@@ -145,7 +145,7 @@ def lines_of(path: Path, content: bytes, encoding: str) -> list[str]:
     """The first lines of the bytes of a text file; errors as those of `first_lines`."""
     kind = next((kind for begin, kind in _BINARY.items() if content.startswith(begin)), None)
     if kind:
-        raise LogError(f"{path}: holds no text but {kind}: give it that suffix")
+        raise LogError(f"{path}: is not text but {kind}: give it that suffix")
     if content[:200].lstrip().lower().startswith((b"<!doctype html", b"<html", b"<table", b"<?xml")):
         raise LogError(f"{path}: holds a page of HTML or XML: export it as CSV")
     if not content.strip():
@@ -215,12 +215,13 @@ def _layout_in(path: Path, content: bytes, encoding: str) -> Layout:
     if pairs := may_be_pairs(lines):
         raise LogError(
             f"{path}: {pairs}: its decimal marks seem to be commas as well, and some numbers lack their fraction, so "
-            "that which comma is which is not known: export it with semicolons between columns, or with decimal points"
+            "that decimal commas and separators look alike: export it with semicolons between columns, or with decimal "
+            "points"
         )
     few = max((values_in(lines, separator, 1) or (0, 0) for separator in _SEPARATORS), default=(0, 0))
     if few[0] > 1:
         raise LogError(
-            f"{path}: has fewer than {LEAST_ROWS} rows of numbers in a row: give a log with samples"
+            f"{path}: has fewer than {LEAST_ROWS} consecutive rows of numbers: give a log with samples"
         )
     raise LogError(
         f"{path}: no columns of numbers below a line of names are found: export it as CSV with one line of names"
