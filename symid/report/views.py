@@ -158,20 +158,11 @@ def write_page(found: Shown, path: str | Path) -> Path:
     return page
 
 
-@write_page.register(Identification)
-@write_page.register(OutputErrorIdentification)
-def _(found: Identification | OutputErrorIdentification, path: str | Path) -> Path:
-    write_identification_html(found, path)
-    return html_path(path)
-
-
-@write_page.register
-def _(found: Diagnosis, path: str | Path) -> Path:
-    write_html(found, path)
-    return html_path(path)
+write_page.register(Identification, write_identification_html)
+write_page.register(OutputErrorIdentification, write_identification_html)
+write_page.register(Diagnosis, write_html)
 
 
 @write_page.register
 def _(batch: Batch, path: str | Path) -> Path:
-    write_fleet_html(review_fleet(batch.table, units=batch.units), path)
-    return html_path(path)
+    return write_fleet_html(review_fleet(batch.table, units=batch.units), path)

@@ -92,7 +92,7 @@ _MOST_SHOWN = 8
 
 def write_html(
     found: Diagnosis, file: str | Path, reword: Callable[[Any], Any] = as_it_is, command: str = ""
-) -> None:
+) -> Path:
     """Write a diagnosis as one self-contained HTML file; without JavaScript only its plots are missing.
 
     `reword` writes the settings that messages name; `command` is the command line that made it.
@@ -121,6 +121,7 @@ def write_html(
         version=__version__,
     )
     write_whole(path, text)
+    return path
 
 
 def _correlations(found: Diagnosis) -> list[OutputCorrelations]:

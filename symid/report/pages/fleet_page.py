@@ -56,8 +56,8 @@ class _Section:
 
 def write_fleet_html(
     found: FleetReview, file: str | Path, joined: Mapping[str, JointIdentification] | None = None
-) -> None:
-    """Write the review of a fleet, with joint results by axis, as one self-contained HTML file.
+) -> Path:
+    """Write the review of a fleet, with joint results by axis, as one self-contained HTML file; return its path.
 
     Without JavaScript only the table of all logs is missing.
     """
@@ -87,6 +87,7 @@ def write_fleet_html(
         version=__version__,
     )
     write_whole(path, text)
+    return path
 
 
 def _sections(found: FleetReview, record: dict[str, Any], places: dict[str, int]) -> list[_Section]:

@@ -51,8 +51,8 @@ def write_identification_html(
     runs: Sequence[Log] = (),
     command: str = "",
     reword: Callable[[Any], Any] = as_it_is,
-) -> None:
-    """Write an identification as one self-contained HTML file.
+) -> Path:
+    """Write an identification as one self-contained HTML file; return its path.
 
     With the axis and its logs, that of the validation last (without one, those that the result keeps), the page shows
     the residual over the motion, the simulated motion and the frequency response; `command` is the command line that
@@ -80,6 +80,7 @@ def write_identification_html(
         version=__version__,
     )
     write_whole(path, text)
+    return path
 
 
 def _record(
