@@ -12,7 +12,7 @@ import numpy as np
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.errors import LogError, SettingError
-from symid.excitation.references import scaled
+from symid.excitation.references import DEFAULTS, scaled
 from symid.identification import Preparation, identify_with_steps
 from symid.instrumental import identify_by_instruments
 from symid.simulation import (
@@ -29,6 +29,10 @@ from symid.simulation.equilibrium import equilibrium
 
 _TRIES = 4
 _MARGIN = 0.99
+_FULL = 0.95
+"""Share of a limit from which a reference is not enlarged."""
+_LARGEST_STEP = 10.0
+"""Factor by which the size of a reference changes at most from one simulation to the next."""
 _OF_ESTIMATE = 4
 """Weight of the printed deviations, in runs, beside the errors of the runs."""
 
@@ -87,21 +91,26 @@ class IdentificationTrial:
     that encoder noise in the regressor causes."""
 
     def within_limits(
-        self, paths: Sequence[Trajectory], seed: int = 0
+        self, paths: Sequence[Trajectory], seed: int = 0, *, enlarge: bool = True
     ) -> tuple[tuple[Trajectory, ...], Simulation] | None:
-        """The references, reduced as far as the limits require, and their simulation; None if that does not succeed."""
+        """The references with the size at which the axis reaches a limit, and their simulation; None if none is found.
+
+        A loop follows fast references in part only: what it leaves of a limit is used, unless `enlarge` is false.
+        """
         allowed, tried = self.allowed, [(0.0, 0.0)]
-        size = 1.0
+        size, kept = 1.0, None
         for _ in range(_TRIES):
             moved = tuple(scaled(path, size) for path in paths)
             run = self.simulated(moved, seed)
             reached = self.reached(moved, run)
             excess = max(reached[name] / allowed[name] for name in allowed)
             if excess <= 1.0:
-                return moved, run
+                kept = moved, run
+                if excess >= _FULL or not enlarge:
+                    break
             tried.append((size, excess))
-            size = _smaller(*tried[-2:])
-        return None
+            size = _next_size(*tried[-2:])
+        return kept
 
     def simulated(self, paths: Sequence[Trajectory], seed: int) -> Simulation:
         """The axis along the references, from rest in equilibrium if it has one."""
@@ -176,10 +185,10 @@ class IdentificationTrial:
     def expectation(self, paths: Sequence[Trajectory], runs: int = 1) -> Expectation | None:
         """Expectation for a reference of each drive; None if limits or identification cannot be met.
 
-        References are reduced if the axis exceeds its limits. The runs differ in their noise; more runs detect smaller
-        systematic errors.
+        References are scaled to the limits of the axis; the defaults are only reduced. The runs differ in their noise;
+        more runs detect smaller systematic errors.
         """
-        kept = self.within_limits(paths)
+        kept = self.within_limits(paths, enlarge=paths[0].name not in DEFAULTS)
         if kept is None:
             return None
         motion, first = kept
@@ -200,14 +209,17 @@ class IdentificationTrial:
         return Expectation(motion, deviations, relative, self.reached(*kept))
 
 
-def _smaller(one: tuple[float, float], other: tuple[float, float]) -> float:
+def _next_size(one: tuple[float, float], last: tuple[float, float]) -> float:
     """Size of a reference that just keeps its limits, by the line through two sizes with what they reached.
 
-    Noise in the loop and friction move the axis however small the reference is.
+    Noise in the loop, weights and friction load the axis however small the reference is.
 
-    >>> round(_smaller((1.0, 1.5), (0.6, 1.1)), 9)
-    0.49
+    >>> round(_next_size((1.0, 1.5), (0.6, 1.1)), 9), round(_next_size((0.0, 0.0), (1.0, 0.5)), 9)
+    (0.49, 1.98)
     """
-    (first, much), (second, less) = one, other
-    by_line = second + (_MARGIN - less) * (first - second) / (much - less) if much > less > 0.0 else second
-    return max(min(by_line, second * _MARGIN / less), 0.1 * second)
+    (first, before), (size, excess) = one, last
+    proportional, is_line = size * _MARGIN / excess, (excess - before) * (size - first) > 0.0
+    by_line = size + (_MARGIN - excess) * (size - first) / (excess - before) if is_line else proportional
+    if excess > 1.0:
+        return max(min(by_line, proportional), size / _LARGEST_STEP)
+    return min(max(by_line, proportional), size * _LARGEST_STEP)

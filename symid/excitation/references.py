@@ -125,7 +125,8 @@ def _moves(
         if times:
             repeated = once.lasting(times * once.duration)
             kind = "one speed" if len(speeds) == 1 else f"{len(speeds)} speeds"
-            yield replace(repeated, name=f"moves over {way:.3g} at {kind} up to {top:.3g}")
+            length = "the longest moves" if share == 1.0 else f"moves over {share:.0%} of the longest"
+            yield replace(repeated, name=f"{length} at {kind}")
 
 
 def _superposed(limits: Limits, rate: float, seconds: float, highest_mode: float) -> Iterator[Trajectory]:
