@@ -178,6 +178,12 @@ def test_a_library_that_is_missing_is_named_with_its_extra(
     assert required("json", tmp_path) is json
 
 
+def test_every_format_has_a_row_in_the_table_of_formats() -> None:
+    page = (Path(__file__).parents[2] / "docs/how_to/foreign_log.md").read_text(encoding="utf-8")
+    table = page.partition("| suffix |")[2].partition("\n\n")[0]
+    assert [suffix for suffix in SUFFIXES if f"`{suffix}`" not in table and suffix.count(".") == 1] == []
+
+
 def test_results_and_settings_in_a_folder_are_no_logs() -> None:
     assert set(SUFFIXES) - set(FOLDER_SUFFIXES) == {".json", ".npz", ".npy", ".xls", ".ods", *OPENERS}
 
