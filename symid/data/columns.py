@@ -74,7 +74,7 @@ def sources_of(given: Assignment, named: Collection[str]) -> tuple[Source, ...]:
             sources.append(source)
     if not faults and not any(source.signal in given.expected for source in sources):
         faults.append(
-            f"has none of the signals {', '.join(given.expected)}: {_there(given.headers)}, "
+            f"has none of the signals {', '.join(given.expected)}: {_columns_named(given.headers)}, "
             f"name one with `columns` {next(iter(given.expected), 'q')}=NAME"
         )
     if faults:
@@ -96,7 +96,7 @@ def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
         hint = "map it with" if signal == TIME else "correct"
         raise LogError(
             f"there is no column {column!r} for the {what}{similar(column, given.headers)}: "
-            f"{_there(given.headers)}, {hint} `columns` {signal}=NAME, or let symid import look at the file"
+            f"{_columns_named(given.headers)}, {hint} `columns` {signal}=NAME, or let symid import look at the file"
         )
     if signal not in given.alternatives:
         return None
@@ -154,6 +154,6 @@ def _position(headers: Sequence[str], column: str) -> int | None:
     return None
 
 
-def _there(headers: Sequence[str]) -> str:
+def _columns_named(headers: Sequence[str]) -> str:
     shown = ", ".join(headers[:20]) + (", ..." if len(headers) > 20 else "")
     return f"the file has {shown}" if headers else "the file has no columns of numbers"

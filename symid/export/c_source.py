@@ -98,8 +98,8 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
     )
     written = () if isinstance(model, Axis) else model.minimal.written
     words = {
-        **_words(axis, dynamics, values, [*written, *(f"Lost: {loss}" for loss in losses)]),
-        **_regressor_words(model),
+        **_fields(axis, dynamics, values, [*written, *(f"Lost: {loss}" for loss in losses)]),
+        **_regressor_fields(model),
         "header": f"{header or axis.name}.h",
     }
     texts = {".c": SOURCE.format(**words), ".h": HEADER.format(**words)}
@@ -121,7 +121,7 @@ def internal_step(axis: Axis, values: Mapping[str, float]) -> float:
     return float(f"{min(_LONGEST, 1 / (_STEPS_A_RADIAN * max(fastest, 1.0))):.2g}")
 
 
-def _words(
+def _fields(
     axis: Axis, dynamics: SymbolicDynamics, values: Mapping[str, float], texts: Sequence[str]
 ) -> dict[str, object]:
     """Fields of the templates, except those of the regressor."""
@@ -148,13 +148,13 @@ def _words(
         "derivative": derivative(dynamics),
         "step": step_function(dynamics),
         "readings": readings(dynamics),
-        **_feedforward_words(axis),
-        **_settle_words(dynamics),
+        **_feedforward_fields(axis),
+        **_settle_fields(dynamics),
         **delay_fields(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
     }
 
 
-def _regressor_words(model: DerivedModel | Axis) -> dict[str, str]:
+def _regressor_fields(model: DerivedModel | Axis) -> dict[str, str]:
     """Fields that a minimal model adds to header and source; empty for an axis alone."""
     if isinstance(model, Axis):
         return dict.fromkeys(("measured_line", "regressor_sizes", "regressor_header", "regressor_source"), "")
@@ -181,7 +181,7 @@ def _regressor_words(model: DerivedModel | Axis) -> dict[str, str]:
     }
 
 
-def _feedforward_words(axis: Axis) -> dict[str, str]:
+def _feedforward_fields(axis: Axis) -> dict[str, str]:
     """Fields that a feed-forward adds to header and source; empty if the axis has none."""
     try:
         force = feedforward(axis).force
@@ -195,7 +195,7 @@ def _feedforward_words(axis: Axis) -> dict[str, str]:
     }
 
 
-def _settle_words(dynamics: SymbolicDynamics) -> dict[str, str]:
+def _settle_fields(dynamics: SymbolicDynamics) -> dict[str, str]:
     """Fields that lags of drives add to header and source; empty without lags."""
     axis = dynamics.axis
     words = {"name": axis.name, "n_state": dynamics.n_states, "body": settled_lags(dynamics)}

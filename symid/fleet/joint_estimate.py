@@ -151,9 +151,9 @@ def identify_jointly(
         if fit.status == "ok":
             physical = physical_estimates(model, fit.parameters, covariance, nominal)
         status, message = verdict(model, fit, physical)
-        alone = _alone(logs) if fit.status == "ok" else []
+        alone = _single_estimates(logs) if fit.status == "ok" else []
         disagreement, freedom = _disagreement(alone)
-        if status == "ok" and (apart := _apart(model, fit, physical[0], alone)):
+        if status == "ok" and (apart := _differing_log(model, fit, physical[0], alone)):
             status, message = "poor_fit", apart
     return JointIdentification(
         model=model,
@@ -207,7 +207,7 @@ def _covariances(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[FloatAr
 
 
 @dataclass(frozen=True, eq=False)
-class _Alone:
+class _SingleEstimate:
     """Estimate of the minimal parameters from one log."""
 
     log: str
@@ -215,28 +215,28 @@ class _Alone:
     covariance: FloatArray
 
 
-def _alone(logs: Sequence[LogFactors]) -> list[_Alone]:
+def _single_estimates(logs: Sequence[LogFactors]) -> list[_SingleEstimate]:
     """Estimates from the logs that determine all parameters alone."""
     return [
-        _Alone(log.log, own.parameters, log.covariance)
+        _SingleEstimate(log.log, own.parameters, log.covariance)
         for log, own in ((log, estimate(log.factors)) for log in logs)
         if own.status == "ok" and np.all(np.isfinite(log.covariance))
     ]
 
 
-def _apart(
-    model: GeneratedModel, fit: LeastSquares, physical: PhysicalEstimate, alone: Sequence[_Alone]
+def _differing_log(
+    model: GeneratedModel, fit: LeastSquares, physical: PhysicalEstimate, alone: Sequence[_SingleEstimate]
 ) -> str:
     """Statement on a log whose own physical parameters, to first order, differ from the others; else empty."""
 
-    def estimated(one: _Alone) -> LogEstimate:
+    def estimated(one: _SingleEstimate) -> LogEstimate:
         values = physical.parameters + physical.sensitivity @ (one.parameters - fit.parameters)
         return LogEstimate(one.log, values, physical.propagated_deviations(one.covariance))
 
     return disagreement_between(list(model.physical_units), list(map(estimated, alone)))
 
 
-def _disagreement(alone: Sequence[_Alone]) -> tuple[float, int]:
+def _disagreement(alone: Sequence[_SingleEstimate]) -> tuple[float, int]:
     """Chi-square of the separate estimates about their weighted mean, and its degrees of freedom."""
     if len(alone) < 2:
         return float("nan"), 0

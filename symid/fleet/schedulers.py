@@ -80,9 +80,9 @@ class Processes:
             except _DEATHS:
                 for place in [place for place in begun if place in left] or list(left)[:1]:
                     task = left.pop(place)
-                    yield task, self._alone(work, task)
+                    yield task, self._in_own_process(work, task)
 
-    def _alone(self, work: Callable[[Task], Result], task: Task) -> Result | None:
+    def _in_own_process(self, work: Callable[[Task], Result], task: Task) -> Result | None:
         """Result of a suspected task in a separate process.
 
         None if the task kills two processes, or one after more than half of its time limit.

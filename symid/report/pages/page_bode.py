@@ -28,7 +28,7 @@ _BEYOND = 1.25
 
 
 @dataclass(frozen=True, eq=False)
-class _Beside:
+class _ComparedResponse:
     """A response of the re-identified axis beside the measured one, and that with the effects found, if any."""
 
     of: FrequencyResponse
@@ -39,11 +39,11 @@ def bode_plots(found: Diagnosis) -> dict[str, GridPlot]:
     """Bode diagrams by the first sensors' names; none with several drives, no search, or an axis hardly excited."""
     if found.drives:
         return {}
-    beside = (_beside(found, signal) for signal in found.measured[:_MOST_SENSORS])
-    return {f"response of {one.of.signal}": _bode(one) for one in beside if one is not None}
+    compared = (_compared_response(found, signal) for signal in found.measured[:_MOST_SENSORS])
+    return {f"response of {one.of.signal}": _bode(one) for one in compared if one is not None}
 
 
-def _beside(found: Diagnosis, signal: str) -> _Beside | None:
+def _compared_response(found: Diagnosis, signal: str) -> _ComparedResponse | None:
     """Responses of a sensor; None where the axis or the measured response is not determined well enough."""
     values = {change.name: change.reidentified for change in found.parameters}
     if found.record is None or not has_response(found.axis, values):
@@ -51,10 +51,10 @@ def _beside(found: Diagnosis, signal: str) -> _Beside | None:
     of = response_of(found.axis, values, signal, [found.record.log], found.record.late)
     if not of.top_hz:
         return None
-    return _Beside(of, explained_response(found, of) if found.effects else None)
+    return _ComparedResponse(of, explained_response(found, of) if found.effects else None)
 
 
-def _bode(one: _Beside) -> GridPlot:
+def _bode(one: _ComparedResponse) -> GridPlot:
     """Magnitude, phase and coherence below each other."""
     of = one.of
     source, sizes = _columns(one)
@@ -76,7 +76,7 @@ def _bode(one: _Beside) -> GridPlot:
     return stacked(magnitude, phase, coherence)
 
 
-def _curves(what: str, one: _Beside) -> list[Curve]:
+def _curves(what: str, one: _ComparedResponse) -> list[Curve]:
     """Measured points and computed curves of the magnitude or the phase."""
     return [
         Curve(f"{what}_doubtful", f"coherence below {COHERENT}", MEASURED, 3, True, 0.25),
@@ -86,7 +86,7 @@ def _curves(what: str, one: _Beside) -> list[Curve]:
     ]
 
 
-def _columns(one: _Beside) -> tuple[ColumnDataSource, FloatArray]:
+def _columns(one: _ComparedResponse) -> tuple[ColumnDataSource, FloatArray]:
     """Columns of the plots, and the sizes that must be seen."""
     of = one.of
     shown = of.frequency <= _BEYOND * of.top_hz
