@@ -79,10 +79,10 @@ class ThroughDrive(Controller):
         own = state[n:].tolist()
         if own and math.isnan(own[0]):  # the steady state of a constant force
             own = [acting] * len(own)
-        acting, own = self._behind(acting, own)
+        acting, own = self._lagged(acting, own)
         return acting, np.concatenate([inner, own])
 
-    def _behind(self, acting: Any, state: list[Any]) -> tuple[Any, list[Any]]:
+    def _lagged(self, acting: Any, state: list[Any]) -> tuple[Any, list[Any]]:
         """Force after lags and delay, and their new state, as numbers or as rows on the state and inputs of a law."""
         lagging, past = state[: len(self._lags)], state[len(self._lags) :]
         # Each lag follows the force exponentially; the mean over the sample acts. A fractional delay is the mean of two
@@ -105,7 +105,7 @@ class ThroughDrive(Controller):
             return None
         n, n_state = len(law.A), self.start.size
         drive = np.eye(n_state + 1)  # rows on the state and the force after the nonlinearities
-        acting, own = self._behind(drive[-1], list(drive[n:-1]))
+        acting, own = self._lagged(drive[-1], list(drive[n:-1]))
         after = np.vstack([np.zeros((n, n_state + 1)), *own])
         added = n_state - n
         return replace(

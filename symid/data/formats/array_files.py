@@ -60,7 +60,7 @@ def open_matlab(path: Path, memory: int | None = None) -> Table:
             require_memory(values, memory)
             return table_of_channels(_channels_apart(path, memory))
         except LogError as error:
-            return _otherwise(open_hdf5(path, memory), path, error)
+            return _vectors_alone(open_hdf5(path, memory), path, error)
     # only compressed elements have a checksum, and a wrong element can end the process of its parser
     if may_hold_objects(begin) or _COMPRESSED not in begin[128:132]:
         return table_of_channels(_channels_apart(path, memory))
@@ -89,13 +89,13 @@ def _parsed(path: Path, memory: int | None) -> list[Channel]:
             raise LogError(_NOTHING)
         return found
     except Exception as error:  # noqa: BLE001  objects of an unknown kind; the vectors beside them are read
-        return _otherwise([] if is_hdf5 else _channels(path, memory), path, error)
+        return _vectors_alone([] if is_hdf5 else _channels(path, memory), path, error)
 
 
 _Found = TypeVar("_Found", Table, list[Channel])
 
 
-def _otherwise(vectors: _Found, path: Path, error: Exception) -> _Found:
+def _vectors_alone(vectors: _Found, path: Path, error: Exception) -> _Found:
     """Vectors of a file whose objects cannot be read; LogError if it has none."""
     if vectors if isinstance(vectors, list) else vectors.headers:
         return vectors
