@@ -9,6 +9,9 @@ from symid.arrays import FloatArray
 from symid.estimation import LeastSquares
 from symid.identification import Observation
 
+_RESOLVED = 1e-12
+"""Power of a combination of the instruments, as part of the largest, at which it is rounding and not correlated."""
+
 
 @dataclass(frozen=True, eq=False)
 class InstrumentalFit:
@@ -51,7 +54,8 @@ def estimate_by_instruments(
     solution = start.solution + root @ (gain @ slope)
     values, vectors = np.linalg.eigh(own)
     # W T is orthonormal. With Z T made orthonormal too, the singular values are the canonical correlations.
-    orthonormal = vectors / np.sqrt(np.maximum(values, np.finfo(float).tiny))
+    resolved = values > _RESOLVED * values[-1]
+    orthonormal = np.where(resolved, vectors / np.sqrt(np.where(resolved, values, 1.0)), 0.0)
     correlation = float(np.linalg.svd(orthonormal.T @ cross, compute_uv=False)[-1])
     norms = np.array(
         [

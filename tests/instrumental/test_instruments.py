@@ -68,6 +68,15 @@ def test_the_estimate_is_that_of_the_formula() -> None:
     assert same.correlation == pytest.approx(1.0, abs=1e-9)
 
 
+def test_instruments_that_repeat_each_other_are_weak() -> None:
+    random = np.random.default_rng(6)
+    W, y = random.standard_normal((50, 3)), random.standard_normal(50)
+    for copied in (W[:, [0, 1, 1]], W @ np.diag([1.0, 1.0, 0.0])):
+        start = estimate(triangular_factors(W[None], y[None]))
+        found = estimate_by_instruments([observation(W, y)], [copied[None]], start)
+        assert found.correlation < 1e-6
+
+
 def test_the_corrected_covariance_of_instruments_is_the_spread_of_estimates() -> None:
     """One parameter, a regressor with noise, a residual that is correlated over time."""
     random = np.random.default_rng(4)
