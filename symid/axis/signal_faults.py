@@ -37,7 +37,7 @@ def type_faults(
     if not isinstance(name, str) or not is_signal_name(name):
         yield f"name {name!r} is not an identifier: use letters, digits and underscores"
     if not isinstance(elements, tuple) or not isinstance(sensors, tuple):
-        yield "elements and sensors must be tuples: write a comma behind a single one"
+        yield "elements and sensors must be tuples: write a comma after a single one"
         return
     kinds = (Body, Spring, Damper, Weight, PendulumWeight, Law, Imperfection)
     for element in elements:

@@ -178,7 +178,7 @@ class _Call:
     arguments: tuple[tuple[str, _Call | str], ...]
 
     def written(self, first: str, indent: int, last: str = "") -> str:
-        """Text behind `first`, on one line if that and `last` fit, else with one argument per line."""
+        """Text after `first`, on one line if that and `last` fit, else with one argument per line."""
         line = f"{' ' * indent}{first}{self.in_line}{last}"
         if len(line) <= _WIDTH:
             return line
@@ -278,7 +278,7 @@ def _variables(axis: Axis, taken: set[str]) -> dict[object, str]:
 
 
 def _in_order(bodies: tuple[Body, ...]) -> list[Body]:
-    """Bodies behind those that carry or turn them."""
+    """Bodies after those that carry or turn them."""
     ordered: dict[Body, None] = {}
 
     def place(body: Body) -> None:

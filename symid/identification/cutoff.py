@@ -117,11 +117,11 @@ class Estimation:
         return float(np.max(unexplained(self.model, parts, found.fit)))
 
     def _is_drowned(self, found: CutoffTrial) -> bool:
-        """Whether so much of an equation is left that no estimate at this cutoff is accepted, be it noise."""
+        """Whether the residual of an equation is too large for any estimate at this cutoff, even if it is noise."""
         return found.fit.status == "ok" and bool(poorly_fitted(self.model, found.fit))
 
     def highest(self, first: CutoffTrial, *, is_coherent: bool = True) -> float:
-        """Times the cutoffs of a trial that the logs allow, with forces and motion coherent or not."""
+        """Largest multiple of a trial's cutoffs that the logs allow, with forces and motion coherent or not."""
         order, place = self.preparation.difference_order, 1 if is_coherent else 2
         return min(
             cutoff_range(log, self.model, order)[place] / _cutoff(run)
@@ -129,7 +129,7 @@ class Estimation:
         )
 
     def _at(self, preparations: Sequence[Preparation]) -> CutoffTrial:
-        """Rows and estimate; friction beside a differentiated force is taken off it, and found by secants."""
+        """Rows and estimate; friction beside a differentiated force is subtracted from it, and found by secants."""
         model = self.model
         is_open = bool(model.coulomb_at_drive) and self.preparation.coulomb is None
         runs = tuple(

@@ -2,7 +2,7 @@
 
 A held force jumps at each sample, and so does an acceleration. An accelerometer with the clock of the drive reads the
 value just before the jump, that is under the force of the sample before, while motion from positions follows the held
-force half a sample late on average. What the reading lacks is D (F(t - T/2) - F[k-1]), D being the acceleration that a
+force half a sample late on average. The reading lacks D (F(t - T/2) - F[k-1]), D being the acceleration that a
 unit of force makes at once. D depends on the parameters: it is found with them, by iteration. Other simulators record
 the value just after the jump, which lacks D (F(t - T/2) - F[k]).
 """
@@ -82,7 +82,7 @@ def logs_with_steps(
     preparation: Preparation | None = None,
     **settings: Any,
 ) -> tuple[Sequence[AnyLog], str]:
-    """The logs with what accelerometers miss of the steps, if that fits better than they do, and a note that says so.
+    """The logs with the steps that accelerometers miss added, if that fits better, and a note that says so.
 
     `found` is the identification of the logs as they are; everything else is as in `identify_with_steps`.
     """

@@ -58,7 +58,7 @@ class SharedIdentification(Shown):
     message: str
     """Meaning of the status; empty for "ok"."""
     constraint_notes: tuple[str, ...] = ()
-    """What bounds and priors do to the result."""
+    """Effect of bounds and priors on the result."""
 
     @property
     def notes(self) -> tuple[str, ...]:

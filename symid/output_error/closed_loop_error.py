@@ -2,7 +2,7 @@
 
 Noise of the readings goes round the loop, so that the errors of readings and force are correlated in time and with each
 other. An autoregressive model of them, fitted at the parameters of the moment, whitens them: generalised least squares,
-iterated. Nothing is asked of the force between samples: it is simulated at the controller's own rate.
+iterated. Nothing is assumed of the force between samples: it is simulated at the controller's own rate.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ Course = Literal["held", "smooth"]
 
 _INTERPOLATION_REACH = 24
 """Samples on either side that the band-limited interpolation of a force uses."""
-_RESOLUTION = 300  # parts of the band in each of which a force is told from its noise
+_RESOLUTION = 300  # parts of the band in each of which a force is separated from its noise
 
 
 def force_between(

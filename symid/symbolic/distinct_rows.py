@@ -79,7 +79,7 @@ def _reduced_by(
     mine = _signals_of(row, operators)
     for multiple in _multiples_within(mine, other, row.degree - other.degree, operators):
         theirs = _signals_of(multiple, operators)
-        if shared and _is_told_apart(mine, theirs, _signals_of(other, operators)):
+        if shared and _is_distinct(mine, theirs, _signals_of(other, operators)):
             continue
         # The force goes first. Beside a linear row it stays the output, and what is differentiated most goes.
         of_force = {signal: signal[0].startswith(_FORCE) for signal in theirs}
@@ -120,7 +120,7 @@ def _cleared(
     return row.combine(quotient(theirs, common), other, -quotient(mine, common))
 
 
-def _is_told_apart(mine: Signals, theirs: Signals, linear: Signals) -> bool:
+def _is_distinct(mine: Signals, theirs: Signals, linear: Signals) -> bool:
     """Whether a multiple of a linear row, added to another row, would show in its minimal parameters.
 
     The parameters of the linear row are those of both, and signals of the other one with the same coefficient share

@@ -142,11 +142,10 @@ def _driven(
 
     X = 0 also solves 0 = D X: with noise in D, least squares would shrink the parameters towards it. The sum and the
     other equation together are equivalent. The equation with the force that gives fewest terms is added, of those that
-    share a parameter with it and so determine its scale.
-    Both are differentiated alike first, and multiplied such that a term cancels where they have one in common: the
-    force of a spring behind a gear, whose noise would outweigh the sum. Where they have none, a balance of forces is
-    multiplied by a ratio of the axis before it is added to one of torques, and vice versa: terms of other units would
-    be of other sizes.
+    share a parameter with it and so determine its scale. Both are differentiated alike first, and multiplied such that
+    a term cancels where they have one in common: the force of a spring after a gear, whose noise would outweigh the
+    sum. Where they have none, a balance of forces is multiplied by a ratio of the axis before it is added to one of
+    torques, and vice versa: terms of other units would be of other sizes.
     """
     if equation.force or not equation.is_linear:
         return equation

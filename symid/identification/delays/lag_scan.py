@@ -72,9 +72,10 @@ def shiftable(model: GeneratedModel) -> tuple[str, ...]:
 
 
 def shown_late(model: GeneratedModel, *, noise_alone: bool) -> list[str]:
-    """Those that a residual may show to be late or filtered.
+    """Signals that a residual may show to be late or filtered.
 
-    In noise alone they are no forces: what a controller makes of the encoder's noise looks late.
+    If the residual is noise alone, forces are left out: the force that a controller makes of the encoder's noise looks
+    late.
     """
     return [name for name in shiftable(model) if not (noise_alone and name in model.forces)]
 

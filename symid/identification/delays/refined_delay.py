@@ -1,4 +1,4 @@
-"""Delay of some signals near a start, by Gauss-Newton iterations; that of a force without what noise makes of it."""
+"""Delay of some signals near a start, by Gauss-Newton iterations; of a force, without the part that noise causes."""
 
 from __future__ import annotations
 
@@ -88,8 +88,9 @@ def beyond_feedback(
 ) -> Delay:
     """The delay of forces at the cutoff, or a lower one, at which it is most certain.
 
-    A controller makes force of the encoder's noise. It is then in the residual and in the derivative of the force, and
-    looks like a delay. It grows with the third power of the frequency or more, so that lower cutoffs hardly have it.
+    A controller turns the encoder's noise into force. It is then in the residual and in the derivative of the force,
+    and looks like a delay. It grows with at least the third power of the frequency, so lower cutoffs leave little of
+    it.
     """
     best = found
     for factor in _LOWER_CUTOFFS:

@@ -1,11 +1,10 @@
 """Delay of a signal against the others: the one that leaves the least residual.
 
 The rows W and y of a log depend on the force F linearly, so that those of F(t + tau) follow from those of F alone, and
-so with every sensor that no friction law depends on.
-The delay tau and the parameters X minimise the weighted residual of y(tau) - W(tau) X together, by Gauss and Newton:
-the derivative by tau is one more column, and the rows are made again for every tau, since a first-order term is not a
-shift. The last step's regression gives the deviation of tau as that of any parameter, corrected for the correlation of
-the residual.
+so with every sensor that no friction law depends on. The delay tau and the parameters X minimise the weighted residual
+of y(tau) - W(tau) X together, by Gauss-Newton steps: the derivative by tau is one more column, and the rows are
+computed again for every tau, since a first-order term is not a shift. The last step's regression gives the deviation
+of tau as that of any parameter, corrected for the correlation of the residual.
 """
 
 from collections.abc import Sequence
@@ -104,7 +103,7 @@ class Timing:
 
     @property
     def remedy(self) -> str:
-        """The setting that takes the delay out."""
+        """The setting that removes the delay."""
         if self.seems_held:
             return f"`held` {self.signal}"
         return f"`late` {self.signal}={_microseconds(self.declared + self.suggested, 4)}us"

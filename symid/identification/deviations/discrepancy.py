@@ -1,6 +1,6 @@
 """How far effects that the model lacks may have moved the parameters, as far as the residual shows them.
 
-A real machine always has small effects that its model lacks: friction of another course, cogging, a cable, a lag, a
+A real machine always has small effects that its model lacks: friction with another curve, cogging, a cable, a lag, a
 mode above the band. The noise of the residual then says too little about the error of the parameters (M. Kennedy and A.
 O'Hagan, J. Royal Statistical Society B 63, 2001). Two tests show such a discrepancy, and each says how far it may have
 moved every parameter:
@@ -11,7 +11,7 @@ moved every parameter:
 - Estimates from the lower half and the lower quarter of the band agree with that from all of it if the model is right
   (J. A. Hausman, Econometrica 46, 1978).
 
-The changes do not correct the parameters: which effect it is, a diagnosis finds out. They widen the deviations.
+The changes do not correct the parameters, because only a diagnosis finds which effect it is. They widen the deviations.
 """
 
 from collections.abc import Iterator, Sequence

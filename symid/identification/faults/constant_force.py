@@ -1,4 +1,4 @@
-"""A force that hardly changes while the axis moves: friction alone can make up for all of it."""
+"""A force that hardly changes while the axis moves: friction alone can explain all of it."""
 
 from collections.abc import Sequence
 
@@ -11,16 +11,17 @@ from symid.identification.rows.excerpts import Excerpt
 _CHANGES = 0.01
 """Rms of a force beside a part with the sign of the motion, relative to the whole, below which it is constant."""
 CONSTANT = (
-    "{} hardly changes while the axis moves, so that the log does not tell friction from inertia and damping: move "
-    "with several forces and in both directions, or leave the friction out"
+    "{} hardly changes while the axis moves, so that the log does not distinguish friction from inertia and damping: "
+    "move with several forces and in both directions, or leave the friction out"
 )
 
 
 def constant_force(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Statement on a force that is constant in each direction of the motion; empty without one.
 
-    Friction of that size, without any inertia, then fits exactly, and so does every mixture of it with the true values:
-    a step response shows a time constant and a gain, and no third value. A known inertia is a third one.
+    Friction of that size, without any inertia, then fits exactly, and so does every mixture of it with the true
+    values: a step response determines a time constant and a gain, but no third value. A known inertia is the third
+    one.
     """
     for equation, force in enumerate(model.output_names):
         laws = [column for j, column in model.law_columns if j == equation]

@@ -1,9 +1,9 @@
 """A signal that was filtered before it was recorded: a lag of first order, or the high-pass of AC coupling.
 
-A signal x behind a lag was x + tau x' before it, one behind a high-pass of corner w was x + w times its integral. Its
-rows are linear in tau or w as they are in x, so that Gauss-Newton steps over that factor and the parameters need no new
-rows. On flexible axes a lag imitates a damped mode, and everywhere a high-pass imitates friction: the residual is
-small, and the parameters are another machine's.
+A signal x after a lag was x + tau x' before it, one after a high-pass of corner w was x + w times its integral. Its
+rows are linear in tau or w as they are in x, so that Gauss-Newton steps over that factor and the parameters need no
+new rows. On flexible axes a lag imitates a damped mode, and everywhere a high-pass imitates friction: the residual is
+small, but the parameters are those of another machine.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Tests of friction: of a law that the model lacks, and of Coulomb friction of another course over the speed."""
+"""Tests of friction: for a law that the model lacks, and for Coulomb friction that varies with the speed."""
 
 from collections.abc import Sequence
 
@@ -49,7 +49,7 @@ def missing_friction(tests: ColumnTests, found: Identification, timing: Timing |
 
 
 def friction_shape(tests: ColumnTests, found: Identification) -> str:
-    """Statement on friction of another course over the speed, where that moves parameters beyond their intervals.
+    """Statement on friction that varies with the speed, where that moves parameters beyond their intervals.
 
     The columns are friction that decays exponentially with the speed, within two parts of the highest one.
     """

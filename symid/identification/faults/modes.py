@@ -30,7 +30,7 @@ _STIFFNESSES = ("N/m", "N*m/rad")
 def lost_mode(model: GeneratedModel, X: FloatArray, around_hz: float) -> str:
     """Statement on a flexible axis that came out without a mode; empty for others.
 
-    A lag or a smoothed force makes a spring and a damper that hardly swing: such a filter is what they describe.
+    A lag or a smoothed force looks like a spring and a damper that hardly oscillate: they then describe this filter.
     """
     has_spring = any(unit in _STIFFNESSES for unit in model.physical_units.values())
     if not has_spring or max(model.highest_derivatives.values()) <= _RIGID or not is_square(model):
@@ -46,7 +46,7 @@ def lost_mode(model: GeneratedModel, X: FloatArray, around_hz: float) -> str:
 def mode_above(model: GeneratedModel, X: FloatArray, cutoff_hz: float) -> str:
     """Statement on a mode above the cutoff, which rows below it show only by its stiffness; empty without one.
 
-    What the model does not describe there changes such a stiffness, and the masses that follow from it.
+    Anything that the model does not describe there changes this stiffness, and the masses that follow from it.
     """
     if max(model.highest_derivatives.values()) <= _RIGID:
         return ""

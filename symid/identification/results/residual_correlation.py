@@ -43,7 +43,7 @@ def correlation(
 ) -> Correlation:
     """Correlation of a residual with itself or another signal, over the pairs of rows that are both used.
 
-    Their means over the rows used are taken off. Lags are in rows, shorter than the log. `noise` is the
+    Their means over the rows used are subtracted. Lags are in rows, shorter than the log. `noise` is the
     auto-correlation of the noise by lag, from 0 on, where it is not white. The variance of a correlation is then that
     of M. S. Bartlett (Supplement to the Journal of the Royal Statistical Society 8, 1946): the sum over all lags of the
     product of both auto-correlations, divided by the number of rows.

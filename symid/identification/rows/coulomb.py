@@ -29,12 +29,12 @@ def force_columns(model: GeneratedModel) -> tuple[list[int], ...]:
 
 
 def more_columns(model: GeneratedModel) -> int:
-    """Number of columns that friction beside drives needs behind those of W: of the force, and of the output."""
+    """Number of columns that friction beside drives needs after those of W: of the force, and of the output."""
     return sum(len(columns) + 1 for columns in force_columns(model))
 
 
 def sample_friction(sampling: Sampling, W: FloatArray, velocities: FloatArray) -> None:
-    """Fill the columns of W behind those of the model with friction, by sliding velocities of shape (n_sliding, n)."""
+    """Fill the columns of W after those of the model with friction, by sliding velocities of shape (n_sliding, n)."""
     model, rate, size = sampling.model, 1 / sampling.period, velocities.shape[1]
     linear, begin = linear_part(model), len(model.minimal_units)
     own = (
@@ -85,7 +85,7 @@ def factors_without(
 
 
 def take_off(model: GeneratedModel, W: FloatArray, y: FloatArray, levels: Sequence[float]) -> None:
-    """Take friction off the rows in place: W of shape (n_equations, n_parameters + more_columns, n_rows), and y."""
+    """Subtract friction from rows in place: W of shape (n_equations, n_parameters + more_columns, n_rows), and y."""
     p = len(model.minimal_units)
     for j, (columns, output) in enumerate(zip(W, y, strict=True)):
         taken = without_friction(model, j, levels)

@@ -152,7 +152,7 @@ class _Blocks:
 
     @cached_property
     def rows(self) -> list[tuple[int, int]]:
-        """First row of each block and the one behind the last."""
+        """First row of each block, and the one after the last."""
         return list(spans(self.layout.n_rows, max(1, self.log.block // self.layout.factor)))
 
     def observation(self, block: int) -> Observation:

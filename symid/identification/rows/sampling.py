@@ -80,7 +80,7 @@ class Sampling:
 
     @property
     def padding(self) -> int:
-        """Samples that there must be more of for the filters."""
+        """Samples beyond which a log must be longer for the filters."""
         return max((f.padding for f in (self.low_pass, self.row_filter) if f is not None), default=0)
 
     def window(self, first: int, last: int) -> dict[str, FloatArray]:

@@ -14,12 +14,12 @@ _AS_LARGE = 2.0
 
 
 def may_command(column: ForeignColumn) -> bool:
-    """Whether a column may be the command of a drive, of which neither name nor unit says so."""
+    """Whether a column may be the command of a drive although neither name nor unit states it."""
     return not column.constant and (column.quantity == "voltage" or (column.setpoint and not column.quantity))
 
 
 _POSSIBLE = {Unit.of("rad"): "rad, deg or turn", Unit.of("rad/s"): "rad/s, deg/s, rpm or turn/s"}
-"""Units in which the column of an angle may be where none is the usual one."""
+"""Units that the column of an angle may have where none is usual."""
 UNITS_TO_GIVE = {
     Unit.of("rad"): "deg or '4096 counts/rev'",
     Unit.of("rad/s"): "rpm or '0.1 deg/s'",
@@ -38,7 +38,7 @@ def makes_torque(column: ForeignColumn) -> bool:
 
 
 def for_sensor(column: ForeignColumn, signal: str, unit: Unit) -> ForeignColumn:
-    """The column of a sensor in `unit`; of unknown unit, with the reason, if nothing tells one that it may have.
+    """The column of a sensor in `unit`; of unknown unit, with the reason, if nothing shows a possible one.
 
     >>> pos = ForeignColumn("theta", "position", None, False, "no unit", False)
     >>> long, named = replace(pos, unit="mm"), replace(pos, header="position")
