@@ -35,7 +35,7 @@ _GAIN_OF_DIFFERENCES = 0.997
 class Faults:
     """Statements that contradict an estimate, empty without a fault: on samples, residual, clock, friction, force.
 
-    `hint` is what may be a cause of another status and is none by itself, `note` holds whatever the status is;
+    `hint` is a possible cause of another status, not a status itself, `note` holds whatever the status is;
     `noise_alone` is whether the residual is no larger than the noise of the signals makes it.
     """
 
