@@ -16,7 +16,7 @@ from symid.identification.results.contradiction import with_constraint_check, wi
 from symid.identification.results.identification_result import Identification
 from symid.identification.results.predicted_output import OutputPrediction, predict
 from symid.identification.results.residuals import EquationResidual
-from symid.identification.rows.excerpts import Excerpt, excerpts
+from symid.identification.rows.excerpts import excerpts
 from symid.identification.rows.observation import Observation, observe
 from symid.identification.rows.settings import Preparation
 from symid.identification.signals.axis_logs import measured_signals, open_axis_log, read_axis_log
@@ -28,7 +28,6 @@ __all__ = [
     "Bias",
     "Constraints",
     "EquationResidual",
-    "Excerpt",
     "Identification",
     "LogMapping",
     "Observation",

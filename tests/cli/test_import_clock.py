@@ -112,7 +112,7 @@ def test_a_counter_that_overflows_is_continued(resample: list[str], recorded: Lo
     options = ["--mapping", "map.json", "--held", "F", "--json", "out.json", *resample]
     assert run("identify", "rigid_1m", "a.csv", *options) == 0
     record = json.loads((folder / "out.json").read_text())
-    assert any("after 65536 steps: it is continued" in note for note in record["notes"])
+    assert any("after 65536 steps: it is unwrapped" in note for note in record["notes"])
     assert record["physical"]["M"]["value"] == pytest.approx(TRUE["M"], rel=2e-2)
 
 
@@ -126,5 +126,5 @@ def test_a_clock_that_overflows_is_continued(recorded: Log, folder: Path) -> Non
         == 0
     )
     record = json.loads((folder / "out.json").read_text())
-    assert any("times after 65536: it is continued" in note for note in record["notes"])
+    assert any("times after 65536: it is unwrapped" in note for note in record["notes"])
     assert record["physical"]["M"]["value"] == pytest.approx(TRUE["M"], rel=2e-2)

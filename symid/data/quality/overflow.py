@@ -30,7 +30,7 @@ def unwrapped(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, 
     >>> counts = np.round(3000 * np.sin(np.arange(600) / 50))
     >>> x, note = unwrapped("q", 1e-3 * (counts % 1024), is_angle=False)
     >>> bool(np.allclose(np.diff(x), 1e-3 * np.diff(counts))), note
-    (True, "'q' began again 18 times after 1024 steps: it is continued")
+    (True, "'q' wraps 18 times after 1024 steps: it is unwrapped")
     >>> unwrapped("q", np.where(np.arange(600) > 300, 1e-3 * counts, 0.5), is_angle=False)[1]
     ''
     """
@@ -51,7 +51,7 @@ def unwrapped(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, 
             again = int(np.count_nonzero(np.abs(np.diff(x)) > whole / 2))
             through = np.unwrap(x, period=whole)
             if not jumps_of(through):
-                return through, f"{name!r} began again {counted(again, 'time')} after {what}: it is continued"
+                return through, f"{name!r} wraps {counted(again, 'time')} after {what}: it is unwrapped"
     return x, ""
 
 
@@ -63,7 +63,7 @@ def unwrapped_times(x: FloatArray) -> tuple[FloatArray, str]:
     >>> t = 1000.0 * np.arange(300)
     >>> found, note = unwrapped_times(t % 65536)
     >>> bool((found == t).all()), note, unwrapped_times(t % 60000)[1]
-    (True, 't began again 4 times after 65536: it is continued', '')
+    (True, 't wraps 4 times after 65536: it is unwrapped', '')
     """
     if not np.isfinite(x).all() or x.min(initial=0.0) < 0:
         return x, ""
@@ -75,6 +75,6 @@ def unwrapped_times(x: FloatArray) -> tuple[FloatArray, str]:
     for whole in (2.0**bits * scale for bits in _OF_CLOCKS for scale in _SCALES):
         if np.all(np.abs(steps[falls] + whole - usual) < usual / 2) and x.max() < whole:
             again = counted(int(np.count_nonzero(falls)), "time")
-            note = f"t began again {again} after {whole:.10g}: it is continued"
+            note = f"t wraps {again} after {whole:.10g}: it is unwrapped"
             return x + whole * np.append(0, np.cumsum(falls)), note
     return x, ""
