@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symid import Log
+from symid import Axis, Body, CoulombFriction, Drive, Log, OffsetForce, Position, Unbalance, derive
 from symid.codegen import load_generated
 from symid.identification import Identification, identify
 
@@ -47,3 +47,21 @@ def test_both_directions_tell_them_apart() -> None:
     assert found.status == "ok"
     assert not any("one direction" in note for note in found.notes)
     assert found.physical_parameters["Fc"] == pytest.approx(6.0, rel=0.02)
+
+
+def test_a_weight_near_the_top_is_no_friction() -> None:
+    arm = Body("arm", inertia="J")
+    laws = (CoulombFriction(arm, "Fc"), Unbalance(arm, "Gs", "Gc"), OffsetForce(arm, "OF"))
+    axis = Axis("swung", (arm, *laws), Drive("T", arm), (Position("q", arm),))
+    t = np.arange(2000) / RATE
+    q, v, a = 0.1 * np.sin(6 * t), 0.6 * np.cos(6 * t), -3.6 * np.sin(6 * t)
+    T = (
+        0.3 * a
+        + 0.4 * np.sign(v)
+        + 2.0 * np.cos(q)
+        + 1.0
+        + 1e-3 * np.random.default_rng(2).standard_normal(t.size)
+    )
+    found = identify(derive(axis), Log.from_arrays({"q": q, "T": T}, sampling_period=1 / RATE))
+    assert "one direction" not in found.message
+    assert not any("one direction" in note for note in found.notes)
