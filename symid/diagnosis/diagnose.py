@@ -28,6 +28,7 @@ from symid.diagnosis.in_motion.motion import is_contradicted, with_motion
 from symid.diagnosis.late_reading import READ_BEFORE_STEPS, before_steps, lateness, with_late_reading
 from symid.diagnosis.prediction.data import Data, Recorded, Runs, as_runs, data_of, goes_elsewhere, one_run
 from symid.diagnosis.prediction.integrated_speed import with_positions
+from symid.diagnosis.prediction.one_way import alike_in_one_way
 from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.prediction.scaled_sensors import with_quantities
 from symid.diagnosis.selection.backward import backward_elimination, most_probable
@@ -122,14 +123,16 @@ def diagnose(
     whole = recovered(axis, [*logs, *others])
     plain = with_quantities(axis, whole.logs, nominal)
     moved, every, notes = with_positions(plain.axis, plain.logs)
+    constants, alike = alike_in_one_way(moved, every, nominal)
+    moved, declared = (each.with_known(constants) for each in (moved, plain.declared))
     runs = as_runs(moved, every, None if validation is None else len(others))
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
         found = _Task(moved, runs, nominal, recorded, effects).either_way()
     faults = (*whole.notes, *found.faults)
     read = [note for each in (*logs, *others) for note in each.notes if note not in faults]
-    assumed = (*found.assumptions, *plain.notes, *notes, *dict.fromkeys(read))
-    return replace(found, axis=plain.declared, faults=faults, assumptions=assumed)
+    assumed = (*found.assumptions, *plain.notes, *notes, *alike, *dict.fromkeys(read))
+    return replace(found, axis=declared, faults=faults, assumptions=assumed)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ from symid.units import Unit
 _LEAST_PITCH = 1e-3  # shortest pitch along a straight stroke, m
 _MOST_WAVES = 150  # largest number of periods per turn: slots and pole pairs of a motor, teeth of a gear
 _MOST_BINS = 2**20  # along the stroke, 8 for the shortest pitch: memory does not grow without bound
+_MOST_PARTS = 16  # of the way between two samples
 _SPEEDS_OF_ENERGY = 48  # bins of the speed, each with its share of the energy of a wave
 _WAVES_OF_ENERGY = 400  # waves at which the energy is computed; others are interpolated
 _LEAST_STROKE = 5e-3  # m or rad
@@ -199,7 +200,8 @@ def repeating_pitches(
 
     `unit` is that of the displacement of the joint, which may differ from that of the drive. `response` is the response
     of the outputs to this signal. The output of the matched filter, times the factor, is summed in bins along the
-    stroke; one Fourier transform of the bins gives the correlation with all waves.
+    stroke; one Fourier transform of the bins gives the correlation with all waves. Each sample is spread over the way
+    to the next: at a steady speed, samples at points have images at waves of their distance, which no motion shows.
     """
     low, high = joint.range
     inside = prediction.record.in_log
@@ -208,8 +210,12 @@ def repeating_pitches(
         2 * math.pi / _MOST_WAVES if str(unit) == "rad" else _LEAST_PITCH, 8 * (high - low) / _MOST_BINS
     )
     n = max(256, math.ceil(8 * (high - low) / least))
-    place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
-    along = np.bincount(place, weights=(matched_filter(response) * weight)[inside], minlength=n)
+    way = np.diff(joint.q, append=joint.q[-1])[inside]
+    parts = min(_MOST_PARTS, 1 + int(2 * float(np.abs(way).max()) / least))
+    spread = (joint.q[inside] + np.outer(np.arange(parts) / parts, way) - low) / (high - low)
+    place = np.clip((spread * n).astype(int), 0, n - 1)
+    filtered = np.tile((matched_filter(response) * weight)[inside], parts)
+    along = np.bincount(place.ravel(), weights=filtered, minlength=n)
     padded = scipy.fft.next_fast_len(4 * n, real=True)
     waves = np.asarray(np.fft.rfftfreq(padded, d=(high - low) / n), dtype=np.float64)
     strength = np.abs(scipy.fft.rfft(along, padded)) ** 2
