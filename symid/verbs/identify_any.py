@@ -35,6 +35,7 @@ Method: TypeAlias = Literal["wls", "ols", "iv", "oe"]
 
 
 # `known` and `method` decide on the kind of result.
+# The result has another type with values known in each log, and by output error; all settings are described below.
 @overload
 def identify(
     axis: AnyAxis, logs: LogLike | Sequence[LogLike], *, known: Mapping[str, Sequence[float]], **settings: Any
