@@ -1,4 +1,4 @@
-"""Rows that each hold a time, the name of a signal and its value, as data bases and brokers export them."""
+"""Rows that each hold a time, the name of a signal and its value, as databases and brokers export them."""
 
 import json
 from pathlib import Path
