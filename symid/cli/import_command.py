@@ -193,7 +193,7 @@ def _show_columns(log: str, look: ForeignFile, axis: Axis | None, *, numbered: b
 
 
 def _in_view_of(axis: Axis | None, column: ForeignColumn) -> ForeignColumn:
-    """The column, whose position may be too long for metres, but is none of them on an axis of angles."""
+    """The column; a position too long for metres may be an angle, and is one on an axis whose positions are angles."""
     if column.stated or column.unit != "mm":
         return column
     if axis is None:
