@@ -69,26 +69,8 @@ def verdict(
             f"the columns of W are nearly dependent (condition {fit.condition_number_scaled:.2g} scaled), and noise "
             f"decides on {', '.join(vague or names)}: move at several speeds, accelerations and frequencies"
         )
-    if not physical and model.physical_parameters is not None:
-        cause = "the model, the filter, the timing or the log does not fit"
-        if vague:
-            cause = (
-                f"noise decides on {', '.join(vague)}: move at other speeds, accelerations and frequencies"
-            )
-        return "no_physical_parameters", f"the inverse map gives no finite values: {cause}"
-    if not physical and (lost := open_by_structure(model)):
-        return "no_physical_parameters", not_by_structure(lost)
-    if not physical and has_start:
-        return "no_physical_parameters", (
-            "no single solution was found from the nominal values: give what is known with `fixed`, add a sensor, or "
-            "correct the nominal values"
-        )
     if not physical:
-        cure = "give `nominal`, values to start from"
-        return (
-            "no_physical_parameters",
-            f"the inverse map has no closed form, and a search finds no single solution: {cure}",
-        )
+        return "no_physical_parameters", _why_none(model, vague, has_start=has_start)
     if negative := certainly_negative(model, physical[0], deviations):
         return (
             "not_physical",
@@ -98,6 +80,28 @@ def verdict(
         cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
     return "ok", ""
+
+
+def _why_none(model: GeneratedModel, vague: list[str], *, has_start: bool) -> str:
+    """Reason why there are no physical parameters, and the cure."""
+    if model.physical_parameters is not None:
+        cause = "the model, the filter, the timing or the log does not fit"
+        if vague:
+            cause = (
+                f"noise decides on {', '.join(vague)}: move at other speeds, accelerations and frequencies"
+            )
+        return f"the inverse map gives no finite values: {cause}"
+    if lost := open_by_structure(model):
+        return not_by_structure(lost)
+    if has_start:
+        return (
+            "no single solution was found from the nominal values: give what is known with `fixed`, add a sensor, or "
+            "correct the nominal values"
+        )
+    return (
+        "the inverse map has no closed form, and a search finds no single solution: give `nominal`, values to start "
+        "from"
+    )
 
 
 def not_by_structure(names: Sequence[str]) -> str:
