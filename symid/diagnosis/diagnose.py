@@ -35,6 +35,7 @@ from symid.diagnosis.selection.backward import backward_elimination, most_probab
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, shows_hold
 from symid.diagnosis.selection.step import SelectionStep, accepted_of, fits_of
+from symid.identification import Preparation
 from symid.identification.signals.axis_logs import LogLike, logs_of, require_changing
 from symid.simulation import Cascade
 
@@ -121,7 +122,8 @@ def diagnose(
         require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
         require_times_within(each.source, late or {}, each.n_samples * each.sampling_period)
     whole = recovered(axis, [*logs, *others])
-    plain = with_quantities(axis, whole.logs, nominal)
+    prepared = Preparation(late=dict(late or {}), held=held)
+    plain = with_quantities(axis, whole.logs, nominal, prepared)
     moved, every, notes = with_positions(plain.axis, plain.logs)
     constants, alike = alike_in_one_way(moved, every, nominal)
     moved, declared = (each.with_known(constants) for each in (moved, plain.declared))

@@ -18,6 +18,7 @@ from symid import (
     Log,
     PendulumWeight,
     Position,
+    Preparation,
     ViscousFriction,
     load_axis,
 )
@@ -36,6 +37,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
+from symid.diagnosis.prediction.scaled_sensors import with_quantities
 from symid.diagnosis.selection.credibility import _is_a_gain, _is_ringing
 from symid.diagnosis.selection.screening import screened
 from symid.errors import SettingError
@@ -204,6 +206,20 @@ def test_a_nominal_constant_of_a_drive_that_a_known_mass_contradicts_is_identifi
     taken = next(statement for statement in found.assumptions if statement.startswith("Kt of iq"))
     assert taken.endswith("N/A, as the log shows; the nominal value is 57.5 N/A.")
     assert float(taken.split()[6]) == pytest.approx(50.0, rel=2e-3)
+
+
+def test_a_constant_of_a_drive_is_identified_as_the_log_was_recorded() -> None:
+    slide = Body("slide", mass=100.0)
+    laws = ViscousFriction(slide, "Fv"), CoulombFriction(slide, "Fs")
+    axis = Axis("slide", (slide, *laws), Drive("iq", slide, gain="Kt", unit="A"), (Position("q", slide),))
+    log, late = rigid_log(), 4
+    signals = {"q": log["q"][late:], "iq": log["F"][:-late] / 50.0}
+    moved = Log.from_arrays(signals, sampling_period=log.sampling_period)
+    nominal = {"Fv": 140.0, "Fs": 9.0, "Kt": 57.5}
+    assert with_quantities(axis, [moved], nominal).declared.known["Kt"] == 57.5
+    recorded = Preparation(late={"iq": late * log.sampling_period})
+    taken = with_quantities(axis, [moved], nominal, recorded).declared.known["Kt"]
+    assert taken == pytest.approx(50.0, rel=2e-3)
 
 
 def test_a_mode_that_only_passes_on_less_of_the_encoder_noise_is_not_found():

@@ -13,7 +13,7 @@ from symid.axis import Axis, Sensor
 from symid.codegen import model_of
 from symid.data import Log
 from symid.errors import EliminationError, SettingError, SymidError
-from symid.identification import identify
+from symid.identification import Preparation, identify
 from symid.identification.parameters.physical import open_by_structure
 
 _CONTRADICTS = 5.0
@@ -29,11 +29,16 @@ class Unscaled(NamedTuple):
     notes: tuple[str, ...]  # sentences on the conversions
 
 
-def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None = None) -> Unscaled:
+def with_quantities(
+    axis: Axis,
+    logs: Sequence[Log],
+    nominal: Mapping[str, float] | None = None,
+    preparation: Preparation | None = None,
+) -> Unscaled:
     """The axis with known constants of its drives, and quantities in place of the signals of scaled sensors.
 
-    Constants, gains and offsets come from `nominal`, or else are identified from the first log; SettingError if it
-    does not determine them.
+    Constants, gains and offsets come from `nominal`, or else are identified from the first log, of which the
+    preparation states what is held or late; SettingError if it does not determine them.
 
     >>> from symid import Body, Drive, Position
     >>> table = Body("table", mass="M")
@@ -48,7 +53,8 @@ def with_quantities(axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float
     if not (scaled or constants):
         return Unscaled(axis, list(logs), axis, ())
     read = [sensor for sensor in scaled if all(sensor.signal in log.signals for log in logs)]
-    values = _values(axis, [*_parameters_of(read), *constants], logs[0], nominal or {})
+    names = [*_parameters_of(read), *constants]
+    values = _values(axis, names, logs[0], nominal or {}, preparation or Preparation())
     notes = [_taken(axis, name, signals, values, nominal or {}) for name, signals in constants.items()]
     changed = list(logs)
     for sensor in read:
@@ -77,14 +83,16 @@ def _parameters_of(sensors: Sequence[Sensor]) -> list[str]:
     return [sensor.named(field) for sensor, field in fields if getattr(sensor, field) is not None]
 
 
-def _values(axis: Axis, names: Sequence[str], log: Log, nominal: Mapping[str, float]) -> dict[str, float]:
+def _values(
+    axis: Axis, names: Sequence[str], log: Log, nominal: Mapping[str, float], preparation: Preparation
+) -> dict[str, float]:
     """Known or nominal values of gains and offsets, or those of the log if there are none or it contradicts them."""
     given = axis.with_known_values(nominal)
     measured = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
     constants = [name for name in _constants(axis) if name in given]
     axis = axis.with_known({name: given[name] for name in _open(axis, measured, constants)})
-    of_log = _of_log(axis, measured, log, names, given) if set(names) - set(axis.known) else {}
-    values = given | of_log
+    is_open = set(names) - set(axis.known)
+    values = given | (_of_log(axis, measured, log, names, given, preparation) if is_open else {})
     if lacking := [name for name in names if not np.isfinite(values.get(name, np.nan))]:
         raise SettingError(
             f"the log does not determine {', '.join(lacking)}: give what is known with `fixed`, or `nominal`"
@@ -121,12 +129,20 @@ def _open(axis: Axis, measured: Sequence[str], constants: Sequence[str]) -> Sequ
 
 
 def _of_log(
-    axis: Axis, measured: Sequence[str], log: Log, names: Sequence[str], given: Mapping[str, float]
+    axis: Axis,
+    measured: Sequence[str],
+    log: Log,
+    names: Sequence[str],
+    given: Mapping[str, float],
+    preparation: Preparation,
 ) -> dict[str, float]:
     """Gains and offsets from the log: those that are not given, and all if it contradicts a given one."""
     lacking = [name for name in names if name not in given]
     try:
-        found = identify(model_of(axis, measured), log, nominal=given)
+        model = model_of(axis, measured)
+        found = identify(model, log, nominal=given, preparation=preparation)
+        if found.status == "timing" and preparation.held is None:
+            found = identify(model, log, nominal=given, preparation=replace(preparation, held=True))
     except SymidError as error:
         if lacking:
             raise SettingError(f"no gains can be identified ({error}): give `nominal`") from error
