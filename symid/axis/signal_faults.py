@@ -20,7 +20,6 @@ from symid.axis.imperfections import (
     EncoderRipple,
     Imperfection,
     JointImperfection,
-    PayloadChange,
     PreslidingFriction,
 )
 from symid.axis.laws import CoulombFriction, Law
@@ -197,7 +196,7 @@ def drive_imperfection_faults(elements: Sequence[object], drives: Sequence[Drive
 
 
 def imperfection_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Iterator[str]:
-    """Changes of a known mass, friction that builds up in a joint without friction, ripples of no position sensor."""
+    """Friction that builds up in a joint without friction, ripples of no position sensor."""
     rubbing = [element.at for element in elements if isinstance(element, CoulombFriction)]
     for element in elements:
         if isinstance(element, PreslidingFriction) and element.at not in rubbing:
@@ -205,9 +204,6 @@ def imperfection_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -
                 f"PreslidingFriction at {joint_label(element.at)!r}: it is how Coulomb friction of the joint builds "
                 "up, and none is declared: declare CoulombFriction there too, or leave it out"
             )
-        if isinstance(element, PayloadChange) and element.body.numbers():
-            body = element.body.name
-            yield f"PayloadChange of {body!r}, whose mass is a known number: give it a name, and its value to simulate"
     positions = [sensor.signal for sensor in sensors if sensor.derivative == 0]
     for element in elements:
         if isinstance(element, EncoderRipple) and element.signal not in positions:

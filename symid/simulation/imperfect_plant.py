@@ -21,7 +21,7 @@ from symid.axis import (
     PreslidingFriction,
 )
 from symid.axis.drive_imperfections import ripples
-from symid.simulation.forward_dynamics import plant_of
+from symid.simulation.forward_dynamics import forward_dynamics, plant_of
 from symid.simulation.law_code import array_function, law_code
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
 
@@ -65,9 +65,13 @@ def stages(axis: Axis, parameters: Mapping[str, float]) -> tuple[list[PlantStage
         added += [(direction, _ripple(e, i, scale)) for e in ripples(axis.imperfections_of(drive))]
     found = [PlantStage(0.0, _with_laws(plant, added))]
     changes = (element for element in axis.elements if isinstance(element, PayloadChange))
+    dynamics = forward_dynamics(axis)
     for change in sorted(changes, key=lambda change: change.time):
-        values[change.body.inertial] += change.change
-        found.append(PlantStage(change.time, _with_laws(plant_of(axis, values), added)))
+        name = change.body.inertial
+        values[name] += change.change
+        if name in axis.known_parameters:
+            dynamics = replace(dynamics, axis=dynamics.axis.with_known({name: values[name]}))
+        found.append(PlantStage(change.time, _with_laws(dynamics.at(values), added)))
     return found, tuple(memories)
 
 
