@@ -77,9 +77,10 @@ class Criteria:
     smoothing_leaves: float = 0.75
     # change of a parameter by that where a signal without noise shows a filter
     smoothing_moves: float = 0.025
-    # residual, as part of the output, above which an equation is unusable if noise does not explain it:
-    # shares of damaged logs start there, EMPS leaves 0.04, a motor bench 0.1
-    worst_fit: float = 0.3
+    # residual, as part of the output, above which an equation is unusable if noise does not explain it: EMPS leaves
+    # 0.04, a motor bench 0.1, a double pendulum's shoulder by a model without its weight and viscous friction 0.28
+    # (Fc 80 % off), damaged logs 0.3 and more
+    worst_fit: float = 0.2
     # such a residual above which lower cutoffs are tried: real machines have unmodelled modes, above
     # what it describes. From there the highest cutoff is taken that leaves little more than the best
     cutoff_fit: float = 0.1

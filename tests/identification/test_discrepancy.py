@@ -65,6 +65,13 @@ def test_a_lacking_effect_is_within_the_printed_intervals(effect):
     assert np.all(off(found) < 2 * found.physical_deviations)
 
 
+def test_a_quarter_of_the_force_beside_noise_is_no_small_effect():
+    found = slide(lambda q, v: 48.0 * np.sin(2 * np.pi * 2.9 * np.arange(q.size) / RATE + 40 * q), noise=0.05)
+    assert 0.2 < found.fit.relative_error < 0.3
+    assert found.status == "poor_fit"
+    assert "more than noise explains" in found.message
+
+
 def test_a_constant_force_hides_no_other_effect():
     found = slide(lambda q, v: drag(q, v) + 3.0, noise=6.0)
     assert [one.effect for one in found.discrepancies if one.moves()] == [
