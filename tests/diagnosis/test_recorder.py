@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import polars as pl
@@ -16,6 +17,8 @@ from symid import Log, load_axis
 from symid.arrays import FloatArray
 from symid.data.quality.lost_samples import restored
 from symid.diagnosis import diagnose
+from symid.diagnosis.effects import Placed, effects_named
+from symid.diagnosis.effects.signals import RecordedLagEffect
 from symid.diagnosis.prediction.quantisation import rounding_error
 from symid.diagnosis.prediction.recorder import recovered
 from symid.errors import LogError
@@ -85,6 +88,14 @@ def test_a_coarse_encoder_is_no_machine() -> None:
     log = recorded(with_drag(), lambda x: np.round(x / step) * step, "q")
     found = diagnose(load_axis("rigid_1m"), log, nominal=RIGID)
     assert (found.verdict, found.effects[0].effect) == ("effect", "quadratic_drag")
+
+
+@pytest.mark.parametrize(("hertz", "longest"), [(2000.0, 0.01), (250.0, 0.04)])
+def test_no_record_passes_a_filter_of_tens_of_milliseconds_and_samples(hertz: float, longest: float) -> None:
+    (recorded_lag,) = (x for x in effects_named(["actuator_lag"]) if isinstance(x, RecordedLagEffect))
+    prediction = SimpleNamespace(record=SimpleNamespace(log=SimpleNamespace(sampling_period=1 / hertz)))
+    slower = (Placed(recorded_lag, "actuator", (factor * -longest,), (1.0,)) for factor in (0.9, 1.1))
+    assert [recorded_lag.is_possible(prediction, item) for item in slower] == [True, False]
 
 
 def test_a_filtered_force_is_no_flexible_machine() -> None:

@@ -27,6 +27,7 @@ def with_alike(keys: Iterable[Key]) -> frozenset[Key]:
 
 
 _LONGEST_DELAY = 0.05
+_LONGEST_FILTER = (0.01, 10)  # of a record: s, or samples if these take longer
 _STEPS = np.array([0.15, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0])
 _DELAYS = np.concatenate([-_STEPS[::-1], _STEPS])
 _LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 20)), 0.98)
@@ -161,8 +162,10 @@ class RecordedLagEffect(TimeEffect, DriveEffect):
 
     name = "actuator_lag"
 
-    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        return -_LONGEST_DELAY < placed.shape[0] < 0.0
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        """Recorders filter over milliseconds or some samples, not over what slow friction asks for."""
+        longest = max(_LONGEST_FILTER[0], _LONGEST_FILTER[1] * prediction.record.log.sampling_period)
+        return -longest < placed.shape[0] < 0.0
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         return [(float(-x * prediction.record.log.sampling_period),) for x in _STEPS]
@@ -254,11 +257,8 @@ class SensorDelayEffect(TimeEffect):
         return prediction.record.readings
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        period = prediction.record.log.sampling_period
-        times = [float(x * period) for x in _DELAYS]
-        return [
-            (time,) for time in (*times, *_apparent_delay(prediction, place)) if abs(time) < _LONGEST_DELAY
-        ]
+        times = [float(x * prediction.record.log.sampling_period) for x in _DELAYS]
+        return [(x,) for x in (*times, *_apparent_delay(prediction, place)) if abs(x) < _LONGEST_DELAY]
 
     def output(self, prediction: Prediction, place: str) -> int:
         return prediction.record.signals.index(place)
