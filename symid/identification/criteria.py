@@ -111,6 +111,97 @@ class Criteria:
     # half a step of a quantised force, as part of the smallest friction level: truncation shifts the level by that
     # much
     step_share: float = 0.05
+    # condition of the scaled observation matrix; above it, 0.001 % noise in a column changes parameters by 100 %
+    highest_condition: float = 1e5
+    # rows for each parameter below which a residual whose correlation does not decay within the lags that so few
+    # rows show gives no deviation: with 16 rows for four parameters, an encoder 0.7 samples late moved Fv by 58 %
+    # at 7
+    few_rows: int = 10
+    # residual beyond which, as part of the output, an equation is worthless: a quarter of the power is unexplained
+    worthless_fit: float = 0.5
+    # samples by which a force may act after it is recorded, as a hold and the lag of a drive explain, for a mere
+    # note
+    usual_lag: float = 0.85
+    # residual that a smaller delay must leave at most to be reported: slow samples make much of a small part of one
+    delay_explains: float = 0.5
+    # samples of a delay that explains little: what noise of several sensors leaves looks like one of up to 0.01
+    least_delay: float = 0.02
+    # relative bias, or change by a delay, above which the status is not "ok"
+    large_bias: float = 0.05
+    # standard deviations that a change or a bias must have for a status
+    bias_certain: float = 2.0
+    # growth of a deviation by what a model lacks that is worth a note
+    deviation_grown: float = 2.0
+    # gain of the differences at the cutoff above which they are not the cause of a bias
+    gain_of_differences: float = 0.997
+    # part of the residual's power that another lag must leave at most, for the search to begin there
+    delay_leaves: float = 0.7
+    # times the residual's power at the best lag of the scan that a delay refined from zero may leave
+    delay_as_much: float = 1.5
+    # times the residual that a late sensor must leave less than a late force
+    delay_preference: float = 1.25
+    # a delay that is only scanned is known to half a row, taken as three deviations
+    rows_a_deviation: float = 6.0
+    # residual that must be left at most where all signals but one are moved: noise in W makes 0.97 of it
+    delay_together: float = 0.9
+    # standard deviations from which a delay is reported
+    delay_certain: float = 5.0
+    # samples from which a delay is reported, whatever it changes
+    delay_noticeable: float = 0.2
+    # standard deviations within which a delay is taken for a number of whole or half samples
+    delay_round: float = 3.0
+    # samples up to which a hold and a lag delay a force: beyond them a clock must leave less than `delay_leaves`
+    delay_natural: float = 1.0
+    # samples by which the delay of a held force may differ from half a sample
+    delay_held: float = 0.1
+    # seconds that clocks and drives hardly delay a signal
+    delay_long: float = 0.05
+    # part of the residual's power that a clock leaves which delays it by more: in a slow motion, friction acts late
+    delay_all_but_noise: float = 0.1
+    # standard deviations from which an effect, or a change between bands, counts: one of some thirty is tried
+    effect_certain: float = 4.0
+    # the same for changes of other parameters beside one that is certain: of these, what is beyond counts
+    effect_likely: float = 3.0
+    # most effects of one log
+    most_effects: int = 6
+    # part of what the best column explains from which the log does not distinguish another one from it
+    effect_as_much: float = 0.5
+    # part of a column's power that the model does not explain from which it counts as any other: with less, the
+    # effect would be six times as large as what it explains (with 0.01, EMPS unfiltered has Fv within 59 %). One
+    # with less, such as a constant force beside the weight of a pendulum, counts where it explains most; three
+    # deviations make it certain, as few are imitated (mass on a sine: with four, drag in the noise had Fv off by 30
+    # % at 20 deviations)
+    independent: float = 0.025
+    # size of one with less, as part of the output, beyond which it is no small effect, but noise that is made large
+    imitated_largest: float = 0.1
+    # part of the residual's power that such a large one must explain
+    imitated_explains: float = 0.25
+    # relative bias by noise in W, beyond the deviation, from which the residual shows this bias rather than effects
+    noisy: float = 0.05
+    # segments that the deviation of a change between bands needs
+    fewest_segments: int = 6
+    # part by which the column of dry friction, which a filter rounds beside rests, differs from its level, rms
+    friction_level: float = 0.02
+    # rms of a friction's sign beside the other columns, as part of it, below which these are the same force
+    friction_alike: float = 1e-3
+    # fewest rows per parameter at a lower cutoff: fewer do not show the cause of a fault
+    rows_left: int = 50
+    # ratio of two residuals that count as alike: noise of the output alone makes 1.26 per step
+    little_more: float = 1.5
+    # ratio of deviations below which another cutoff is better
+    worth_another_cutoff: float = 0.9
+    # relative deviation that is small enough: smaller ones are no improvement
+    known_well: float = 1e-3
+    # consecutive cutoffs without improvement that end the search in their direction
+    cutoff_failures: int = 2
+    # ratio of the cutoffs that are tried, which changes columns by half at most
+    cutoff_step: float = 1.6
+    # number of the lower cutoffs that are tried: to a tenth
+    lower_cutoffs: int = 5
+    # part of a column's power that rounding and filters leave of one that the model does explain
+    resolved: float = 1e-4
+    # the same of a course without jumps: a constant force beside a pendulum's weight within 0.6 rad has 2e-5
+    resolved_smooth: float = 1e-8
 
 
 CRITERIA = Criteria()

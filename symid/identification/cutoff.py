@@ -28,20 +28,8 @@ from symid.identification.rows.excerpts import excerpts
 from symid.identification.rows.row_blocks import Run, blocks_of_runs
 from symid.identification.rows.settings import Preparation
 
-_STEP, _LOWER_CUTOFFS = 1.6, 5
-"""Ratio and number of the lower cutoffs that are tried: to a tenth, in steps that change columns by half at most."""
-_ROWS_LEFT = 50
-"""Fewest rows per parameter at a lower cutoff: fewer do not show the cause of a fault."""
-_LITTLE_MORE = 1.5
-"""Ratio of two residuals that count as alike: noise of the output alone makes 1.26 per step."""
-_WORTH = 0.9
-"""Ratio of deviations below which another cutoff is better."""
-_KNOWN = 1e-3
-"""Relative deviation that is small enough: smaller ones are no improvement."""
 _SEARCHED = ("ok", "not_physical")
 """Statuses with which other cutoffs are tried: far below a mode its mass is lost, and comes out negative by chance."""
-_FAILURES = 2
-"""Consecutive cutoffs without improvement that end the search in their direction."""
 _MOST_COULOMB_ROUNDS = 6
 """Most rounds. The later ones extrapolate by secants: three or four suffice where the plain iteration halves its error
 or diverges."""
@@ -81,15 +69,15 @@ class Estimation:
         if self.left(first) < CRITERIA.cutoff_fit and not self._is_drowned(first):
             return first
         tried, lefts = [first], [math.inf if self._is_drowned(first) else self.left(first)]
-        for k in range(1, _LOWER_CUTOFFS + 1):
-            found = self.scaled(first, _STEP**-k)
+        for k in range(1, CRITERIA.lower_cutoffs + 1):
+            found = self.scaled(first, CRITERIA.cutoff_step**-k)
             if found is None:
                 break
             tried.append(found)
             lefts.append(math.inf if self._is_drowned(found) else self.left(found))
         if min(lefts) > CRITERIA.cutoff_fit:  # no cutoff helps: something else is wrong
             return first
-        good = _LITTLE_MORE * min(lefts)
+        good = CRITERIA.little_more * min(lefts)
         return next(one for one, left in zip(tried, lefts, strict=True) if left <= good)
 
     def scaled(self, first: CutoffTrial, factor: float) -> CutoffTrial | None:
@@ -99,7 +87,7 @@ class Estimation:
             found = self._at([replace(self.preparation, cutoff_hz=float(f"{x:.3g}")) for x in cutoffs])
         except SettingError:
             return None
-        least = _ROWS_LEFT * found.fit.solution.size if factor < 1.0 else 0
+        least = CRITERIA.rows_left * found.fit.solution.size if factor < 1.0 else 0
         return found if min(found.fit.rows) >= least else None
 
     def widest(self, first: CutoffTrial) -> CutoffTrial:
@@ -190,10 +178,13 @@ def least_uncertain(
     # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at
     # the first does not count: its small deviations would hold for a wrong model.
     lowest, most_left = _geometric_mean(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
-    for factors in (_upward(estimation.highest(first)), [_STEP**-k for k in range(1, _LOWER_CUTOFFS + 1)]):
+    for factors in (
+        _upward(estimation.highest(first)),
+        [CRITERIA.cutoff_step**-k for k in range(1, CRITERIA.lower_cutoffs + 1)],
+    ):
         failed, before = 0, lowest
         for factor in factors:
-            other = estimation.scaled(first, factor) if failed < _FAILURES else None
+            other = estimation.scaled(first, factor) if failed < CRITERIA.cutoff_failures else None
             if other is None:
                 break
             failed += 1
@@ -202,7 +193,7 @@ def least_uncertain(
             found = widened(other)
             tried.append(found)
             size = _geometric_mean(_relative_deviations(found))
-            if found.status == "ok" and size < _WORTH * lowest:
+            if found.status == "ok" and size < CRITERIA.worth_another_cutoff * lowest:
                 best, lowest, failed = found, size, 0
         if lowest < before:
             break
@@ -243,15 +234,15 @@ def _upward(highest: float) -> list[float]:
     >>> _upward(3.0), _upward(0.9)
     ([1.6, 3.0], [])
     """
-    steps = max(0, math.ceil(math.log(highest, _STEP) - 0.5))
-    return [min(_STEP**k, highest) if k < steps else highest for k in range(1, steps + 1)]
+    steps = max(0, math.ceil(math.log(highest, CRITERIA.cutoff_step) - 0.5))
+    return [min(CRITERIA.cutoff_step**k, highest) if k < steps else highest for k in range(1, steps + 1)]
 
 
 def _geometric_mean(sizes: FloatArray) -> float:
-    """Geometric mean of relative deviations, 1 without any. Below `_KNOWN` a smaller deviation does not count."""
+    """Geometric mean of relative deviations, 1 without any. Below `known_well` a smaller deviation does not count."""
     if not sizes.size:
         return 1.0
-    return float(np.exp(np.mean(np.log(np.maximum(sizes, _KNOWN)))))
+    return float(np.exp(np.mean(np.log(np.maximum(sizes, CRITERIA.known_well)))))
 
 
 def _relative_deviations(found: Identification) -> FloatArray:

@@ -18,7 +18,7 @@ from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import scan
 from symid.identification.delays.refined_delay import Shifting
-from symid.identification.delays.timing import WORTH_MOVING, Timing
+from symid.identification.delays.timing import Timing
 from symid.identification.rows.excerpts import Excerpt
 
 _WORST_CLOCK = 0.02
@@ -63,7 +63,10 @@ def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[
         grows = abs(first - last) >= _DRIFTED_ROWS * row
         is_even = abs(2 * middle - first - last) <= _DRIFTED_ROWS * row + _UNEVEN * abs(last - first)
         lags, lefts = np.abs([first, middle, last]), np.array([lag.left for lag in thirds])
-        better = np.all((lags <= row) | (lefts < WORTH_MOVING)) and lefts[np.argmax(lags)] < WORTH_MOVING
+        better = (
+            np.all((lags <= row) | (lefts < CRITERIA.delay_leaves))
+            and lefts[np.argmax(lags)] < CRITERIA.delay_leaves
+        )
         if grows and is_even and better:
             length = np.mean([part.log.n_samples * part.log.sampling_period for part in parts])
             rate = abs(last - first) / (_APART * length)

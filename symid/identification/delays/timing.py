@@ -15,34 +15,11 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
+from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import delayed_together, scan
 from symid.identification.delays.refined_delay import Delay, Shifting, beyond_feedback, refined
 from symid.identification.parameters.physical import negative_parameters
 from symid.identification.rows.excerpts import Excerpt
-
-WORTH_MOVING = 0.7
-"""Part of the residual's power that another lag must leave at most, for the search to begin there."""
-_AS_MUCH = 1.5
-"""Times the residual's power at the best lag of the scan that a delay refined from zero may leave."""
-_PREFERENCE = 1.25
-"""Times the residual that a late sensor must leave less than a late force."""
-_ROWS_A_DEVIATION = 6.0
-"""A delay that is only scanned is known to half a row, taken as three deviations."""
-_TOGETHER = 0.9
-"""Residual that must be left at most where all signals but one are moved: noise in W makes 0.97 of it."""
-_SIGNIFICANT = 5.0
-"""Standard deviations from which a delay is reported."""
-_NOTICEABLE = 0.2
-"""Samples from which a delay is reported, whatever it changes."""
-_ROUND = 3.0
-"""Standard deviations within which a delay is taken for a number of whole or half samples."""
-_NATURAL = 1.0
-"""Samples up to which a hold and a lag delay a force: beyond them a clock must leave less than `WORTH_MOVING`."""
-_LONG, _ALL_BUT_NOISE = 0.05, 0.1
-"""Seconds that clocks and drives hardly delay a signal, and the part of the residual's power that a clock leaves which
-does: in a slow motion, friction acts late."""
-_HELD = 0.1
-"""Samples by which the delay of a held force may differ from half a sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,29 +54,35 @@ class Timing:
     @property
     def is_significant(self) -> bool:
         """Whether there is a delay that noise does not explain."""
-        return bool(abs(self.late) > _SIGNIFICANT * self.deviation and self.remaining < 1.0)
+        return bool(abs(self.late) > CRITERIA.delay_certain * self.deviation and self.remaining < 1.0)
 
     @property
     def is_small(self) -> bool:
         """Whether the delay is a small part of a sample."""
-        return abs(self.samples) <= _NOTICEABLE
+        return abs(self.samples) <= CRITERIA.delay_noticeable
 
     @property
     def seems_held(self) -> bool:
         """Whether the delay is the half sample of a force that is held from sample to sample."""
-        return self.is_force and self.declared == 0.0 and abs(self.samples + 0.5) < _HELD
+        return self.is_force and self.declared == 0.0 and abs(self.samples + 0.5) < CRITERIA.delay_held
 
     @property
     def suggested(self) -> float:
         """`late` as whole or half samples, which are what clocks and holds make, unless it differs by 3 deviations."""
         round_number = round(2 * self.samples) * self.sampling_period / 2
-        return round_number if abs(self.late - round_number) < _ROUND * self.deviation else self.late
+        return (
+            round_number
+            if abs(self.late - round_number) < CRITERIA.delay_round * self.deviation
+            else self.late
+        )
 
     @property
     def may_be_clock(self) -> bool:
         """Whether a clock or a hold may be the cause: beyond what holds and lags do, it then leaves little."""
-        least = WORTH_MOVING if abs(self.late) < _LONG else _ALL_BUT_NOISE
-        return abs(self.samples) <= _NATURAL or self.remaining**2 < least
+        least = (
+            CRITERIA.delay_leaves if abs(self.late) < CRITERIA.delay_long else CRITERIA.delay_all_but_noise
+        )
+        return abs(self.samples) <= CRITERIA.delay_natural or self.remaining**2 < least
 
     @property
     def remedy(self) -> str:
@@ -169,12 +152,14 @@ def delays_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
 
 def likeliest(delays: Sequence[Timing]) -> Timing | None:
     """The delay that explains most; that of the force if none is significant, None if that is not determined."""
-    found = [timing for timing in delays if len(timing.moved) == 1 or timing.remaining < _TOGETHER]
+    found = [
+        timing for timing in delays if len(timing.moved) == 1 or timing.remaining < CRITERIA.delay_together
+    ]
     certain = [timing for timing in found if timing.is_significant]
     of_force = [timing for timing in found if timing.is_force]
     if certain:
         # the force is what usually is late: a sensor must explain clearly more
-        return min(certain, key=lambda t: t.remaining * (1.0 if t.is_force else _PREFERENCE))
+        return min(certain, key=lambda t: t.remaining * (1.0 if t.is_force else CRITERIA.delay_preference))
     return of_force[0] if of_force else None
 
 
@@ -188,18 +173,20 @@ def _timing_of(
     near = refined(parts, shifting, fit, 0.0)
     found: Delay | None
     # motion that repeats itself fits as well a period later: a delay near zero that explains as much comes first
-    if left >= WORTH_MOVING or (near is not None and near.remaining**2 <= _AS_MUCH * left):
+    if left >= CRITERIA.delay_leaves or (
+        near is not None and near.remaining**2 <= CRITERIA.delay_as_much * left
+    ):
         found = near
     else:  # to a row, where it cannot be refined
         chosen = parts[0].observation.preparation
         row = parts[0].log.sampling_period * (chosen.decimation or 1)
         found = refined(parts, shifting, fit, late) or Delay(
-            late, row / _ROWS_A_DEVIATION, float(np.sqrt(left)), there
+            late, row / CRITERIA.rows_a_deviation, float(np.sqrt(left)), there
         )
     found = next((one for one in (found, near) if one and _keeps_signs(model, one.parameters, fit)), None)
     if found is None:
         return None
-    if names[0] in model.forces and abs(found.late) > _SIGNIFICANT * found.deviation:
+    if names[0] in model.forces and abs(found.late) > CRITERIA.delay_certain * found.deviation:
         found = beyond_feedback(parts, fit, names, found)
     return Timing(
         signal=signal,

@@ -22,6 +22,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares, independent_rows
+from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import shown_late
 from symid.identification.deviations.motion_shapes import (
     FRICTION,
@@ -41,29 +42,8 @@ from symid.identification.rows.noise import coefficients
 from symid.signal_names import split_derivative
 
 _LATE = "a delay of"
-_CERTAIN = 4.0
-"""Standard deviations from which an effect, or a change between bands, counts: one of some thirty is tried."""
-_LIKELY = 3.0
-"""The same for changes of other parameters beside one that is certain: of these, what is beyond counts."""
-_MOST = 6
-"""Most effects of one log."""
-_AS_MUCH = 0.5
-"""Part of what the best column explains from which the log does not distinguish another one from it."""
-_INDEPENDENT = 0.025
-"""Part of a column's power that the model does not explain from which it counts as any other: with less, the effect
-would be six times as large as what it explains (with 0.01, EMPS unfiltered has Fv within 59 %). One with less, such as
-a constant force beside the weight of a pendulum, counts where it explains most; three deviations make it certain, as
-few are imitated (mass on a sine: with four, drag in the noise had Fv off by 30 % at 20 deviations)."""
-_LARGEST = 0.1
-"""Size of one with less, as part of the output, beyond which it is no small effect, but noise that is made large."""
-_MAINLY = 0.25
-"""Part of the residual's power that such a large one must explain."""
-_NOISY = 0.05
-"""Relative bias by noise in W, beyond the deviation, from which the residual shows this bias rather than effects."""
 _PASSES = {"half": 4, "a quarter": 16}
 """Passes of a binomial filter over rows, whose Nyquist frequency is mostly twice the cutoff, for a part of the band."""
-_FEWEST = 6
-"""Segments that the deviation of a change between bands needs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +68,10 @@ class Discrepancy:
         """Square of the change of functions of the parameters whose derivatives have the shape (n, n_parameters)."""
         squares = np.square(self.changes @ sensitivity.T)
         noise = np.einsum("ia,ab,ib->i", sensitivity, self.covariance, sensitivity)
-        certain = squares > _CERTAIN**2 * noise
-        beyond = np.where(certain.any(axis=1, keepdims=True), squares - _LIKELY**2 * noise, 0.0)
+        certain = squares > CRITERIA.effect_certain**2 * noise
+        beyond = np.where(
+            certain.any(axis=1, keepdims=True), squares - CRITERIA.effect_likely**2 * noise, 0.0
+        )
         return np.asarray(np.max(np.where(certain, squares, beyond), axis=0, initial=0.0))
 
 
@@ -109,7 +91,9 @@ def discrepancies_of(
     """
     found = _between_bands(parts, corrected)
     bias = np.abs(corrected.solution - fit.solution)
-    is_noisy = bool(np.any(bias > np.maximum(_NOISY * np.abs(corrected.solution), fit.standard_deviations)))
+    is_noisy = bool(
+        np.any(bias > np.maximum(CRITERIA.noisy * np.abs(corrected.solution), fit.standard_deviations))
+    )
     rows = list(whitened(parts, fit))
     late = shown_late(model, noise_alone=noise_alone)
     return (*_pursued(_Columns(model, parts, fit, rows, late), is_noisy=is_noisy), *found)
@@ -239,24 +223,24 @@ def _pursued(columns: _Columns, *, is_noisy: bool) -> Iterator[Discrepancy]:
     resolved = least_resolved(names)
     whole = np.maximum(np.sum(C**2, axis=0), np.finfo(float).tiny / resolved)
     # A friction law that the model has is none that it may lack, whatever filters leave of its column.
-    own[:, np.isin(names, FRICTION) & (np.sum(own**2, axis=0) <= _INDEPENDENT * whole)] = 0.0
+    own[:, np.isin(names, FRICTION) & (np.sum(own**2, axis=0) <= CRITERIA.independent * whole)] = 0.0
     # Noise of W is in what the model leaves of a column that holds none itself, and in the residual.
     quiet = np.array([not name.startswith((*OF_ACCELERATION, _LATE)) for name in names], dtype=float)
-    (noise, both), largest = columns.noise(), _LARGEST**2 * float(predicted @ predicted)
-    for k in range(_MOST):
+    (noise, both), largest = columns.noise(), CRITERIA.imitated_largest**2 * float(predicted @ predicted)
+    for k in range(CRITERIA.most_effects):
         taken, power = own.T @ rest + quiet * (along.T @ both), np.sum(own**2, axis=0)
         factor = np.divide(taken, power, out=np.zeros_like(power), where=power > resolved * whole)
         explained = np.minimum(factor * taken / max(float(rest @ rest), np.finfo(float).tiny), 1.0)
         explained[power < 2 * np.einsum("aj,ab,bj->j", along, noise, along)] = 0.0  # half of them is noise
         if is_noisy:
             explained[quiet == 0.0] = 0.0
-        imitated = power <= _INDEPENDENT * whole
-        explained[imitated & (factor**2 * whole > largest) & (explained < _MAINLY)] = 0.0
+        imitated = power <= CRITERIA.independent * whole
+        explained[imitated & (factor**2 * whole > largest) & (explained < CRITERIA.imitated_explains)] = 0.0
         best = int(np.argmax(explained))
         left = rest - factor[best] * own[:, best]
         # squared deviations of each factor, for noise that is what the best effect leaves
         independent = max(columns.independent(left) - len(root) - k - 1, 0.0)
-        deviations = np.where(imitated, _LIKELY, _CERTAIN)
+        deviations = np.where(imitated, CRITERIA.effect_likely, CRITERIA.effect_certain)
         explained[explained * independent <= deviations**2 * (1.0 - explained)] = 0.0
         best = int(np.argmax(explained))
         if not explained[best]:
@@ -264,7 +248,7 @@ def _pursued(columns: _Columns, *, is_noisy: bool) -> Iterator[Discrepancy]:
         explained[imitated & (explained < explained[best])] = 0.0
         rest = rest - factor[best] * own[:, best]
         both = both + factor[best] * noise @ along[:, best]
-        alike = explained >= _AS_MUCH * explained[best]
+        alike = explained >= CRITERIA.effect_as_much * explained[best]
         changes = -(root @ (along * factor)[:, alike]).T
         name = "cogging" if names[best] == QUARTER else names[best]
         yield Discrepancy(name, changes, np.zeros((len(root), len(root))))
@@ -279,7 +263,7 @@ def _between_bands(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[Disc
     root = fit.rank.inverse_root
     for band, passes in _PASSES.items():
         sums = segments([_slower(part, passes) for part in parts], fit)
-        if len(sums) < _FEWEST:
+        if len(sums) < CRITERIA.fewest_segments:
             return
         normals, slopes = np.stack([s.normal for s in sums]), np.stack([s.slope for s in sums])
         inverse = np.linalg.pinv(np.sum(normals, axis=0), rcond=1e-6, hermitian=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
+from symid.identification.criteria import CRITERIA
 from symid.identification.rows.coulomb import direction
 from symid.identification.rows.excerpts import Excerpt, running_integral
 from symid.identification.rows.observation import sliding_velocities
@@ -26,9 +27,6 @@ OF_ACCELERATION = "friction with the load", "a spring that is not linear", "play
 """Beginnings of the names of effects whose courses hold the noise of the acceleration, as W does."""
 _SMOOTH = "a constant force", "a force with the position"
 """Names of the courses that have neither jumps nor kinks."""
-_RESOLVED, _RESOLVED_SMOOTH = 1e-4, 1e-8
-"""Part of a column's power that rounding and filters leave of one that the model does explain; of a smooth one. A
-constant force beside a pendulum's weight within 0.6 rad has 2e-5."""
 _MOST_PERIODS, _STEP = 120.0, 0.5
 """Periods of cogging along the stroke that are tried: the most, and their step."""
 
@@ -133,4 +131,4 @@ def waves(motions: Sequence[Motion], rests: Sequence[FloatArray]) -> list[dict[s
 
 def least_resolved(names: Sequence[str]) -> FloatArray:
     """Part of the power of each column, by its name, that rounding and filters leave where the model explains it."""
-    return np.where(np.isin(names, _SMOOTH), _RESOLVED_SMOOTH, _RESOLVED)
+    return np.where(np.isin(names, _SMOOTH), CRITERIA.resolved_smooth, CRITERIA.resolved)

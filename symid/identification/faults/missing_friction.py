@@ -16,8 +16,6 @@ from symid.identification.rows.coulomb import direction
 
 _LAWS = {"Coulomb friction": "CoulombFriction", "viscous friction": "ViscousFriction"}
 """Laws by the names of their courses, as they are declared."""
-_LACKING = 0.025
-"""Part of a law's column that the columns of a model without it leave: filters leave less of one that it has."""
 
 
 def missing_friction(tests: ColumnTests, found: Identification, timing: Timing | None) -> str:
@@ -36,7 +34,7 @@ def missing_friction(tests: ColumnTests, found: Identification, timing: Timing |
     shares = {}
     for law, shapes in courses.items():
         column, outside, moves = _beside(tests, found, shapes)
-        is_lacking = column.factor > 0.0 and outside > _LACKING  # friction takes power
+        is_lacking = column.factor > 0.0 and outside > CRITERIA.independent  # friction takes power
         if is_lacking and moves and column.share > max(CRITERIA.friction_shape, by_delay):
             shares[law] = column.share
     if not shares:

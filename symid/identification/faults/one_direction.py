@@ -7,12 +7,9 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
+from symid.identification.criteria import CRITERIA
 from symid.identification.rows.excerpts import Excerpt
 
-_LEVEL = 0.02
-"""Part by which the column of dry friction, which a filter rounds beside rests, differs from its level, rms."""
-_ALIKE = 1e-3
-"""Rms of a friction's sign beside the other columns, as part of it, below which these are the same force."""
 _MOVE = "move in both directions"
 
 
@@ -32,7 +29,7 @@ def one_direction(model: GeneratedModel, parts: Sequence[Excerpt]) -> tuple[str,
         others = others[:, sizes > 0] / sizes[sizes > 0]
         rest = sign - others @ np.linalg.lstsq(others, sign, rcond=None)[0]
         name = minimal[column]
-        if np.sqrt(np.mean(rest**2)) < _ALIKE:
+        if np.sqrt(np.mean(rest**2)) < CRITERIA.friction_alike:
             return (
                 f"the axis moves in one direction only, in which {name} and others are one force: {_MOVE}",
                 "",
@@ -66,4 +63,6 @@ def _is_of_one_sign(column: FloatArray) -> bool:
     (True, False, False)
     """
     level = float(np.median(column))
-    return bool(level != 0.0 and np.all(column * level >= 0.0) and np.std(column / level) < _LEVEL)
+    return bool(
+        level != 0.0 and np.all(column * level >= 0.0) and np.std(column / level) < CRITERIA.friction_level
+    )

@@ -13,22 +13,8 @@ from symid.identification.parameters.physical import open_by_structure
 from symid.identification.results.identification_result import Identification
 from symid.identification.results.verdict import Status, not_by_structure
 
-_USUAL_LAG = 0.85
-"""Samples by which a force may act after it is recorded, as a hold and the lag of a drive explain, for a mere note."""
-_EXPLAINS = 0.5
-"""Residual that a smaller delay must leave at most to be reported: slow samples make much of a small part of one."""
-_LEAST_DELAY = 0.02
-"""Samples of a delay that explains little: what noise of several sensors leaves looks like one of up to 0.01."""
-_LARGE_BIAS = 0.05
-"""Relative bias, or change by a delay, above which the status is not "ok"."""
-_CERTAIN = 2.0
-"""Standard deviations that a change or a bias must have for a status."""
-_GROWN = 2.0
-"""Growth of a deviation by what a model lacks that is worth a note."""
 _NOISE_IN_W = "noise of the sensors in the columns of W"
 _EXCITE = "excite it more (other speeds, accelerations, frequencies), or record longer"
-_GAIN_OF_DIFFERENCES = 0.997
-"""Gain of the differences at the cutoff above which they are not the cause of a bias."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +97,7 @@ def with_discrepancies(found: Identification, discrepancies: tuple[Discrepancy, 
         named = [
             f"{name} ({100 * wide / value:.2g} %)"
             for name, value, narrow, wide in rows
-            if wide > _GROWN * narrow and wide > CRITERIA.precise * value > 0.0
+            if wide > CRITERIA.deviation_grown * narrow and wide > CRITERIA.precise * value > 0.0
         ]
         if named:
             notes += (
@@ -149,9 +135,9 @@ def _undetermined(found: Identification, cure: str = _EXCITE) -> str:
 
 def _matters(found: Identification, timing: Timing) -> bool:
     """Whether there is a delay, and not a small one that explains little and leaves parameters in their intervals."""
-    if not timing.is_significant or not timing.is_small or timing.remaining < _EXPLAINS:
+    if not timing.is_significant or not timing.is_small or timing.remaining < CRITERIA.delay_explains:
         return timing.is_significant
-    return abs(timing.samples) > _LEAST_DELAY and is_beyond_intervals(found, timing.parameters)
+    return abs(timing.samples) > CRITERIA.least_delay and is_beyond_intervals(found, timing.parameters)
 
 
 def _is_fault(found: Identification, timing: Timing, noise_alone: bool) -> bool:
@@ -160,11 +146,13 @@ def _is_fault(found: Identification, timing: Timing, noise_alone: bool) -> bool:
     A force that acts before it is recorded has no natural cause, unless that is a small part of a sample. In noise
     alone the force that a controller makes of the encoder's noise looks late.
     """
-    natural = timing.is_force and (noise_alone or -_USUAL_LAG <= timing.samples <= 0)
+    natural = timing.is_force and (noise_alone or -CRITERIA.usual_lag <= timing.samples <= 0)
     return not (natural or timing.is_small) or is_beyond_intervals(found, timing.parameters)
 
 
-def is_beyond_intervals(found: Identification, parameters: FloatArray, least: float = _LARGE_BIAS) -> bool:
+def is_beyond_intervals(
+    found: Identification, parameters: FloatArray, least: float = CRITERIA.large_bias
+) -> bool:
     """Whether minimal parameters of an estimate without a fault differ by more than values and deviations allow.
 
     `least` is the change, as part of the value, from which it counts.
@@ -177,7 +165,9 @@ def is_beyond_intervals(found: Identification, parameters: FloatArray, least: fl
     else:
         values, deviations = found.fit.parameters, found.standard_deviations
     with np.errstate(invalid="ignore"):
-        beyond = (np.abs(change) > _CERTAIN * deviations) & (np.abs(change) > least * np.abs(values))
+        beyond = (np.abs(change) > CRITERIA.bias_certain * deviations) & (
+            np.abs(change) > least * np.abs(values)
+        )
     return bool(np.any(beyond))
 
 
@@ -195,9 +185,11 @@ def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str,
     every = list(found.model.physical_units if found.physical else found.model.minimal_units)
     values, deviations = _reported(found)
     free = values - bias.total  # parameters that are 0 without their bias have no relative one
-    certain = np.abs(free) > np.maximum(_CERTAIN * deviations, 0.0)
+    certain = np.abs(free) > np.maximum(CRITERIA.bias_certain * deviations, 0.0)
     relative = np.divide(bias.total, np.abs(free), out=np.zeros_like(free), where=certain)
-    large = (np.abs(bias.total) > _CERTAIN * deviations) & (np.abs(relative) > _LARGE_BIAS)
+    large = (np.abs(bias.total) > CRITERIA.bias_certain * deviations) & (
+        np.abs(relative) > CRITERIA.large_bias
+    )
     places = [every.index(name) for name in names]
     share = np.sum(np.abs(bias.noise[places]) / deviations[places])
     rest = np.sum(np.abs(bias.preparation[places]) / deviations[places])
@@ -223,6 +215,6 @@ def _cause_of_preparation(found: Identification) -> str:
     differences = max(found.model.highest_derivatives.values())
     order = chosen.difference_order
     gain = float(central_difference_gain(chosen.cutoff_hz, found.sampling_period, order=order)) ** differences
-    if gain < _GAIN_OF_DIFFERENCES:
+    if gain < CRITERIA.gain_of_differences:
         return "central differences lose what is fast: lower `cutoff_hz`, or record faster"
     return "the low-pass moves the reversals of friction: raise `cutoff_hz`"

@@ -8,6 +8,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import CorrelatedCovariance, LeastSquares
+from symid.identification.criteria import CRITERIA
 from symid.identification.parameters.physical import PhysicalEstimate, open_by_structure
 
 Status = Literal[
@@ -25,16 +26,6 @@ Status = Literal[
     "recording",
     "weak_instruments",
 ]
-
-_HIGHEST_CONDITION = 1e5
-"""Condition of the scaled observation matrix; above it, 0.001 % noise in a column changes parameters by 100 %."""
-
-
-_FEW_ROWS = 10
-"""Rows for each parameter below which a residual whose correlation does not decay within the lags that so few rows
-show gives no deviation: with 16 rows for four parameters, an encoder 0.7 samples late moved Fv by 58 % at 7."""
-_WORST_FIT = 0.5
-"""Residual beyond which, as part of the output, an equation is worthless: a quarter of the power is unexplained."""
 
 
 def verdict(
@@ -56,7 +47,7 @@ def verdict(
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
         return "too_few_rows", f"{rows}: give a longer log or `standstill=0`"
     is_open = correlated is not None and correlated.status != "ok"
-    if is_open and sum(fit.rows) < _FEW_ROWS * len(names):
+    if is_open and sum(fit.rows) < CRITERIA.few_rows * len(names):
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters, and they are not independent"
         return "too_few_rows", f"{rows}: give a longer log"
     if fit.status == "rank_deficient":
@@ -64,7 +55,7 @@ def verdict(
         return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
     helped = bool(physical) and physical[0].restricted is not None
     vague = [n for n, r in zip(names, fit.relative_standard_deviations, strict=True) if not r < 50]
-    if fit.condition_number_scaled > _HIGHEST_CONDITION and not helped:
+    if fit.condition_number_scaled > CRITERIA.highest_condition and not helped:
         return "poorly_excited", (
             f"the columns of W are nearly dependent (condition {fit.condition_number_scaled:.2g} scaled), and noise "
             f"decides on {', '.join(vague or names)}: move at several speeds, accelerations and frequencies"
@@ -148,7 +139,7 @@ def poorly_fitted(model: GeneratedModel, fit: LeastSquares) -> str:
     return ", ".join(
         f"{100 * share:.3g} % of {name}"
         for name, share in zip(names, shares, strict=True)
-        if share > _WORST_FIT
+        if share > CRITERIA.worthless_fit
     )
 
 
