@@ -5,14 +5,16 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass, derivatives
 from symid.output_error.run import read_orders
-from symid.simulation import ForwardDynamics
+from symid.simulation import ForwardDynamics, Plant
 
 _MODES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33, 0.43)
 """Start values of the frequency of the highest mode, as shares of the sampling frequency."""
 _LOSS = 0.02  # damping of a spring relative to sqrt(mass * stiffness)
+_RIGID = 1e-9  # stiffness, relative to the largest, of a motion that no spring resists
 _FARTHEST = 300.0  # factor of a mass from its rough value
 
 
@@ -65,7 +67,36 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
         for term in terms:
             for name in dynamics.names(term.parameter):
                 values[name] = abs(float(coulomb))
-    return values
+    return _behind_gears(dynamics, values)
+
+
+def _behind_gears(dynamics: ForwardDynamics, values: Mapping[str, float]) -> dict[str, float]:
+    """Values as their gears make them: each mass as heavy for the drive, each spring as stiff for the masses at it."""
+    found, plant = dict(values), dynamics.at(values)
+    moved, springs = _without_deflection(plant), dynamics.parameters_of("stiffness")
+    for name in dynamics.parameters_of("mass"):
+        share = float(moved @ dynamics.derivative(values, name).mass @ moved)
+        found[name] = values[name] / share if share > 0.0 else values[name]
+    lighter = np.linalg.solve(dynamics.at(found).mass, np.eye(len(moved)))
+    for name in springs | dynamics.parameters_of("damping") if springs else ():
+        slope = dynamics.derivative(values, name)
+        part = slope.stiffness if name in springs else slope.damping
+        mobility = float(
+            np.abs(np.linalg.eigvals(lighter @ part)).max()
+        )  # of both ends, per unit force in the joint
+        mass = float(np.mean([values[one] for one in dynamics.parameters_of("mass")]))
+        found[name] = values[name] / (mobility * mass) if mobility > 0.0 else values[name]
+    return found
+
+
+def _without_deflection(plant: Plant) -> FloatArray:
+    """Motion of the bodies for unit motion of the first drive, without deflection of springs; 0 if they hold it."""
+    size = np.sqrt(np.diag(plant.stiffness))
+    size[size == 0.0] = 1.0
+    _, sizes, directions = np.linalg.svd(plant.stiffness / np.outer(size, size))
+    free = directions[sizes <= _RIGID * max(sizes[0], 1.0)] / size
+    along = free @ plant.drives[:, 0]
+    return np.asarray(along @ free / (along @ along)) if along.any() else np.zeros(len(size))
 
 
 def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> dict[str, float]:

@@ -2,9 +2,10 @@
 
 import pytest
 
-from symid import Axis, Between, Body, Drive, Position, Preparation, Spring, Unbalance, ViscousFriction
+from symid import Axis, Between, Body, Drive, Log, Position, Preparation, Spring, Unbalance, ViscousFriction
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.hidden_laws import models_of
+from symid.output_error.rough_starts import rigid_start
 from symid.simulation import Cascade, forward_dynamics, simulate, trapezoids
 
 MOTOR, ARM = Body("motor", inertia="Jm"), Body("arm", inertia="Ja")
@@ -19,10 +20,21 @@ AXIS = Axis(
 TRUE = {"Jm": 3.1e-4, "Ja": 2.7, "Fv": 4e-3, "Gs": 61.0, "Gc": -23.0, "K": 1.2e4, "D": 21.0}
 
 
-def test_a_hidden_arm_moves_with_the_motor_from_the_first_trial_on() -> None:
+@pytest.fixture(scope="module")
+def log() -> Log:
     path = trapezoids([60.0], 80.0, acceleration=900.0, jerk=4e4, dwell=0.05, sampling_period=4e-3)
     loop = Cascade("qm", position_gain=15.0, velocity_gain=0.05, integral_gain=8.0)
-    log = simulate(AXIS, TRUE, path, loop, start="equilibrium", seed=1).log
+    return simulate(AXIS, TRUE, path, loop, start="equilibrium", seed=1).log
+
+
+def test_a_rough_start_knows_what_a_gear_makes_of_a_mass(log: Log) -> None:
+    """The inertia of the arm is 9000 times that of the motor, and the load on the drive that of both."""
+    rough = rigid_start(models_of(AXIS, ("qm",)).whole, forward_dynamics(AXIS), [log])
+    for name in ("Jm", "Ja"):
+        assert 0.1 < rough[name] / TRUE[name] < 10.0, name
+
+
+def test_a_hidden_arm_moves_with_the_motor_from_the_first_trial_on(log: Log) -> None:
     near = {name: value * (1.15 if i % 2 else 0.85) for i, (name, value) in enumerate(TRUE.items())}
     compared = ErrorModel(models_of(AXIS, ("qm",)).whole, forward_dynamics(AXIS), Preparation(), "held")
     fit = compared.fit([log], [near])
