@@ -17,19 +17,21 @@ VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
 PERIOD = 1e-3
 
 
-def log_with(force_of: Callable[[FloatArray, FloatArray], FloatArray], seed: int) -> Log:
+def log_with(
+    force_of: Callable[[FloatArray, FloatArray], FloatArray], seed: int, period: float = PERIOD
+) -> Log:
     """A slide whose drive needs a force of velocity and acceleration more, which no effect of the library does."""
     speeds = [0.3, 0.7, 1.0] if seed % 2 else [0.4, 0.6, 0.9]
-    reference = trapezoids(0.4, speeds, acceleration=5.0, jerk=100.0, dwell=0.1, sampling_period=PERIOD)
+    reference = trapezoids(0.4, speeds, acceleration=5.0, jerk=100.0, dwell=0.1, sampling_period=period)
     run = simulate(RIGID, VALUES, reference, tuned_cascade(plant_of(RIGID, VALUES), "q"), seed=seed).log
-    velocity = np.gradient(run["q"], PERIOD)
+    velocity = np.gradient(run["q"], period)
     noise = np.random.default_rng(seed).standard_normal((2, velocity.size))
-    force = run["F"] + force_of(velocity, np.gradient(velocity, PERIOD)) + 0.3 * noise[0]
-    return Log.from_arrays({"q": run["q"] + 1e-7 * noise[1], "F": force}, sampling_period=PERIOD)
+    force = run["F"] + force_of(velocity, np.gradient(velocity, period)) + 0.3 * noise[0]
+    return Log.from_arrays({"q": run["q"] + 1e-7 * noise[1], "F": force}, sampling_period=period)
 
 
 def test_no_effect_is_named_for_a_law_of_another_shape_with_confidence() -> None:
-    logs = [log_with(lambda v, a: 4.0 * a * np.abs(a), seed) for seed in (1, 2)]
+    logs = [log_with(lambda v, a: 4.0 * a * np.abs(a), seed, 2 * PERIOD) for seed in (1, 2)]
     found = diagnose(RIGID, logs[0], validation=logs[1], nominal=VALUES, held=True)
     assert found.verdict == "partly"
     assert all(effect.probability < 0.15 for effect in found.effects)
