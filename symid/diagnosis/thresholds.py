@@ -74,9 +74,10 @@ class Thresholds:
     # Stribeck velocity, relative to the top speed, beyond which Stribeck friction without Coulomb friction is
     # that (machines without Coulomb friction in their model: 0.4 to 0.9; where drawn cases have it, below 0.2)
     hardly_falls: float = 0.3
-    # relative variation of a friction level along the stroke below which the level comes first, its variation after it:
-    # robot joints without friction in their model show 0.7 from halves of their logs (real), drawn cases 1
-    varies: float = 0.75
+    # variation of a friction level along the stroke, relative to its middle, below which the level comes first, its
+    # variation after it: robot joints without friction in their model show 0.76 and 0.83 from halves of their logs
+    # (real), drawn cases 1
+    varies: float = 0.9
     # share of the gain of an effect by which its refinement must gain more to take its place beside others
     refined: float = 0.05
     stands_in: float = 0.5  # share of what an effect takes away that another in its place must take

@@ -51,12 +51,17 @@ def test_coulomb_friction_begins_at_the_level_of_what_contains_it() -> None:
     assert found.placed.amplitudes[0] == pytest.approx(30.0, rel=0.01)
 
 
-def confirmed(item: Placed, gain: float, blocks: float, mean_square: float) -> Confirmed:
+def confirmed(
+    item: Placed, gain: float, blocks: float, mean_square: float, rest: float | None = None
+) -> Confirmed:
     """A candidate that gains; `blocks` is the error of each other block in which it errs less."""
     squares = np.full((1, 16), 100.0)
     squares[0, ::2] = blocks
-    motion = SimpleNamespace(q=np.linspace(0.0, 0.2, 50), v=np.ones(50))
-    record = SimpleNamespace(in_log=np.ones(50, dtype=bool))
+    positions = np.linspace(0.0, 0.2, 50)
+    if rest is not None:  # most of the time at one place
+        positions = np.concatenate([positions, np.full(200, rest)])
+    motion = SimpleNamespace(q=positions, v=np.ones(positions.size))
+    record = SimpleNamespace(in_log=np.ones(positions.size, dtype=bool))
     state = SimpleNamespace(prediction=SimpleNamespace(joints={BODY: motion}, record=record))
     fit = SimpleNamespace(mean_square=mean_square, n_rows=1600.0, state=state)
     effect = SimpleNamespace(is_plausible=lambda *_: True)
@@ -96,3 +101,13 @@ def test_a_level_comes_before_its_variation_where_it_explains_something(
     }
     prefer_coulomb(found)
     assert (VARYING.key in found) == kept
+
+
+def test_a_level_that_vanishes_somewhere_varies_wherever_the_axis_rests() -> None:
+    from_zero = Placed(PERIODIC, BODY, (0.1,), (30.0, 30.0, 0.0))
+    found: dict[Key, Confirmed] = {
+        COULOMB.key: confirmed(COULOMB, 3000.0, 100.0, 1.4),
+        from_zero.key: confirmed(from_zero, 9000.0, 40.0, 0.6, rest=0.025),
+    }
+    prefer_coulomb(found)
+    assert from_zero.key in found

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 
 import numpy as np
-import scipy
 
 from symid.arrays import ComplexArray
 from symid.diagnosis.effects.effect import JointEffect, Placed, Shape, sampled
@@ -37,7 +36,7 @@ class LoadDependentFrictionEffect(JointEffect):
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         k = prediction.drive_of(joint)
         drive = _force_per_unit(prediction, k) * acting_force(prediction, k)
-        load = scipy.signal.resample(np.abs(drive), prediction.record.n_fine)
+        load = prediction.record.resampled(np.abs(drive))
         return sampled(prediction, load * np.sign(joint.v), joint=joint)
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:

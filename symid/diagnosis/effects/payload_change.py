@@ -1,6 +1,7 @@
 """The effect of a mass that changes during a log."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -42,6 +43,8 @@ _SMOOTH = 4
 """Points of the fine grid over which a mass changes where the motion has no jump."""
 _FADES = 30.0
 """Periods of the highest frequency used in which a unit step fades, so that it ends within the log."""
+_ALIKE = 1e-12
+"""Relative singular value below which combinations of pulses count as none."""
 _UNSETTLED = 12
 """Points around the change, and after the end of the log, at which pulses have not yet decayed."""
 
@@ -135,40 +138,53 @@ class PayloadChangeEffect(Effect):
         record, (change, moment) = prediction.record, shape
         body = prediction.loaded[place]
         other, free = prediction.response.memory.of(
-            (self, place), change, lambda: self._with_change(prediction, body.direction, change)
+            (self, place), change, lambda: _with_change(prediction, body.direction, change)
         )
         if record.is_predicted(body.direction):  # the motion of the axis as modelled has no jump
             load = _load(prediction, body) * _later(record, moment, _SMOOTH)
         else:
             load = _with_sharp_jump(prediction, body, shape) * _later(record, moment)
-        return self._ended(record, -change * other * record.from_grid(load), free, moment)[None]
-
-    def _with_change(
-        self, prediction: Prediction, direction: FloatArray, change: float
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """For the axis with the other mass: outputs for a force on the body, and for pulses at the end of the log."""
-        record = prediction.record
-        inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
-        other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
-        hidden = [other.of_force(free) for free in prediction.free_directions]
-        return other.of_force(direction), starting_pulses(record, hidden, (record.duration,))
-
-    def _ended(
-        self, record: Record, changed: ComplexArray, free: ComplexArray, moment: float
-    ) -> ComplexArray:
-        """The change without the free motion after the log, which a periodic record continues before the change."""
-        if not len(free):
-            return changed
-        # Pulses at the end of the log are fitted to the outputs where these should be zero, and subtracted.
-        time, margin = record.fine_time, _UNSETTLED * record.fine_time[1]
-        quiet = (time > record.duration + margin) | (time < moment - margin)
-        columns = record.fine(free[:, 0])[:, quiet].T
-        amounts = least_squares(columns, record.fine(changed[0])[quiet])
-        return np.asarray(changed - np.tensordot(amounts, free, 1))
+        return free.taken_from(-change * other * record.from_grid(load), moment)[None]
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
         return "1", str(force * Unit.of("s") ** 2 / length), "s"
+
+
+@dataclass(frozen=True, eq=False)
+class _FreeMotion:
+    """Motion of the axis with the other mass after the log, which a periodic record continues before the change."""
+
+    record: Record
+    outputs: ComplexArray  # for pulses of force at the end of the log and their rates, (n, n_outputs, n_bins)
+    forces: FloatArray  # first of these outputs on the fine grid, (n, n_fine)
+
+    def taken_from(self, changed: ComplexArray, moment: float) -> ComplexArray:
+        """Outputs that change at a moment, without the motion that fits them where their change should be zero."""
+        if not len(self.outputs):
+            return changed
+        time, margin = self.record.fine_time, _UNSETTLED * self.record.fine_time[1]
+        first, last = np.searchsorted(time, (moment - margin, self.record.duration + margin))
+        forces, change = self.forces, self.record.fine(changed[0])
+        # Normal equations: what differs so little between pulses that these lose it changes the outputs as little.
+        before, after = slice(first), slice(last, None)
+        normal = forces[:, before] @ forces[:, before].T + forces[:, after] @ forces[:, after].T
+        onto = forces[:, before] @ change[before] + forces[:, after] @ change[after]
+        amounts = least_squares(normal, onto, _ALIKE)
+        return np.asarray(changed - np.tensordot(amounts, self.outputs, 1))
+
+
+def _with_change(
+    prediction: Prediction, direction: FloatArray, change: float
+) -> tuple[ComplexArray, _FreeMotion]:
+    """For the axis with the other mass: outputs for a force on the body, and its motion after the log."""
+    record = prediction.record
+    inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
+    other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
+    hidden = [other.of_force(free) for free in prediction.free_directions]
+    outputs = starting_pulses(record, hidden, (record.duration,))
+    forces = record.fine(outputs[:, 0]) if hidden else np.zeros((0, record.n_fine))
+    return other.of_force(direction), _FreeMotion(record, outputs, forces)
 
 
 def _felt_mass(prediction: Prediction, body: Joint) -> float:

@@ -128,6 +128,10 @@ class PeriodicLog:
         """Signal on the fine grid."""
         return self.grid(spectrum, self.n_fine)
 
+    def resampled(self, values: FloatArray) -> FloatArray:
+        """Values at any number of evenly spaced points of a period, on the fine grid."""
+        return np.asarray(scipy.fft.irfft(scipy.fft.rfft(values) / values.size, self.n_fine, norm="forward"))
+
     def rows(self, spectrum: ComplexArray) -> FloatArray:
         """Signal of a spectrum at the rows, of shape (..., n_rows)."""
         return self.grid(spectrum, self.n_rows)

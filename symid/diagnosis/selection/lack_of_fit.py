@@ -27,6 +27,8 @@ from symid.errors import SettingError
 _ITERATIONS = 6
 _ROWS_PER_VALUE = 10.0
 """Least number of independent rows for each value of a law without a shape."""
+_HOPELESS = 0.9
+"""Share of the error above the noise that a law leaves by projection, from which on it does not outdo the effect."""
 _FIRST_TERMS = ("coulomb_friction", "viscous_friction", "offset_force")
 """Terms that any force of the motion has, whatever its shape: another shape is a second effect beside them."""
 _LAWS = tuple(NonparametricLaw(of) for of in ("position", "velocity", "acceleration"))
@@ -102,7 +104,10 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
 
 
 def _may_gain(law: Placed, whole: Fit) -> bool:
-    """Whether a law beside all effects gains more than as many free values do in noise, by projection."""
+    """Whether a law beside all effects may outdo the first, by projection.
+
+    It must gain more than as many free values do in noise, and leave clearly less above the noise than the effects.
+    """
     weighting, prediction = whole.weighting, whole.state.prediction
     own = law.effect.columns(prediction, law.at, law.shape)
     columns = np.concatenate(
@@ -112,6 +117,9 @@ def _may_gain(law: Placed, whole: Fit) -> bool:
     onto = columns @ whole.error
     closed = float(onto @ np.linalg.pinv(columns @ columns.T, rcond=RANK, hermitian=True) @ onto) / whole.cost
     gain = -0.5 * whole.n_rows * len(whole.state.rows) * math.log1p(-min(closed, 1 - RANK))
+    above = whole.mean_square - 1
+    if whole.mean_square * (1 - closed) - 1 > _HOPELESS * above > 0:
+        return False
     return gain > THRESHOLDS.least_penalised_gain + len(law.amplitudes) / 2
 
 

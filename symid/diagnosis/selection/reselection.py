@@ -3,6 +3,7 @@
 Forward selection never reconsiders an effect, but the first one also stood in for those found later.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +15,7 @@ from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import stable_with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.screening import screened
+from symid.diagnosis.selection.stages import least_left
 from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, is_clear, takes
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -122,7 +124,12 @@ def _chosen(
         starts += [Start.of(before, item) for item in rivals.values()]
     found: dict[Key, Confirmed] = {}
     for start in starts:
-        one = confirmed_from(before, start)
+        item = start.placed
+        if item.key in found and not (item.shape or item.integrated):
+            continue  # the error is linear in its values: it has one minimum
+        is_part_of_another = any(other.placed.contains(item.key) for other in found.values())
+        most = math.inf if is_part_of_another else THRESHOLDS.hopeless * least_left(found)
+        one = confirmed_from(before, start, most)
         if one is not None and (one.key not in found or one.gain > found[one.key].gain):
             found[one.key] = one
     refused = step.refused | {start.placed.key for start in starts}
