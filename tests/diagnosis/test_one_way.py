@@ -1,5 +1,7 @@
 """Moves in one direction tell no dry friction from a constant force; other effects are found all the same."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hand_made import QUIET, RATE, RIGID, motion
@@ -7,6 +9,8 @@ from hand_made import QUIET, RATE, RIGID, motion
 from symid import Axis, Log, OffsetForce, load_axis
 from symid.diagnosis import diagnose
 from symid.diagnosis.prediction.one_way import alike_in_one_way
+from symid.diagnosis.selection.screening import Candidate
+from symid.diagnosis.selection.stages import as_good
 
 SPEED, PITCH = 1.5, 0.3
 
@@ -47,3 +51,13 @@ def test_a_way_back_tells_them_apart(axis: Axis, log: Log) -> None:
     assert alike_in_one_way(axis, [log], None)[0] == {"OF": 0.0}
     assert alike_in_one_way(axis, [log, back], None) == alike_in_one_way(axis, [back], None) == ({}, ())
     assert alike_in_one_way(load_axis("rigid_1m"), [log], None) == ({}, ())
+
+
+def test_effects_with_the_gain_of_a_chosen_one_are_fitted_too() -> None:
+    names = ("gain", "ripple", "offset", "coulomb", "drag")
+    placed = [SimpleNamespace(effect=name) for name in names]
+    found = [
+        Candidate(p, gain, 0.0) for p, gain in zip(placed, (50.0, 30.0, 21.33, 21.32, 11.6), strict=True)
+    ]
+    assert [c.placed.effect for c in as_good(found, found[:3])] == ["coulomb"]
+    assert as_good(found, found[:2]) == []

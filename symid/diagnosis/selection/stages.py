@@ -20,6 +20,8 @@ _OTHER_PLACES = 3
 _FOLLOWING = 3
 _AGAIN = 3
 """Candidates that are fitted from the nominal values too if they explain nearly all."""
+_TIE = 0.1
+"""Difference of projected gains, as logarithms of the likelihood, up to which effects are fitted alike."""
 _ALWAYS = 3
 """Candidates that are fitted where there is a gap, whatever their projected gain."""
 
@@ -40,7 +42,8 @@ def stages(
     white = sorted(promising, key=lambda c: -c.white_penalised_gain)
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [*_of_all_laws(fit, promising[:3]), *of_changes(fit, library)]
-    yield _of_all_laws(fit, _distinct([*promising[3:6], *white[:3], *timing], promising[:3]))
+    further = _distinct([*promising[3:6], *white[:3], *timing], promising[:3])
+    yield _of_all_laws(fit, [*further, *as_good(promising, [*promising[:3], *further])])
     if not confirmed:  # the most promising candidates are not credible: others are tried
         yield [
             Start.of(fit, c.placed)
@@ -158,6 +161,12 @@ def best_first(confirmed: Mapping[Key, Confirmed]) -> list[Confirmed]:
 def least_left(confirmed: Mapping[Key, Confirmed]) -> float:
     """Least mean square of the confirmed candidates."""
     return min((c.fit.mean_square for c in confirmed.values()), default=math.inf)
+
+
+def as_good(candidates: Sequence[Candidate], chosen: list[Candidate]) -> list[Candidate]:
+    """Candidates that the log hardly distinguishes from chosen ones, such as friction and a constant force one way."""
+    alike = [c for c in candidates if any(abs(c.gain - own.gain) < _TIE for own in chosen)]
+    return _distinct(alike, chosen)
 
 
 def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Candidate]:
