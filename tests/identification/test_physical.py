@@ -85,6 +85,22 @@ def test_a_map_without_closed_form_is_inverted_without_a_start(factor: float) ->
         assert model.minimal_parameters(*branch.parameters) == pytest.approx(exact, rel=1e-4)
 
 
+def test_two_sets_of_possible_values_are_no_ok_without_nominal_values() -> None:
+    """The log of a load on the motor allows two machines; the likelier one may be the wrong one."""
+    model = load_generated("direct_3m2s", ("q2",))
+    exact = model.minimal_parameters(*LOAD_ON_MOTOR)
+    branches = physical_estimates(model, exact, np.diag((1e-5 * exact) ** 2))
+    assert len(branches) == 2
+    rng = np.random.default_rng(0)
+    W = rng.standard_normal((300, exact.size)) / exact
+    fit = estimate(triangular_factors(W[None], (W @ exact + 1e-4 * rng.standard_normal(300))[None]))
+    status, message = verdict(model, fit, branches)
+    assert status == "undetermined"
+    assert message.startswith("2 sets of values fit the log alike (Ms ")
+    assert verdict(model, fit, branches, has_start=True)[0] == "ok"
+    assert verdict(model, fit, branches[:1])[0] == "ok"
+
+
 def test_the_disagreement_of_an_overdetermined_map_follows_chi_square() -> None:
     """direct_2m1s from q2 has 7 minimal and 6 physical parameters: one relation."""
     model = load_generated("direct_2m1s", ("q2",))

@@ -28,6 +28,10 @@ Status = Literal[
 ]
 
 
+_APART = 3.0
+"""Deviations from which two solutions differ."""
+
+
 def verdict(
     model: GeneratedModel,
     fit: LeastSquares,
@@ -70,7 +74,30 @@ def verdict(
     if not model.known and (unexplained := poorly_fitted(model, fit)):
         cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
+    if not has_start and (several := _several(model, physical)):
+        return "undetermined", several
     return "ok", ""
+
+
+def _several(model: GeneratedModel, physical: tuple[PhysicalEstimate, ...]) -> str:
+    """Statement on possible solutions of the inverse map that differ; empty if there is one, or all agree."""
+    possible = [one for one in physical if not one.negative(model)]
+    if len(possible) < 2:
+        return ""
+    values = np.stack([one.parameters for one in possible], axis=1)
+    apart = np.ptp(values, axis=1) > _APART * np.max([one.standard_deviations for one in possible], axis=0)
+    units = model.physical_units.items()
+    named = [
+        f"{name} {' or '.join(f'{value:.4g}' for value in row)} {unit}"
+        for (name, unit), row, differ in zip(units, values, apart, strict=True)
+        if differ
+    ]
+    if not named:
+        return ""
+    return (
+        f"{len(possible)} sets of values fit the log alike ({', '.join(named)}): give `nominal` values near the "
+        "machine's, what is known with `fixed`, or add a sensor"
+    )
 
 
 def _why_none(model: GeneratedModel, vague: list[str], *, has_start: bool) -> str:
