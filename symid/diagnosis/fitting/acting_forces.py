@@ -28,13 +28,17 @@ def changes_by_others(prediction: Prediction, placed: Sequence[Placed], *, integ
     heavier = _heavier(prediction, placed) if integrates else None
 
     def adds(item: Placed) -> bool:
-        others = item.effect.is_of_command or isinstance(item.effect, JointEffect | TransferEffect)
-        if others or item is heavier:
+        if not changes_outputs(item) or item is heavier:
             return False
         return not integrates or item.effect.misreading(prediction, item) is None
 
     changes = (item.change(prediction) for item in placed if adds(item))
     return sum(changes, start=np.zeros_like(prediction.outputs))
+
+
+def changes_outputs(item: Placed) -> bool:
+    """Whether an effect changes the outputs by itself: it is no force in a joint, and does not act on the command."""
+    return not (item.effect.is_of_command or isinstance(item.effect, JointEffect | TransferEffect))
 
 
 def errors_of_positions(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray | None:
