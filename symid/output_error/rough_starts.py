@@ -72,12 +72,12 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
 
 def _behind_gears(dynamics: ForwardDynamics, values: Mapping[str, float]) -> dict[str, float]:
     """Values as their gears make them: each mass as heavy for the drive, each spring as stiff for the masses at it."""
-    found, plant = dict(values), dynamics.at(values)
+    found, plant = dict(values), dynamics.with_nodes(values)
     moved, springs = _without_deflection(plant), dynamics.parameters_of("stiffness")
     for name in dynamics.parameters_of("mass"):
         share = float(moved @ dynamics.derivative(values, name).mass @ moved)
         found[name] = values[name] / share if share > 0.0 else values[name]
-    lighter = np.linalg.solve(dynamics.at(found).mass, np.eye(len(moved)))
+    lighter = np.linalg.pinv(dynamics.with_nodes(found).mass)  # a node without mass moves with its neighbours
     for name in springs | dynamics.parameters_of("damping") if springs else ():
         slope = dynamics.derivative(values, name)
         part = slope.stiffness if name in springs else slope.damping

@@ -34,6 +34,20 @@ def test_a_rough_start_knows_what_a_gear_makes_of_a_mass(log: Log) -> None:
         assert 0.1 < rough[name] / TRUE[name] < 10.0, name
 
 
+def test_a_rough_start_is_made_beside_a_node_without_mass(log: Log) -> None:
+    node = Body("node", inertia=0.0)
+    springs = (
+        Spring("shaft", Between(first=MOTOR, second=node), stiffness="Ks"),
+        Spring("gear", Between(first=node, second=ARM, ratio=1 / 52.7), stiffness="K"),
+    )
+    axis = Axis(
+        "noded", (MOTOR, node, ARM, ViscousFriction(MOTOR, "Fv"), *springs), AXIS.drives, AXIS.sensors
+    )
+    rough = rigid_start(models_of(axis, ("qm",)).whole, forward_dynamics(axis), [log])
+    assert 1e3 < rough["Ja"] / rough["Jm"] < 1e4
+    assert rough["K"] > 0.0 < rough["Ks"]
+
+
 def test_a_hidden_arm_moves_with_the_motor_from_the_first_trial_on(log: Log) -> None:
     near = {name: value * (1.15 if i % 2 else 0.85) for i, (name, value) in enumerate(TRUE.items())}
     compared = ErrorModel(models_of(AXIS, ("qm",)).whole, forward_dynamics(AXIS), Preparation(), "held")
