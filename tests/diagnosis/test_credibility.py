@@ -15,6 +15,7 @@ from symid import (
     Body,
     CoulombFriction,
     Drive,
+    Geared,
     Log,
     PendulumWeight,
     Position,
@@ -220,6 +221,21 @@ def test_a_constant_of_a_drive_is_identified_as_the_log_was_recorded() -> None:
     recorded = Preparation(late={"iq": late * log.sampling_period})
     taken = with_quantities(axis, [moved], nominal, recorded).declared.known["Kt"]
     assert taken == pytest.approx(50.0, rel=2e-3)
+
+
+def test_a_gain_is_identified_beside_masses_that_no_log_separates() -> None:
+    slide = Body("slide", mass="M")
+    load = Body("load", mass="Ml", geared=Geared(to=slide, ratio=1.0))
+    sensors = Position("q", slide), Position("wire", slide, gain="c", unit="V")
+    laws = ViscousFriction(slide, "Fv"), CoulombFriction(slide, "Fs")
+    axis = Axis("loaded", (slide, load, *laws), Drive("F", slide), sensors)
+    log = rigid_log()
+    noise = 1e-8 * np.random.default_rng(0).standard_normal(log["q"].size)
+    signals = {"q": log["q"], "F": log["F"], "wire": log["q"] / 3.0 + noise}
+    scaled = Log.from_arrays(signals, sampling_period=log.sampling_period)
+    nominal = {"M": 70.0, "Ml": 25.0, "Fv": 140.0, "Fs": 9.0, "c": 3.45}
+    known = with_quantities(axis, [scaled], nominal).declared.known
+    assert known["c"] == pytest.approx(3.0, rel=1e-3)
 
 
 def test_a_mode_that_only_passes_on_less_of_the_encoder_noise_is_not_found():

@@ -89,8 +89,7 @@ def _values(
     """Known or nominal values of gains and offsets, or those of the log if there are none or it contradicts them."""
     given = axis.with_known_values(nominal)
     measured = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
-    constants = [name for name in _constants(axis) if name in given]
-    axis = axis.with_known({name: given[name] for name in _open(axis, measured, constants)})
+    axis = _determined(axis, measured, given)
     is_open = set(names) - set(axis.known)
     values = given | (_of_log(axis, measured, log, names, given, preparation) if is_open else {})
     if lacking := [name for name in names if not np.isfinite(values.get(name, np.nan))]:
@@ -119,13 +118,18 @@ def _constants(axis: Axis) -> dict[str, list[str]]:
     return found
 
 
-def _open(axis: Axis, measured: Sequence[str], constants: Sequence[str]) -> Sequence[str]:
-    """Those of the constants that no log of these sensors determines."""
+def _determined(axis: Axis, measured: Sequence[str], given: Mapping[str, float]) -> Axis:
+    """The axis with as many given values known as no log of these sensors determines beside the others."""
+    constants = [name for name in _constants(axis) if name in given]
     try:
-        left = open_by_structure(model_of(axis, measured)) if constants else ()
+        left = open_by_structure(model_of(axis, measured))
     except EliminationError:  # a law acts on hidden motion
-        return constants
-    return [name for name in constants if name in left]
+        return axis.with_known({name: given[name] for name in constants})
+    for name in (*constants, *left):
+        if name in left and name in given:
+            axis = axis.with_known({name: given[name]})
+            left = open_by_structure(model_of(axis, measured))
+    return axis
 
 
 def _of_log(
