@@ -252,7 +252,7 @@ class _Task:
         """Faults of the recording, the one that explains most in front."""
         damaged = damage(self._parts, begun, base, last).led_by(feedback_law(last))
         if not damaged.fatal:
-            damaged = damaged.led_by(driven_backwards(last))
+            damaged = damaged.led_by(driven_backwards(last, base))
         return damaged.led_by(wrong_gain(base), silent=True).led_by(steady_force(base), silent=True)
 
     def _concluded(

@@ -51,7 +51,10 @@ def test_a_drive_that_supplies_energy_is_not_reversed_whatever_a_model_says(sign
     turned = replace(log, signals={"q": log["q"], "F": sign * log["F"]})
     data = data_of(load_axis("rigid_1m"), (joined([turned]), None), Recorded({}, None))
     model = Fit(*first_state(data.record, {"M": 2.0, "Fv": -3.0, "Fs": -0.65}))
-    assert bool(driven_backwards(model)) is said
+    plain = Fit(*first_state(data.record, {"M": 2.0, "Fv": 1.0, "Fs": -0.4}))
+    sentence = driven_backwards(model, plain)
+    assert bool(sentence) is said
+    assert ("(Fs -0.4)" in sentence) is said  # the value in the table of parameters
 
 
 def test_a_joint_of_a_robot_with_a_negative_torque_constant_is_called_reversed() -> None:

@@ -55,8 +55,11 @@ def _has_negative_damping(fit: Fit) -> bool:
     return any(fit.parameters[name] < 0 for name in dampings)
 
 
-def driven_backwards(fit: Fit) -> str:
-    """Sentence if friction as a whole comes out negative, as with a force of the wrong sign; otherwise empty."""
+def driven_backwards(fit: Fit, plain: Fit) -> str:
+    """Sentence if friction as a whole comes out negative, as with a force of the wrong sign; otherwise empty.
+
+    It states the values of the model without effects, `plain`, as no effect is concluded then.
+    """
     prediction = fit.state.prediction
     record = prediction.record
     if record.n_drives > 1:
@@ -74,7 +77,8 @@ def driven_backwards(fit: Fit) -> str:
     # a model that lacks much may seem to supply energy: then the drive does not absorb it
     if not power < -least or not np.mean(supplied) < 0:
         return ""
-    negative = ", ".join(f"{name} {fit.parameters[name]:.3g}" for name in powers if fit.parameters[name] < 0)
+    values = plain.parameters if any(plain.parameters[name] < 0 for name in powers) else fit.parameters
+    negative = ", ".join(f"{name} {values[name]:.3g}" for name in powers if values[name] < 0)
     return (
         f"{record.forces[0]} takes energy out of the motion, as if friction were negative ({negative}): the sign of "
         f"{record.forces[0]} or of a position is wrong, or something else drives the axis"
