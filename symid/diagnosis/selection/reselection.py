@@ -125,7 +125,8 @@ def _chosen(
     found: dict[Key, Confirmed] = {}
     for start in starts:
         item = start.placed
-        if item.key in found and not (item.shape or item.integrated):
+        same = item.key in found and found[item.key].effect is item.effect
+        if same and not (item.shape or item.integrated):
             continue  # the error is linear in its values: it has one minimum
         is_part_of_another = any(other.placed.contains(item.key) for other in found.values())
         most = math.inf if is_part_of_another else THRESHOLDS.hopeless * least_left(found)

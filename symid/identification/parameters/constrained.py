@@ -183,7 +183,7 @@ def _tail(distance: float) -> float:
     """Mean square beyond a bound of a normal distribution with mean so far before it, both in deviations.
 
     >>> [round(_tail(distance), 4) for distance in (0.0, 1.0, 3.0)]
-    [1.0, 0.4749, 0.1506]
+    [1.0, 0.4749, 0.1507]
     """
     if distance > _FAR:
         return 2 / distance**2
