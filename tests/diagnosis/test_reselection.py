@@ -8,12 +8,16 @@ from symid import Log, OffsetForce, load_axis
 from symid.axis import FrictionDrift
 from symid.diagnosis import LIBRARY, diagnose
 from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
+from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.selection import reselection
 from symid.diagnosis.selection.backward import _beside_others
+from symid.diagnosis.selection.confirmation import confirmed_from
 from symid.diagnosis.selection.evidence import probabilities
 from symid.diagnosis.selection.reselection import Member, reselected
-from symid.diagnosis.selection.step import SelectionStep, accepted_of
+from symid.diagnosis.selection.step import Confirmed, SelectionStep, accepted_of
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = load_axis("rigid_1m")
@@ -70,3 +74,24 @@ def test_a_simpler_effect_competes_beside_all_others(accepted: list[SelectionSte
     # The level of friction that drifts cannot tell which of the two it is.
     assert not any(own.log_prior_odds for own in rivals.values())
     assert probabilities(chosen, [("friction_drift", BODY.name)])["offset_force", BODY.name] > 0.3
+
+
+def test_the_same_effect_elsewhere_begins_with_the_values_of_the_whole_model(
+    accepted: list[SelectionStep], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without it the parameters are astray: a disturbance of the driven body led them too far for a hidden one."""
+    first, last = accepted
+    elsewhere = replace(first.best.placed, at="elsewhere")
+    state = replace(first.best.fit.state, placed=(elsewhere,))
+    rival = replace(first.best, fit=replace(first.best.fit, state=state))
+    begun: list[dict[str, float]] = []
+
+    def confirmed(before: Fit, start: Start, *rest: float) -> Confirmed | None:
+        if start.placed.at != "elsewhere":
+            return confirmed_from(before, start, *rest)
+        begun.append(dict(start.state.prediction.parameters))
+        return None
+
+    monkeypatch.setattr(reselection, "confirmed_from", confirmed)
+    reselected([replace(first, confirmed=(first.best, rival)), last], [OFFSET])
+    assert dict(last.best.fit.parameters) in begun

@@ -120,6 +120,8 @@ def _chosen(
     starts += [replace(begun, placed=item) for item in laws if item.effect is not own.effect]
     if library:
         rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS] if c.key not in present}
+        # the same effect elsewhere may do as well, with the values of the whole model
+        starts += [replace(begun, placed=item) for (name, _), item in rivals.items() if name == own.key[0]]
         rivals |= {c.placed.key: c.placed for c in screened(before, library)[:_RIVALS]}
         starts += [Start.of(before, item) for item in rivals.values()]
     found: dict[Key, Confirmed] = {}
