@@ -57,20 +57,23 @@ class FlexibleModeEffect(LinearEffect):
     may_be_zero = ("D",)
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
-        """It swings more than twice in the log: before, a friction that turns with the motion does the same."""
+        """It is lighter than its body, and swings more than twice in the log.
+
+        Before, a friction that turns with the motion does the same.
+        """
         periods = placed.shape[0] * prediction.record.duration
-        return super().is_possible(prediction, placed) and periods > _PERIODS_FITTED
+        lighter = placed.amplitudes[0] < _whole_mass(prediction, placed.at)
+        return super().is_possible(prediction, placed) and periods > _PERIODS_FITTED and lighter
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """Its mass is part of that of the body, and the axis moves at its frequency and at others."""
-        body, record = prediction.bodies[placed.at], prediction.record
-        whole = float(body.direction @ prediction.response.plant.mass @ body.direction)
+        record, whole = prediction.record, _whole_mass(prediction, placed.at)
         (mass,), (frequency, damping) = placed.amplitudes, placed.shape
         _, highest = _modes_seen(record)
         if not (mass < _MOST_OF_MASS * whole and frequency < _INSIDE * highest and damping < _MOST_DAMPING):
             return False
         omega = record.omega
-        power = np.abs(omega**2 * body.modelled) ** 2
+        power = np.abs(omega**2 * prediction.bodies[placed.at].modelled) ** 2
         near = np.abs(omega - 2 * math.pi * frequency) < _NEAR_MODE * omega
         return bool(power[near].sum() < _AT_MODE * power.sum())
 
@@ -143,6 +146,12 @@ class FlexibleModeEffect(LinearEffect):
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
         return str(force * Unit.of("s") ** 2 / length), "Hz", "1"
+
+
+def _whole_mass(prediction: Prediction, place: str) -> float:
+    """Mass or inertia of a body, with that of a mode on it."""
+    direction = prediction.bodies[place].direction
+    return float(direction @ prediction.response.plant.mass @ direction)
 
 
 def _modes_seen(record: Record) -> tuple[float, float]:

@@ -70,9 +70,18 @@ class FrictionDriftEffect(JointEffect):
         return np.where(prediction.record.in_log, np.exp(-prediction.record.fine_time / shape[0]), 0.0)
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(prediction, *self._parts(prediction, joint, shape), joint=joint)
+
+    def force_over_time(self, prediction: Prediction, placed: Placed) -> FloatArray:
+        """Change of the friction of its joint, on the fine grid."""
+        parts = self._parts(prediction, prediction.joints[placed.at], placed.shape)
+        return np.asarray(np.tensordot(placed.amplitudes, parts, 1))
+
+    def _parts(self, prediction: Prediction, joint: Joint, shape: Shape) -> list[FloatArray]:
+        """Forces of unit amplitudes."""
         fading = self.course(prediction, shape)
-        parts = [np.sign(joint.v)] * self.coulomb + [joint.v] * self.viscous
-        return sampled(prediction, *(part * fading for part in parts), joint=joint)
+        kinds = [np.sign(joint.v)] * self.coulomb + [joint.v] * self.viscous
+        return [np.asarray(kind * fading) for kind in kinds]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         values = {

@@ -82,10 +82,9 @@ class ForceConstantRippleEffect(DriveEffect):
         return False
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
-        return _repeats(_joint_of(prediction, placed.at), placed.shape[0])
-
-    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        return math.hypot(*placed.amplitudes) < _MOST_OF_CONSTANT
+        """It repeats within the stroke and leaves most of the constant."""
+        repeats = _repeats(_joint_of(prediction, placed.at), placed.shape[0])
+        return repeats and math.hypot(*placed.amplitudes) < _MOST_OF_CONSTANT
 
     def places(self, prediction: Prediction) -> Iterable[str]:
         found = super().places(prediction)

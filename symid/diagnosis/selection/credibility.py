@@ -9,6 +9,7 @@ from symid.arrays import FloatArray
 from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
 from symid.diagnosis.effects.declared_friction import declared_level, moving_along
+from symid.diagnosis.effects.friction_drift import FrictionDriftEffect
 from symid.diagnosis.effects.from_law import joints_with
 from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect, is_mode
 from symid.diagnosis.fitting.cross_validation import Blocks, least_fall
@@ -23,6 +24,8 @@ from symid.diagnosis.thresholds import THRESHOLDS
 _OF_MASSES = ("flexible_mode", "payload_change")
 _DIFFERS = ("asymmetric_friction", "position_dependent_friction")
 """Friction that exceeds its mean at some points of the motion and falls below it at others."""
+_CHANGES = (*_DIFFERS, "friction_drift")
+"""Friction that may be negative for a part of the motion."""
 _OF_DIRECTION = ("offset_force", "asymmetric_friction")
 """Laws that cancel a Coulomb friction only where a joint moves one way."""
 _DRY = ("coulomb_friction", "presliding_friction")
@@ -36,7 +39,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     """
     item, prediction = found.state.placed[-1], found.state.prediction
     explains = _explains_all(fit, found)
-    if not item.effect.is_possible(prediction, item):
+    if not item.effect.is_possible(prediction, item) or _makes_impossible(fit, found):
         return False
     if not ((explains and is_clear(fit)) or item.effect.is_plausible(prediction, item)):
         return False
@@ -46,7 +49,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
         return False
     if isinstance(item.effect, LawEffect) and not explains and _turns_friction(fit, found, blocks):
         return False
-    if item.effect.name in _DIFFERS and friction_drives(found.state, item.at, beside):
+    if item.effect.name in _CHANGES and friction_drives(found.state, item.at, beside):
         return False
     if _is_a_gain(found) or _is_coulomb_friction(found.state, beside) or _is_ringing(fit, found, blocks):
         return False
@@ -61,6 +64,13 @@ def _explains_all(fit: Fit, found: Fit) -> bool:
     left = float(np.mean(found.squares_as_weighted_by(fit)))
     before = fit.mean_square
     return before > THRESHOLDS.fit_of_noise and left - 1 < THRESHOLDS.explains_all * (before - 1)
+
+
+def _makes_impossible(fit: Fit, found: Fit) -> bool:
+    """Whether an effect found earlier gets values that no machine has, as a mode heavier than its body."""
+    before, after = fit.state, found.state
+    possible = {i.key for i in before.placed if i.effect.is_possible(before.prediction, i)}
+    return any(i.key in possible and not i.effect.is_possible(after.prediction, i) for i in after.placed)
 
 
 def _turns_friction(fit: Fit, found: Fit, blocks: Blocks) -> bool:
@@ -116,6 +126,8 @@ def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> boo
             force = force + item.effect.force_at(q, v, item.shape, item.amplitudes)
         elif item.at in along and item.effect.name in _DRY:
             force = force + item.amplitudes[0] * along[item.at] * np.sign(v)
+        elif item.at == at and isinstance(item.effect, FrictionDriftEffect):
+            force = force + item.effect.force_over_time(state.prediction, item)[joint.moving]
     pushing = force * np.sign(v) < -THRESHOLDS.pushes * np.sqrt(np.mean(force**2))
     return bool(np.mean(pushing) > THRESHOLDS.pushed)
 
