@@ -111,22 +111,19 @@ def _moved(item: Placed, name: str, by: float) -> Shape:
 def _best(state: State, weighting: Weighting, at: int, shapes: Iterable[Shape]) -> State:
     """The state, or the one with another shape of an effect, that leaves least."""
     if _adds_to_outputs(state, at):
-        found = _best_addition(state, weighting, at, shapes)
-        tried = iter(()) if found is None else iter((with_shape(state, weighting, at, found),))
-    else:
-        tried = (with_shape(state, weighting, at, shape) for shape in shapes)
+        shapes = _best_addition(state, weighting, at, shapes)
+    tried = (with_shape(state, weighting, at, shape) for shape in shapes)
     return min(chain((state,), tried), key=lambda one: Fit(one, weighting).cost)
 
 
 def _adds_to_outputs(state: State, at: int) -> bool:
     """Whether an effect changes the outputs alone, and neither the motion nor the forces of other effects."""
-    integrates = state.prediction.of_integrated is not None or any(item.integrated for item in state.placed)
     implicit = state.prediction.follows or any(item.effect.implicit for item in state.placed)
-    return changes_outputs(state.placed[at]) and not (integrates or implicit)
+    return changes_outputs(state.placed[at]) and not (state.is_integrated or implicit)
 
 
-def _best_addition(state: State, weighting: Weighting, at: int, shapes: Iterable[Shape]) -> Shape | None:
-    """The shape of such an effect that leaves least; what the other effects do is computed once."""
+def _best_addition(state: State, weighting: Weighting, at: int, shapes: Iterable[Shape]) -> list[Shape]:
+    """The shape of such an effect that leaves least, if there is one; what other effects do is computed once."""
     item, beside = state.placed[at], with_effects(state, weighting, state.placed)
     prediction = beside.prediction
 
@@ -139,4 +136,4 @@ def _best_addition(state: State, weighting: Weighting, at: int, shapes: Iterable
         left = weighting.known(weighting.rows(without - change(shape)), beside.beginning)
         return float(left @ left)
 
-    return min(shapes, key=cost, default=None)
+    return sorted(shapes, key=cost)[:1]

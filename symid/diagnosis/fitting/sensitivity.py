@@ -27,7 +27,7 @@ _INTEGRATED_STEP = 1e-3
 
 def prediction_jacobian(state: State) -> ComplexArray:
     """Derivatives of the prediction by physical parameters and the effects' values, (n_columns, n_outputs, n_bins)."""
-    if _is_integrated(state):
+    if state.is_integrated:
         return _by_differences(state)
     prediction, placed = state.prediction, state.placed
     values = (_by_values(prediction, placed, item) for item in placed)
@@ -46,7 +46,7 @@ def initial_motion_jacobian(state: State) -> ComplexArray | None:
     depends on the values (variable projection, in Kaufman's form: strengths of the pulses are held).
     """
     prediction, weighting, record = state.prediction, state.weighting, state.prediction.record
-    if _is_integrated(state) or not len(state.beginning):
+    if state.is_integrated or not len(state.beginning):
         return None
     begun, error = weighting.flat(state.beginning), weighting.flat(state.rows)
     strengths = least_squares(begun.T, error, _NEGLIGIBLE)
@@ -97,11 +97,6 @@ class _InitialMotion:
     def _displacements(self) -> ComplexArray:
         rests = np.zeros_like(self.prediction.record.motions)
         return self.prediction.response.displacements(rests, self._forces)
-
-
-def _is_integrated(state: State) -> bool:
-    """Whether hidden motion is integrated in time."""
-    return bool(state.prediction.integrated_terms) or any(item.integrated for item in state.placed)
 
 
 def _by_values(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:

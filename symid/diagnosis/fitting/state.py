@@ -65,6 +65,11 @@ class State:
         edges = accumulate((item.n_free for item in self.placed), initial=first)
         return tuple(slice(begin, end) for begin, end in pairwise(edges))
 
+    @property
+    def is_integrated(self) -> bool:
+        """Whether hidden motion is integrated in time."""
+        return bool(self.prediction.integrated_terms) or any(item.integrated for item in self.placed)
+
     def following(self) -> State:
         """The state whose hidden motion is drawn to the measured force from the next evaluation on.
 
