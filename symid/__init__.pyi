@@ -42,5 +42,11 @@ from symid.simulation import simulate as simulate
 from symid.symbolic import DerivedModel as DerivedModel, derive as derive
 from symid.tuning import Tuning as Tuning, tune as tune
 from symid.verbs.identify_any import identify as identify
+from symid.verbs.methods import (
+    InstrumentalVariables as InstrumentalVariables,
+    OrdinaryLeastSquares as OrdinaryLeastSquares,
+    OutputError as OutputError,
+    WeightedLeastSquares as WeightedLeastSquares,
+)
 
 __version__: str

@@ -92,7 +92,7 @@ def test_the_verb_takes_one_value_for_each_log() -> None:
     for wrong in ({"Ml": 12.5}, {"Ml": (0.0,)}):
         with pytest.raises(SettingError, match="a list of one value for each log"):
             identify(AXIS, logs, known=wrong)
-    with pytest.raises(SettingError, match="does not go with ddof="):
+    with pytest.raises(SettingError, match="take wls without ddof"):
         identify(AXIS, logs, known={"Ml": (0.0, 12.5)}, ddof=3)
 
 

@@ -3,7 +3,17 @@
 import numpy as np
 import pytest
 
-from symid import Preparation, identify, load_axis, load_generated, simulate
+from symid import (
+    InstrumentalVariables,
+    OrdinaryLeastSquares,
+    OutputError,
+    Preparation,
+    WeightedLeastSquares,
+    identify,
+    load_axis,
+    load_generated,
+    simulate,
+)
 from symid.errors import SettingError
 from symid.simulation import ClosedLoop, chirp, plant_of, tuned_cascade
 
@@ -24,11 +34,26 @@ def test_results_of_all_methods_are_read_alike() -> None:
         assert found.bias is None or found.bias.total.shape == (3,)
         assert isinstance(found.notes, tuple)
         assert found.predict(other).log == other.source
-        if method in ("iv", "oe"):  # under the known controller, of a model, and with a value that is known
-            model = load_generated("rigid_1m")
-            known = identify(model, log, method=method, preparation=held, loop=loop, fixed={"M": 5.0})
-            assert list(known.parameters) == ["Fv", "Fs"]
-            assert abs(known.parameters["Fs"] - 2.0) < 0.02
+    model = load_generated("rigid_1m")
+    for chosen in (InstrumentalVariables(loop=loop), OutputError(loop=loop)):  # under the known controller
+        known = identify(model, log, method=chosen, preparation=held, fixed={"M": 5.0})
+        assert list(known.parameters) == ["Fv", "Fs"]
+        assert abs(known.parameters["Fs"] - 2.0) < 0.02
+
+
+def test_a_method_holds_the_settings_that_are_else_given_beside_its_name() -> None:
+    t = 1e-3 * np.arange(2000)
+    force = 5 * -81 * np.sin(9 * t) + 9 * np.cos(9 * t) + 2 * np.sign(np.cos(9 * t)) + 0.1 * np.sin(70 * t)
+    log = {"t": t, "q": np.sin(9 * t), "F": force}
+    prior = {"M": (5.2, 1e-3)}
+    for name, method in (("wls", WeightedLeastSquares), ("ols", OrdinaryLeastSquares)):
+        by_name = identify("rigid_1m", log, method=name, ddof=900, bounds="physical", prior=prior)
+        found = identify("rigid_1m", log, method=method(ddof=900, bounds="physical", prior=prior))
+        assert found.fit.method == name
+        assert found.status == by_name.status == "contradicted"
+        assert found.physical_parameters == by_name.physical_parameters
+        assert np.array_equal(found.physical_deviations, by_name.physical_deviations)
+        assert "contradict" in found.message
 
 
 @pytest.mark.parametrize(
@@ -37,7 +62,6 @@ def test_results_of_all_methods_are_read_alike() -> None:
         ("oe", {"bounds": "physical"}),
         ("oe", {"prior": {"M": (5.0, 1.0)}}),
         ("iv", {"ddof": 3}),
-        ("ols", {"known": {"M": [5.0]}}),
         ("wls", {"loop": ClosedLoop(load_axis("rigid_1m"))}),
     ],
 )
@@ -46,3 +70,7 @@ def test_a_setting_that_a_method_does_not_have_is_refused(method: str, setting: 
         identify("rigid_1m", {"t": [0.0]}, method=method, **setting)
     with pytest.raises(SettingError, match="no method 'ml': choose from wls, ols, iv, oe"):
         identify("rigid_1m", {"t": [0.0]}, method="ml")
+    with pytest.raises(SettingError, match="known is not possible with OutputError"):
+        identify("rigid_1m", {"t": [0.0]}, method=OutputError(), known={"M": [5.0]})
+    with pytest.raises(SettingError, match=r"give OutputError\(loop=...\)"):
+        identify("rigid_1m", {"t": [0.0]}, method=OutputError(), loop=ClosedLoop(load_axis("rigid_1m")))
