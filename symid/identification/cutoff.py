@@ -177,7 +177,7 @@ def least_uncertain(
         return best, tried
     # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at
     # the first does not count: its small deviations would hold for a wrong model.
-    lowest, most_left = _geometric_mean(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
+    lowest, most_left = _mean_deviation(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
     for factors in (
         _upward(estimation.highest(first)),
         [CRITERIA.cutoff_step**-k for k in range(1, CRITERIA.lower_cutoffs + 1)],
@@ -192,8 +192,9 @@ def least_uncertain(
                 continue
             found = widened(other)
             tried.append(found)
-            size = _geometric_mean(_relative_deviations(found))
-            if found.status == "ok" and size < CRITERIA.worth_another_cutoff * lowest:
+            size = _mean_deviation(_relative_deviations(found))
+            worth = CRITERIA.worth_another_cutoff if best.status == "ok" else 1.0
+            if found.status == "ok" and size < worth * lowest:
                 best, lowest, failed = found, size, 0
         if lowest < before:
             break
@@ -238,11 +239,11 @@ def _upward(highest: float) -> list[float]:
     return [min(CRITERIA.cutoff_step**k, highest) if k < steps else highest for k in range(1, steps + 1)]
 
 
-def _geometric_mean(sizes: FloatArray) -> float:
-    """Geometric mean of relative deviations, 1 without any. Below `known_well` a smaller deviation does not count."""
+def _mean_deviation(sizes: FloatArray) -> float:
+    """Mean of relative deviations, 1 without any. Below `known_well` a smaller deviation does not count."""
     if not sizes.size:
         return 1.0
-    return float(np.exp(np.mean(np.log(np.maximum(sizes, CRITERIA.known_well)))))
+    return float(np.mean(np.maximum(sizes, CRITERIA.known_well)))
 
 
 def _relative_deviations(found: Identification) -> FloatArray:

@@ -137,7 +137,8 @@ def identify(
     if examine == "bias" or found.fit.status != "ok":
         return with_constraint_check(found)
     checked = with_checks(found, parts_of(found.observations), every, tried=tried)
-    several = len(every) > 1 and checked.status == "ok"
+    # what a joint residual seems to show is unsure where the logs differ
+    several = len(every) > 1 and checked.status in ("ok", "poor_fit")
     apart = _disagreement_of_logs(estimation, checked, constraints) if several else ""
     return replace(checked, status="poor_fit", message=apart) if apart else checked
 
