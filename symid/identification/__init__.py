@@ -9,13 +9,15 @@ from symid.identification.delays.timing import Timing, delays_of
 from symid.identification.deviations.bias import Bias
 from symid.identification.force_steps import identify_with_steps, logs_with_steps
 from symid.identification.identify import found_from, identify, with_checks
-from symid.identification.known_per_log import SharedIdentification, identify_with_known, known_of_logs
+from symid.identification.known_per_log import identify_with_known, known_of_logs
 from symid.identification.parameters.constraints import Constraints
 from symid.identification.parameters.physical import PhysicalEstimate, physical_estimates
 from symid.identification.results.contradiction import with_constraint_check, with_fixed
 from symid.identification.results.identification_result import Identification
 from symid.identification.results.predicted_output import OutputPrediction, predict
 from symid.identification.results.residuals import EquationResidual
+from symid.identification.results.result_protocol import IdentificationResult
+from symid.identification.results.shared_identification import SharedIdentification
 from symid.identification.rows.excerpts import excerpts
 from symid.identification.rows.observation import Observation, observe
 from symid.identification.rows.settings import Preparation
@@ -29,6 +31,7 @@ __all__ = [
     "Constraints",
     "EquationResidual",
     "Identification",
+    "IdentificationResult",
     "LogMapping",
     "Observation",
     "OutputPrediction",

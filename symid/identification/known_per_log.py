@@ -8,10 +8,9 @@ constant only; two known payloads determine that constant.
 
 import os
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from symid.arrays import FloatArray
 from symid.axis import Axis
@@ -23,76 +22,14 @@ from symid.identification.parameters.constraints import Bounds, Constraints, Pri
 from symid.identification.parameters.physical import negative_parameters
 from symid.identification.parameters.starts import starts
 from symid.identification.results.contradiction import against, constraint_notes
-from symid.identification.results.identification_result import Identification, headline_of
+from symid.identification.results.identification_result import Identification
+from symid.identification.results.shared_identification import SharedIdentification
 from symid.identification.rows.settings import Preparation
 from symid.identification.stacked import Stacked
-from symid.shown import Shown
 
 _LEAST_PROBABILITY = 1e-3
 _AS_EXPECTED = ("ok", "no_physical_parameters", "not_physical", "undetermined")
 """Statuses that are accepted for a single group: other groups may determine the rest."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class SharedIdentification(Shown):
-    """Physical parameters that groups of logs share."""
-
-    axis: str
-    """Its name."""
-    groups: tuple[Identification, ...]
-    """One for each set of known values."""
-    known: tuple[Mapping[str, float], ...]
-    """The known values of each group, SI."""
-    physical_units: Mapping[str, str]
-    """Unit of each parameter."""
-    parameters: FloatArray
-    """Values; nan where they are not determined."""
-    covariance: FloatArray
-    """Their covariance, nan where they are not determined."""
-    disagreement: float
-    """Chi-square of the disagreement between the groups."""
-    relations: int
-    """Its degrees of freedom."""
-    status: str
-    """Either "ok", or what keeps the result from being complete."""
-    message: str
-    """Meaning of the status; empty for "ok"."""
-    constraint_notes: tuple[str, ...] = ()
-    """Effect of bounds and priors on the result."""
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Effect of bounds and priors on the result, and notes on the groups of logs."""
-        return tuple(
-            dict.fromkeys((*self.constraint_notes, *(n for group in self.groups for n in group.notes)))
-        )
-
-    @property
-    def physical_parameters(self) -> dict[str, float]:
-        """Physical parameters by name, SI."""
-        return dict(zip(self.physical_units, map(float, self.parameters), strict=True))
-
-    @property
-    def standard_deviations(self) -> FloatArray:
-        """Standard deviations of the physical parameters, SI, shape (n_physical,)."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
-
-    @property
-    def probability(self) -> float:
-        """Probability of a disagreement at least this large under the model; nan without degrees of freedom."""
-        return (
-            float(scipy.special.chdtrc(self.relations, self.disagreement))
-            if self.relations > 0
-            else float("nan")
-        )
-
-    @property
-    def headline(self) -> str:
-        """Status and parameters in one line."""
-        model = self.groups[0].model
-        return headline_of(
-            model, self.status, self.physical_parameters, self.standard_deviations, self.physical_units
-        )
 
 
 def identify_with_known(
@@ -191,11 +128,11 @@ def _shared(
     units = {name: str(unit) for name, unit in model.physical_units.items()}
     nothing = np.full(len(units), np.nan)
     found = SharedIdentification(
-        axis=axis.name,
+        axis=axis,
         groups=groups,
         known=known,
         physical_units=units,
-        parameters=nothing,
+        values=nothing,
         covariance=np.diag(nothing),
         disagreement=np.nan,
         relations=0,
@@ -217,14 +154,14 @@ def _shared(
             parameters, covariance, loose = one.parameters, one.covariance, []
     found = replace(
         found,
-        parameters=parameters,
+        values=parameters,
         covariance=covariance,
         disagreement=cost,
         relations=stacked.white.minimal.size - parameters.size,
     )
     status, message = _verdict(found, loose, outside)
     known_values = np.where(np.isin(list(units), loose), np.nan, parameters)
-    return replace(found, parameters=known_values, status=status, message=message)
+    return replace(found, values=known_values, status=status, message=message)
 
 
 def _guesses(
@@ -248,14 +185,14 @@ def _verdict(found: SharedIdentification, loose: list[str], outside: str) -> tup
     bad = next((group for group in found.groups if group.status not in _AS_EXPECTED), None)
     if bad is not None:
         return bad.status, f"{', '.join(bad.logs)}: {bad.message}"
-    pairs = zip(found.physical_units, found.parameters, np.sqrt(np.diag(found.covariance)), strict=True)
+    pairs = zip(found.physical_units, found.values, np.sqrt(np.diag(found.covariance)), strict=True)
     signed = found.groups[0].model.signed
     if vague := [name for name, value, deviation in pairs if name not in signed and not deviation < value]:
         return "undetermined", (
             f"the logs do not determine {', '.join(vague)}, whose deviations exceed their values: excite them more, or "
             "give logs whose known payloads differ more"
         )
-    if negative := negative_parameters(found.groups[0].model, found.parameters):
+    if negative := negative_parameters(found.groups[0].model, found.values):
         return (
             "not_physical",
             f"{', '.join(negative)} negative: correct the known values, the model or the logs",

@@ -10,10 +10,11 @@ import polars as pl
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
-from symid.data import Log
+from symid.data import Log, in_memory
 from symid.errors import SettingError
 from symid.identification.parameters.physical import jacobian
 from symid.identification.results.identification_result import frame_of, headline_of
+from symid.identification.signals.axis_logs import LogLike, log_of
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.predicted_log import OutputErrorPrediction
@@ -103,10 +104,11 @@ class OutputErrorIdentification(Shown):
         """None: the deviations hold the expected shift by noise in the record of the forces."""
         return
 
-    def predict(self, log: Log) -> OutputErrorPrediction:
+    def predict(self, log: LogLike) -> OutputErrorPrediction:
         """The readings of another log that parameters, noise and timing predict; SettingError without parameters."""
         if self.fit is None:
             raise SettingError(f"there are no parameters to predict with: {self.message}")
+        log = in_memory(log_of(self.axis, log, self.model.measured))
         search, nuisance = self.fit.search, self.fit.search.nuisance[0]
         error = self.comparison.error(log, late=self.late)
         if not error.is_settled:

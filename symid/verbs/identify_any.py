@@ -14,6 +14,7 @@ from symid.data import AnyLog, ForeignColumns, Log
 from symid.errors import SettingError
 from symid.identification import (
     Identification,
+    IdentificationResult,
     Preparation,
     SharedIdentification,
     identify_with_known,
@@ -85,7 +86,7 @@ def identify(
     loop: ClosedLoop | None = None,
     examine: bool = True,
     **columns: Any,
-) -> Any:
+) -> IdentificationResult:
     """Identify the parameters of an axis from one log, or from several jointly.
 
     Parameters
@@ -121,9 +122,8 @@ def identify(
     Returns
     -------
     Identification, OutputErrorIdentification by "oe", or SharedIdentification with `known`
-        All results have `physical_parameters`, `covariance`, `standard_deviations` and `notes`. The status
-        states what cannot be determined, without an error. It is "contradicted" if the result lies outside the
-        intervals of the estimate without `fixed`, `bounds` or `prior`.
+        Each is an `IdentificationResult`. The status states what cannot be determined, without an error. It is
+        "contradicted" if the result lies outside the intervals of the estimate without `fixed`, `bounds` or `prior`.
 
     Raises
     ------
@@ -149,7 +149,8 @@ def identify(
     runs, signals = _opened(axis, given, measured, columns)
     problem = IdentificationProblem(axis, runs, signals, fixed or {}, preparation, nominal, examine)
     if by_log is None:
-        return chosen.solve(problem)
+        result: IdentificationResult = chosen.solve(problem)
+        return result
     return identify_with_known(
         problem.declared, runs, by_log, signals, bounds=chosen.bounds, prior=chosen.prior, **problem.settings
     )

@@ -13,14 +13,21 @@ from symid.axis import AnyAxis, Axis, axis_of
 from symid.codegen import GeneratedModel, compiled, model_of
 from symid.data import AnyLog, first_block, in_memory
 from symid.errors import SettingError, SymidError
-from symid.identification import Constraints, Identification, Preparation, identify_with_steps, with_fixed
+from symid.identification import (
+    Constraints,
+    Identification,
+    IdentificationResult,
+    Preparation,
+    identify_with_steps,
+    with_fixed,
+)
 from symid.identification.parameters.constraints import Bounds, Priors
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification
     from symid.simulation import ClosedLoop
 
-Result_co = TypeVar("Result_co", covariant=True)
+Result_co = TypeVar("Result_co", bound=IdentificationResult, covariant=True)
 
 
 @dataclass(frozen=True, eq=False)

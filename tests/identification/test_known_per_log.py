@@ -28,7 +28,7 @@ from symid import (
 from symid.codegen.generated_models import compiled
 from symid.data import write_log
 from symid.errors import DeclarationError, SettingError
-from symid.identification import identify_with_known
+from symid.identification import IdentificationResult, identify_with_known
 from symid.identification.parameters.physical import open_by_structure
 from symid.simulation import Cascade, plant_of, simulate, trapezoids
 
@@ -69,7 +69,7 @@ def test_two_payloads_tell_the_constant_of_the_drive() -> None:
 def test_bounds_and_priors_of_shared_parameters_are_noted_with_their_cost() -> None:
     runs, known = [log_with(0.0, 1), log_with(12.5, 2)], {"Ml": [0.0, 12.5]}
     free = identify(AXIS, runs, known=known)
-    mass, deviation = free.parameters[0], free.standard_deviations[0]
+    mass, deviation = free.values[0], free.standard_deviations[0]
     bound = mass - 0.7 * deviation
     held = identify(AXIS, runs, known=known, bounds={"M": (None, bound)})
     assert held.status == "ok"
@@ -89,6 +89,13 @@ def test_the_verb_takes_one_value_for_each_log() -> None:
     assert found.status == "ok", found.message
     assert found.physical_parameters["Kt"] == pytest.approx(55.0, rel=5e-3)
     assert "Ml = 12.5: with 12.5 kg" in found.summary()
+    assert isinstance(found, IdentificationResult)
+    assert found.predict(logs[1]).residuals[0].relative < 0.02
+    heavier = log_with(30.0, 3)  # a payload of none of the logs
+    assert found.predict(heavier, {"Ml": 30.0}).residuals[0].relative < 0.02
+    assert found.predict(heavier, {"Ml": 12.5}).residuals[0].relative > 0.1
+    with pytest.raises(SettingError, match="with 30 kg has no known Ml"):
+        found.predict(heavier)
     for wrong in ({"Ml": 12.5}, {"Ml": (0.0,)}):
         with pytest.raises(SettingError, match="a list of one value for each log"):
             identify(AXIS, logs, known=wrong)
@@ -155,7 +162,7 @@ def test_one_payload_does_not_tell_and_a_fixed_mass_does() -> None:
     found = identify_with_known(AXIS, logs, [{"Ml": 12.5}, {"Ml": 12.5}], ("q",))
     assert found.status == "no_physical_parameters"
     assert "Kt" in found.message
-    assert np.isnan(found.parameters).all()
+    assert np.isnan(found.values).all()
     weighed = identify_with_known(AXIS.with_known({"M": 40.0}), logs, [{"Ml": 12.5}, {"Ml": 12.5}], ("q",))
     assert weighed.status == "ok"
     assert weighed.physical_parameters["Kt"] == pytest.approx(55.0, rel=5e-3)

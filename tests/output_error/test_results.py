@@ -15,6 +15,7 @@ from symid import (
     simulate,
 )
 from symid.errors import SettingError
+from symid.identification import IdentificationResult
 from symid.simulation import ClosedLoop, chirp, plant_of, tuned_cascade
 
 
@@ -27,13 +28,18 @@ def test_results_of_all_methods_are_read_alike() -> None:
     held, loop = Preparation(cutoff_hz=40.0, held=True), ClosedLoop(axis, controller)
     for method in ("wls", "ols", "iv", "oe"):
         found = identify("rigid_1m", log, method=method, preparation=held)
+        assert isinstance(found, IdentificationResult)
         assert found.status == "ok", found.message
         assert all(abs(found.parameters[name] / truth[name] - 1) < 0.02 for name in truth)
         assert found.covariance.shape == (3, 3)
         assert np.all(found.standard_deviations >= 0.999 * np.sqrt(np.diag(found.covariance)))
         assert found.bias is None or found.bias.total.shape == (3,)
         assert isinstance(found.notes, tuple)
-        assert found.predict(other).log == other.source
+        predicted = found.predict(other)
+        assert predicted.log == other.source
+        assert predicted.residuals[0].relative < 0.02
+        framed = found.predict(other.to_frame())
+        assert framed.residuals[0].rms == pytest.approx(predicted.residuals[0].rms, rel=1e-6)
     model = load_generated("rigid_1m")
     for chosen in (InstrumentalVariables(loop=loop), OutputError(loop=loop)):  # under the known controller
         known = identify(model, log, method=chosen, preparation=held, fixed={"M": 5.0})

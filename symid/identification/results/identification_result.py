@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -12,7 +11,7 @@ import polars as pl
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Frame, Log
+from symid.data import Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.delays.timing import Timing
 from symid.identification.deviations.bias import Bias
@@ -22,6 +21,7 @@ from symid.identification.results.predicted_output import OutputPrediction, pred
 from symid.identification.results.residuals import EquationResidual
 from symid.identification.results.verdict import Status
 from symid.identification.rows.observation import Observation
+from symid.identification.signals.axis_logs import LogLike
 from symid.shown import Shown
 
 _MOST_WRITTEN = 6
@@ -118,7 +118,7 @@ class Identification(EstimatedParameters, Shown):
         """Physical parameters by name, SI; minimal ones without an inverse map."""
         return self.physical_parameters or self.minimal_parameters
 
-    def predict(self, log: AnyLog | str | os.PathLike[str] | Frame) -> OutputPrediction:
+    def predict(self, log: LogLike) -> OutputPrediction:
         """The output that the parameters predict on another log, as `symid.identification.predict`."""
         return predict(self, log)
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from symid.arrays import FloatArray
 from symid.axis import axis_of
-from symid.data import AnyLog, Frame, Log, LongLog, in_memory
+from symid.data import Log, LongLog, in_memory
 from symid.estimation import estimate, triangular_factors
 from symid.identification.results.residuals import EquationResidual
 from symid.identification.rows.observation import Observation, observe
-from symid.identification.signals.axis_logs import read_axis_log
+from symid.identification.signals.axis_logs import LogLike, log_of
 
 if TYPE_CHECKING:
     from symid.identification.results.identification_result import Identification
@@ -33,7 +32,7 @@ class OutputPrediction:
     """How well each equation is met."""
 
 
-def predict(found: Identification, log: AnyLog | str | os.PathLike[str] | Frame) -> OutputPrediction:
+def predict(found: Identification, log: LogLike) -> OutputPrediction:
     """Predict the output on another log.
 
     Parameters
@@ -49,7 +48,7 @@ def predict(found: Identification, log: AnyLog | str | os.PathLike[str] | Frame)
         If the log does not have a signal, or cannot be prepared as the others were.
     """
     if not isinstance(log, (Log, LongLog)):
-        log = read_axis_log(found.axis or axis_of(found.model), log, measured=found.model.measured)
+        log = log_of(found.axis or axis_of(found.model), log, found.model.measured)
     observation = observe(found.model, in_memory(log), found.observations[0].preparation)
     parameters = _with_own_parameters(found, observation)
     errors = observation.y - observation.W @ parameters

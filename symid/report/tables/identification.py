@@ -211,7 +211,7 @@ def shared_record(found: SharedIdentification) -> dict[str, Any]:
     first, units = found.groups[0], found.physical_units.items()
     deviations = found.standard_deviations.tolist()
     return {
-        "axis": found.axis,
+        "axis": found.axis.name,
         "measured": list(first.model.measured),
         "method": first.fit.method,
         "log": [log for group in found.groups for log in group.logs],
@@ -220,7 +220,7 @@ def shared_record(found: SharedIdentification) -> dict[str, Any]:
         "notes": list(found.constraint_notes),
         "physical": {
             name: {"value": value, "std": std, "deviation": std, "unit": unit}
-            for (name, unit), value, std in zip(units, found.parameters.tolist(), deviations, strict=True)
+            for (name, unit), value, std in zip(units, found.values.tolist(), deviations, strict=True)
         },
         "relations": {
             "number": found.relations,
