@@ -7,7 +7,6 @@ import numpy as np
 
 import symid
 from symid import Axis, Body, CoulombFriction, Drive, Log, Position, Spring, ViscousFriction
-from symid.data import LowPass, derivatives
 from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.curves import signal_curves
 from symid.diagnosis.fitting.fit import Fit
@@ -15,6 +14,7 @@ from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.data import Recorded, data_of
 from symid.diagnosis.prediction.joined_logs import joined
+from symid.signal_processing import LowPass, derivatives
 
 from .blind import draw, gap, laws, motion
 from .blind.engine import CONTROL_HZ, LOG_TICKS

@@ -1,21 +1,10 @@
-"""Logs of machines: reading, checking, filtering and differentiating them.
+"""Logs of machines: reading, checking, resampling and writing them.
 
 `text_files` and `formats` make tables of files, `quality` checks clock and channels, `reading` makes a `Log` of a
-table, `filters` holds what is done to signals.
+table.
 """
 
 from symid.data.columns import REFERENCE, references_of
-from symid.data.filters.differences import (
-    central_difference,
-    central_difference_gain,
-    derivatives,
-    difference_factors,
-    differencing_bandwidth,
-    sparse_derivatives,
-)
-from symid.data.filters.filtering import LowPass, decimation_filter, kept_indices
-from symid.data.filters.resampling import QuinticSpline
-from symid.data.filters.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 from symid.data.formats import open_table
 from symid.data.frames import Frame
 from symid.data.log import Log, require_times_within
@@ -37,33 +26,19 @@ __all__ = [
     "Layout",
     "Log",
     "LongLog",
-    "LowPass",
-    "Piece",
-    "QuinticSpline",
     "Table",
-    "ZeroPhaseFilter",
-    "central_difference",
-    "central_difference_gain",
     "columns_in",
     "cut_in_motion",
-    "decimation_filter",
-    "derivatives",
-    "difference_factors",
-    "differencing_bandwidth",
     "first_block",
     "foreign_columns",
     "guessed_layout",
     "in_memory",
-    "in_pieces",
-    "kept_indices",
-    "kept_of",
     "open_log",
     "open_table",
     "read_log",
     "references_of",
     "require_times_within",
     "spans",
-    "sparse_derivatives",
     "write_frame",
     "write_log",
 ]

@@ -12,13 +12,13 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.columns import TIME, Assignment, references_of, sources_of, split_unit
-from symid.data.filters.resampling import Rate
 from symid.data.formats import open_table
 from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.log import Log
 from symid.data.long_log import BLOCK, AnyLog, scanned
 from symid.data.quality.coarse_clock import is_coarse
 from symid.data.reading import BYTES_OF_A_SAMPLE, read_table
+from symid.data.resampling import Rate
 from symid.data.table import Table, naming_file
 from symid.data.text_files.layout import Layout
 from symid.errors import LogError

@@ -10,13 +10,13 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.columns import TIME, Source, references_of
-from symid.data.filters.resampling import Rate, known_samples, resampled
 from symid.data.log import Log
 from symid.data.quality.checks import inspect_finite, inspect_steps, inspect_values
 from symid.data.quality.clock import inspect_clock, require_seconds
 from symid.data.quality.lost_samples import restored
 from symid.data.quality.overflow import unwrapped, unwrapped_times
 from symid.data.quality.stuck import inspect_spans
+from symid.data.resampling import Rate, known_samples, resampled
 from symid.data.table import Table, require_memory
 from symid.errors import LogError
 from symid.units import Unit

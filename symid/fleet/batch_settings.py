@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from symid.axis import Axis
 from symid.data import MEMORY, Layout
-from symid.data.filters.resampling import Rate
+from symid.data.resampling import Rate
 from symid.errors import SettingError
 from symid.fleet.worker_limits import LONGEST
 from symid.identification import Preparation

@@ -18,11 +18,12 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Log, QuinticSpline
+from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.identification.identify import identify
 from symid.identification.results.identification_result import Identification
 from symid.identification.rows.settings import Preparation
+from symid.signal_processing import QuinticSpline
 
 Feedthrough = Callable[[Axis, Mapping[str, float]], Mapping[str, FloatArray]]
 """For physical parameters the acceleration that each accelerometer reads at once per unit of each drive's force."""

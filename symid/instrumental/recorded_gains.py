@@ -4,7 +4,8 @@ import numpy as np
 import scipy
 
 from symid.arrays import least_squares
-from symid.data import REFERENCE, Log, LowPass, derivatives
+from symid.data import REFERENCE, Log
+from symid.signal_processing import LowPass, derivatives
 from symid.simulation import Cascade
 
 _SEEN = 1e-3

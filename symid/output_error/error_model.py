@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from symid.codegen import GeneratedModel, declared_delays
-from symid.data import Log, QuinticSpline, require_times_within
+from symid.data import Log, require_times_within
 from symid.errors import SettingError
 from symid.identification import Preparation
 from symid.output_error.closed_loop_error import ClosedLoopError
@@ -16,6 +16,7 @@ from symid.output_error.likelihood_fit import LikelihoodFit, fit_errors
 from symid.output_error.prediction_error import PredictionError
 from symid.output_error.run import run_of
 from symid.output_error.search import RunError
+from symid.signal_processing import QuinticSpline
 from symid.simulation import ClosedLoop, ForwardDynamics
 
 _VELOCITY_BAND = 0.2

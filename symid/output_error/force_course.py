@@ -6,8 +6,8 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
-from symid.data import QuinticSpline
-from symid.data.filters.density import NOISE_FROM
+from symid.signal_processing import QuinticSpline
+from symid.signal_processing.density import NOISE_FROM
 
 Course = Literal["held", "smooth"]
 """Course of the drive force between two samples: held from each to the next, or the smooth one through all values."""

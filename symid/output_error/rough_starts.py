@@ -7,8 +7,9 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass, derivatives
+from symid.data import Log
 from symid.output_error.run import read_orders
+from symid.signal_processing import LowPass, derivatives
 from symid.simulation import ForwardDynamics, Plant
 
 _MODES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33, 0.43)

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, IntArray, runs_of_true
-from symid.data import Log, LowPass, central_difference
+from symid.data import Log
 from symid.output_error.force_course import Course, force_between
+from symid.signal_processing import LowPass, central_difference
 from symid.simulation import ForwardDynamics
 from symid.simulation.plant import JointLaw, ScaledLaw
 

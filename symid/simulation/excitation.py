@@ -11,8 +11,9 @@ from typing import Literal
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data import REFERENCE, Log, derivatives
+from symid.data import REFERENCE, Log
 from symid.errors import SettingError
+from symid.signal_processing import derivatives
 from symid.simulation.limits import Limits, fade_envelope, intervals, positive
 from symid.simulation.multisine import DERIVATIVE_ORDER, Quantity
 from symid.simulation.trajectory import Trajectory

@@ -9,11 +9,12 @@ import scipy
 
 from symid.axis import Axis, Spring
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass
+from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Preparation, identify
 from symid.identification.rows.bands import coherent_band, completed
 from symid.identification.rows.noise import noise_deviations
+from symid.signal_processing import LowPass
 from symid.simulation import Replay, Trajectory, plant_of, tuned_cascades
 from symid.tuning.bound import Track
 from symid.tuning.exact_run import ExactRun, exact_run

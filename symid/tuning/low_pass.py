@@ -12,8 +12,8 @@ import sympy as sp
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
 from symid.codegen.lowering import code
-from symid.data import LowPass
 from symid.estimation import estimate, triangular_factors
+from symid.signal_processing import LowPass
 from symid.symbolic.expressions import is_smooth, parameter_symbol
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.tuning.exact_run import ExactRun

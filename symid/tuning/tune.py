@@ -10,10 +10,10 @@ import numpy as np
 
 from symid.axis import Axis, of_any_axis
 from symid.codegen import GeneratedModel, compiled
-from symid.data import differencing_bandwidth
 from symid.errors import SettingError
 from symid.identification import Preparation, identify
 from symid.shown import Shown
+from symid.signal_processing import differencing_bandwidth
 from symid.simulation import Controller, Trajectory, plant_of, tuned_cascades
 from symid.symbolic import derive
 from symid.symbolic.expressions import is_smooth, law_expression

@@ -8,7 +8,7 @@ import pytest
 from command_line import run
 
 from symid.data import read_log
-from symid.data.filters.resampling import resampled
+from symid.data.resampling import resampled
 from symid.errors import LogError
 from symid.units import Unit
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from symid import Log, Preparation, compiled, derive, identify, load_axis, load_generated
-from symid.data import LowPass
 from symid.errors import SettingError
 from symid.identification import observe
 from symid.identification.rows.usable_rows import leave_out_spoiled
+from symid.signal_processing import LowPass
 
 MASS, VISCOUS, COULOMB = 5.0, 3.0, 2.0
 RATE = 4000.0

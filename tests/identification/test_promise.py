@@ -8,9 +8,9 @@ import scipy
 
 from benchmarks.promise.machines import Case, draw_case, draw_machine
 from symid import Log, Preparation, identify, load_generated
-from symid.data import central_difference, central_difference_gain, derivatives
 from symid.identification import Identification
 from symid.identification.rows.bands import completed
+from symid.signal_processing import central_difference, central_difference_gain, derivatives
 
 RATE = 500.0
 TRUTH = {"M": 100.0, "Fv": 200.0, "Fs": 20.0}

@@ -5,8 +5,8 @@ import pytest
 from scipy import signal
 
 from symid import Log, load_generated
-from symid.data import derivatives
 from symid.identification.rows.bands import Spectra, coherent_band, noise_limited_band
+from symid.signal_processing import derivatives
 
 RIGID = load_generated("rigid_1m")
 

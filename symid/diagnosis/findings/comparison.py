@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.data.filters.density import power_density
 from symid.diagnosis.findings.gap import Level, Removed
 from symid.diagnosis.findings.shares import removed_share, surely_decreases
 from symid.diagnosis.findings.strength import FixedBand
@@ -20,6 +19,7 @@ from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
+from symid.signal_processing.density import power_density
 
 _REVERSAL = 0.02
 """Seconds around a reversal that do not count for the strength of an effect: the longest response of its band."""

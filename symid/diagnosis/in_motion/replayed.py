@@ -20,13 +20,14 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, FloatArray
-from symid.data import REFERENCE, Log, LowPass, derivatives
+from symid.data import REFERENCE, Log
 from symid.diagnosis.in_motion.declared import ExplainedAxis
 from symid.diagnosis.prediction.joined_logs import Joined
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.errors import SettingError
 from symid.instrumental.recorded_gains import cascade_of_log
+from symid.signal_processing import LowPass, derivatives
 from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
 from symid.simulation.imperfect_plant import misreading
 from symid.simulation.plant import JUST_MOVING

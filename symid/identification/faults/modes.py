@@ -11,10 +11,10 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data.filters.density import NOISE_FROM, explained_power, mean_power, segment_spectra
 from symid.identification.rows.excerpts import Excerpt
 from symid.identification.rows.noise import coefficients
 from symid.signal_names import split_derivative
+from symid.signal_processing.density import NOISE_FROM, explained_power, mean_power, segment_spectra
 
 _POINTS = 32
 """Points on the circle: more than the degree of any determinant."""

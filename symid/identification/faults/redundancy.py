@@ -6,11 +6,11 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import derivatives
 from symid.estimation import ObservationBlock, corrected_covariance_of_blocks
 from symid.identification.criteria import CRITERIA
 from symid.identification.rows.excerpts import Excerpt, estimate_of, running_integral
 from symid.identification.rows.filtered_signals import filtered
+from symid.signal_processing import derivatives
 
 _LEAST_LATE = 0.5
 """Delay between two sensors, in samples, that is reported; a converter takes less."""

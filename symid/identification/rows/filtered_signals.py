@@ -8,9 +8,10 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass, QuinticSpline, ZeroPhaseFilter
+from symid.data import Log
 from symid.data.log import SHORT
 from symid.identification.rows.settings import Preparation
+from symid.signal_processing import LowPass, QuinticSpline, ZeroPhaseFilter
 
 _WIDEST = 0.4
 """Highest cutoff of a widened filter, over the sampling frequency."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, QuinticSpline, kept_indices
+from symid.data import Log
 from symid.errors import SettingError
 from symid.identification.rows.bands import completed
 from symid.identification.rows.coulomb import more_columns, sample_friction, take_off
@@ -20,6 +20,7 @@ from symid.identification.rows.sampling import Sampling, linear_part, sample_int
 from symid.identification.rows.settings import Preparation, Scheme
 from symid.identification.rows.usable_rows import leave_out_spoiled, usable_rows
 from symid.signal_names import split_derivative
+from symid.signal_processing import QuinticSpline, kept_indices
 
 _STEP = 0.25
 """Half the shift between the signals whose difference is the derivative by their time, in samples."""

@@ -24,7 +24,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Log, LongLog, kept_indices, spans
+from symid.data import AnyLog, Log, LongLog, spans
 from symid.estimation import ObservationBlock, TriangularFactor
 from symid.identification.rows.bands import completed
 from symid.identification.rows.excerpts import block_of
@@ -37,6 +37,7 @@ from symid.identification.rows.observation import (
 )
 from symid.identification.rows.settings import Preparation
 from symid.identification.rows.usable_rows import reaches
+from symid.signal_processing import kept_indices
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,11 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import (
-    Log,
+from symid.data import Log
+from symid.identification.rows.filtered_signals import Filtered, Signal, filtered
+from symid.identification.rows.settings import Preparation, Scheme
+from symid.signal_names import derivative_name
+from symid.signal_processing import (
     LowPass,
     Piece,
     ZeroPhaseFilter,
@@ -19,9 +22,6 @@ from symid.data import (
     kept_indices,
     kept_of,
 )
-from symid.identification.rows.filtered_signals import Filtered, Signal, filtered
-from symid.identification.rows.settings import Preparation, Scheme
-from symid.signal_names import derivative_name
 
 STANDSTILL_SHARE = 0.01
 """Part of the highest speed below which the sign of a velocity is not trusted."""

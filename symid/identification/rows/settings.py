@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import LowPass, central_difference, difference_factors, sparse_derivatives
 from symid.errors import SettingError
+from symid.signal_processing import LowPass, central_difference, difference_factors, sparse_derivatives
 
 DIFFERENCE_ORDER = 10
 """Order of accuracy of differences. Those of order 2, the paper's, lose 3 % of a fourth derivative at 0.028 of the

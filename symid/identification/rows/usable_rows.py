@@ -8,9 +8,9 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, least_squares, runs_of_true
 from symid.codegen import GeneratedModel
-from symid.data import LowPass, Piece, QuinticSpline, in_pieces, kept_indices, kept_of
 from symid.identification.rows.sampling import STANDSTILL_SHARE, WORKERS, Sampling
 from symid.identification.rows.settings import Preparation, Scheme
+from symid.signal_processing import LowPass, Piece, QuinticSpline, in_pieces, kept_indices, kept_of
 
 _RESTS, _RESTS_OF_MODES = 2, 4
 """Margins beside a rest: filters of order 4 leave 2 % of a step of friction there, 0.6 % at three margins.

@@ -8,16 +8,16 @@ import pytest
 import scipy.signal
 from hypothesis import given, settings, strategies as st
 
-from symid.data import (
+from symid.data import read_log
+from symid.errors import SettingError
+from symid.signal_processing import (
     LowPass,
     central_difference,
     central_difference_gain,
     decimation_filter,
     derivatives,
     kept_indices,
-    read_log,
 )
-from symid.errors import SettingError
 from symid.units import Unit
 
 DATA = Path(__file__).parents[2] / "data"

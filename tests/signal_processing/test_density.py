@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from symid.data.filters.density import incoherent_density, power_density
+from symid.signal_processing.density import incoherent_density, power_density
 
 
 @pytest.mark.parametrize(("n", "segment"), [(4000, 512), (4001, 501), (1024, 1024), (700, 333)])

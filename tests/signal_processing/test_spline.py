@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import shift
 
-from symid.data import QuinticSpline
+from symid.signal_processing import QuinticSpline
 
 
 @pytest.mark.parametrize("samples", [0.0, 0.3, -0.3, 1.0, 7.75, -60.5, 150.25])

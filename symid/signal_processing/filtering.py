@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray, fast_length
-from symid.data.filters.sections import butterworth, chebyshev
-from symid.data.filters.zero_phase import ZeroPhaseFilter, odd_extension
 from symid.errors import SettingError
+from symid.signal_processing.sections import butterworth, chebyshev
+from symid.signal_processing.zero_phase import ZeroPhaseFilter, odd_extension
 
 _PERIODS: Final = 5.0  # of the cutoff, by which a signal is continued where its spectrum is filtered
 _DECIMATION_ORDER: Final = 8  # as MATLAB's decimate, as are ripple and cutoff

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import scipy
 
-from symid.data.filters.filtering import decimation_filter, kept_indices
-from symid.data.filters.sections import _loop, butterworth, chebyshev, run, settled_states
 from symid.errors import SettingError
+from symid.signal_processing.filtering import decimation_filter, kept_indices
+from symid.signal_processing.sections import _loop, butterworth, chebyshev, run, settled_states
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 7, 8])

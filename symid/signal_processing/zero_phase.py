@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.data.filters.sections import run, settled_states
+from symid.signal_processing.sections import run, settled_states
 
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
 _MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either side
@@ -124,7 +124,7 @@ class ZeroPhaseFilter:
 
         The assumed signal beyond an end adds a sum of these columns to the filtered signal.
 
-        >>> from symid.data.filters.sections import butterworth
+        >>> from symid.signal_processing.sections import butterworth
         >>> ZeroPhaseFilter(butterworth(1, 0.25), 3).transients(np.arange(3.0))[:, 0].round(3).tolist()
         [1.0, 0.414, 0.172]
         """

@@ -1,1 +1,0 @@
-"""Filters, differences, resampling and power densities of sampled signals."""
