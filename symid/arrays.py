@@ -1,4 +1,4 @@
-"""Array types of the numeric packages, runs of flags, fast lengths of transforms, columns of unlike size."""
+"""Array types of the numeric packages, runs of flags, fast lengths of transforms, linear combinations."""
 
 from functools import lru_cache
 from typing import Any, TypeVar
@@ -70,7 +70,28 @@ def least_squares(columns: FloatArray, y: FloatArray, rcond: float | None = None
     ['2e+09', '3e-09']
     """
     scale = norms_or_one(columns)
-    return np.asarray(np.linalg.lstsq(columns / scale, y, rcond=rcond)[0] / scale)
+    return np.asarray((np.linalg.lstsq(columns / scale, y, rcond=rcond)[0].T / scale).T)
+
+
+def unexplained_by(columns: FloatArray, y: FloatArray, rcond: float | None = None) -> FloatArray:
+    """What no combination of columns explains of y, or of each of its columns: the residual of `least_squares`.
+
+    >>> unexplained_by(np.ones((2, 1)), np.array([2.0, 4.0])).round(12).tolist()
+    [-1.0, 1.0]
+    """
+    return y - columns @ least_squares(columns, y, rcond)
+
+
+def combination_of(rows: FloatArray, wanted: FloatArray) -> FloatArray | None:
+    """Factors by which rows add up to another row; None if they cannot.
+
+    >>> combination_of(np.eye(2)[:1], np.array([3.0, 0.0])).round(12).tolist()
+    [3.0]
+    >>> combination_of(np.eye(2)[:1], np.array([3.0, 1.0])) is None
+    True
+    """
+    factors = np.asarray(np.linalg.lstsq(rows.T, wanted, rcond=None)[0], dtype=float)
+    return factors if np.allclose(factors @ rows, wanted) else None
 
 
 @lru_cache(maxsize=256)

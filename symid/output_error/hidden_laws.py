@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, combination_of
 from symid.axis import Axis, PendulumWeight
 from symid.codegen import GeneratedModel, model_of
 from symid.errors import EliminationError
@@ -84,7 +84,6 @@ def _at_hidden_joints(axis: Axis, measured: Sequence[str]) -> set[str]:
     )
     found: set[str] = set()
     for direction, terms in dynamics.laws:
-        shares = np.linalg.lstsq(rows.T, direction, rcond=None)[0]
-        if not np.allclose(shares @ rows, direction):
+        if combination_of(rows, direction) is None:
             found = found.union(*(dynamics.names(term.parameter) for term in terms))
     return found

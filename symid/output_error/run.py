@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, IntArray, runs_of_true
+from symid.arrays import BoolArray, FloatArray, IntArray, combination_of, runs_of_true
 from symid.data import Log
 from symid.output_error.force_course import Course, force_between
 from symid.signal_processing import LowPass, central_difference
@@ -203,8 +203,8 @@ def _measured_motion(
     if not names:
         return None
     rows = np.stack([dynamics.sensors[name][0] for name in names])
-    shares = np.linalg.lstsq(rows.T, direction, rcond=None)[0]
-    if not np.allclose(shares @ rows, direction):
+    shares = combination_of(rows, direction)
+    if shares is None:
         return None
     reading = sum(share * log[name] for share, name in zip(shares, names, strict=True))
     read = lowpass.apply(reading, log.sampling_frequency)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, unexplained_by
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state
@@ -113,7 +113,7 @@ def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
 
     def left(course: FloatArray) -> float:
         base = np.stack([np.ones(asked.size), course], axis=1)
-        return float(np.sum((seen - base @ np.linalg.lstsq(base, seen)[0]) ** 2))
+        return float(np.sum(unexplained_by(base, seen) ** 2))
 
     varies = float(np.sum((seen - seen.mean()) ** 2))
     return left(np.abs(asked)) < min(left(asked), (1 - _FOLLOWS) * varies)

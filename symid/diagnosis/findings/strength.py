@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, IntArray, least_squares
+from symid.arrays import BoolArray, FloatArray, IntArray, unexplained_by
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.gauss_newton import RANK
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
@@ -65,9 +65,7 @@ class FixedBand:
     def _left(self, errors: FloatArray, outputs: list[int]) -> FloatArray:
         """Part of the errors of some outputs that the parameters cannot explain; shape (n_outputs, n_rows)."""
         columns = self.columns[:, outputs].reshape(len(self.columns), -1)
-        return (errors.ravel() - columns.T @ least_squares(columns.T, errors.ravel(), RANK)).reshape(
-            len(outputs), -1
-        )
+        return unexplained_by(columns.T, errors.ravel(), RANK).reshape(len(outputs), -1)
 
     def _strength(self, at: int) -> float:
         """Strength of one effect; 0 where motion without it grows beyond what was measured, so that it has none."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, least_squares
+from symid.arrays import BoolArray, FloatArray, unexplained_by
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import ITERATIONS, RANK, fitted
@@ -61,7 +61,7 @@ def errors_of(state: State, weighting: Weighting) -> FloatArray:
     of_log = belongs_to_log(state)
     if of_log.any():
         columns = weighting.known(weighting.rows(prediction_jacobian(state)[of_log]), state.beginning)
-        error = error - columns.T @ least_squares(columns.T, error, RANK)
+        error = unexplained_by(columns.T, error, RANK)
     rows = np.full(state.rows.shape, np.nan)
     rows[:, weighting.kept] = error.reshape(len(rows), -1)
     return rows

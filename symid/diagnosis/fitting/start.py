@@ -5,7 +5,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from symid.arrays import least_squares
+from symid.arrays import unexplained_by
 from symid.axis import Axis
 from symid.codegen import model_of
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
@@ -164,7 +164,7 @@ def _most_promising(fit: Fit, at: int, states: Sequence[State]) -> list[State]:
     def left(state: State) -> float:
         error = Fit(state, fit.weighting).error
         columns = np.concatenate([others, [plain - error]])
-        return float(np.sum((error - columns.T @ least_squares(columns.T, error)) ** 2))
+        return float(np.sum(unexplained_by(columns.T, error) ** 2))
 
     return sorted(states, key=left)[:_TRIED]
 

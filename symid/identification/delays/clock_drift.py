@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, unexplained_by
 from symid.data.quality.clock import CLOCK_DIFFERENCE
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
@@ -127,9 +127,7 @@ def _growth(parts: Sequence[Excerpt], fit: LeastSquares, delay: Timing) -> _Grow
     # scatter of sums over blocks, as residuals are correlated.
     every, drifting, block = np.concatenate(rows), np.concatenate(growing), np.concatenate(blocks)
     column, columns = drifting[:, -1], np.column_stack([every[:, :-1], drifting[:, :-1]])
-    columns /= np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
-    both = np.column_stack([column, every[:, -1]])
-    own, left = (both - columns @ np.linalg.lstsq(columns, both, rcond=None)[0]).T
+    own, left = unexplained_by(columns, np.column_stack([column, every[:, -1]])).T
     power = float(own @ own)
     if power <= _INDEPENDENT * float(column @ column):
         return _Growth()

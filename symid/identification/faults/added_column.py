@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, unexplained_by
 
 _INDEPENDENT = 1e-8
 """Least share of a column's power that is linearly independent of the model's columns."""
@@ -40,7 +40,7 @@ class AddedColumn:
             return cls()
         # Only the component orthogonal to the model's columns can reduce the residual (Frisch-Waugh-Lovell theorem).
         unit = column / largest  # of a filter's tail alone, its squares would underflow
-        own = unit - Z @ np.linalg.lstsq(Z, unit, rcond=None)[0]
+        own = unexplained_by(Z, unit)
         rest = float(own @ own)
         if rest < _INDEPENDENT * float(unit @ unit):
             return cls()

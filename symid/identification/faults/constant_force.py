@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, unexplained_by
 from symid.codegen import GeneratedModel
 from symid.identification.rows.excerpts import Excerpt
 
@@ -43,7 +43,7 @@ def is_constant(force: FloatArray, signs: FloatArray) -> bool:
     (True, False)
     """
     whole = float(force @ force)
-    rest = force - np.linalg.lstsq(signs.T, force, rcond=None)[0] @ signs
+    rest = unexplained_by(signs.T, force)
     return whole > 0 and float(rest @ rest) < _CHANGES**2 * whole
 
 

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, unexplained_by
 from symid.codegen import GeneratedModel
 from symid.data.quality.stuck import is_switched
 from symid.estimation import LeastSquares
@@ -96,7 +96,7 @@ class ColumnTests:
         Z = np.concatenate(
             [Z, np.concatenate([np.tile(ones[r.equation], (r.residual.size, 1)) for r in self.rows])], axis=1
         )
-        rest = rest - Z @ np.linalg.lstsq(Z, rest, rcond=None)[0]
+        rest = unexplained_by(Z, rest)
         least = max(CRITERIA.nonlinear, self.certain(rest, CRITERIA.gain_beyond_noise))
         for force in self.model.forces:
             courses = [[np.sign(part.log[force]) for part in self.parts]]

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, unexplained_by
 from symid.codegen import GeneratedModel
 from symid.identification.criteria import CRITERIA
 from symid.identification.rows.excerpts import Excerpt
@@ -24,10 +24,7 @@ def one_direction(model: GeneratedModel, parts: Sequence[Excerpt]) -> tuple[str,
         W = np.concatenate([p.observation.W[equation][p.observation.valid[equation]] for p in parts])
         if not W.size or not _is_of_one_sign(W[:, column]):
             continue
-        sign, others = np.sign(W[:, column]), np.delete(W, column, axis=1)
-        sizes = np.linalg.norm(others, axis=0)
-        others = others[:, sizes > 0] / sizes[sizes > 0]
-        rest = sign - others @ np.linalg.lstsq(others, sign, rcond=None)[0]
+        rest = unexplained_by(np.delete(W, column, axis=1), np.sign(W[:, column]))
         name = minimal[column]
         if np.sqrt(np.mean(rest**2)) < CRITERIA.friction_alike:
             return (

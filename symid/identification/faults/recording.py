@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from symid.arrays import FloatArray, runs_of_true
+from symid.arrays import FloatArray, runs_of_true, unexplained_by
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.data.quality.checks import jumps_of
@@ -165,7 +165,7 @@ def _undriven(model: GeneratedModel, log: Log, name: str) -> list[int]:
     forces, turns = np.stack([log[force] for force in model.forces], axis=1), np.diff(x, 2)
     sharpest = np.abs(turns) >= np.sort(np.abs(turns))[-max(_FEW_TURNS, turns.size // 100) :][0]
     made, seen = np.diff(forces, 2, axis=0)[sharpest], turns[sharpest]
-    left = seen - made @ np.linalg.lstsq(made, seen, rcond=None)[0]
+    left = unexplained_by(made, seen)
     return spikes if left @ left > _UNDRIVEN * (seen @ seen) else []
 
 
