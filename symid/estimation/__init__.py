@@ -1,4 +1,4 @@
-"""Least squares on triangular factors, rank analysis, and covariances under correlated residuals."""
+"""Least squares, linear on triangular factors and nonlinear, rank analysis, covariances under correlated residuals."""
 
 from symid.estimation.corrected_covariance import (
     CorrelatedCovariance,

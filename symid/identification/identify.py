@@ -21,7 +21,6 @@ from symid.codegen import GeneratedModel, compiled
 from symid.data import AnyLog, Log, LongLog, in_memory
 from symid.errors import SettingError
 from symid.estimation import (
-    CorrelatedCovariance,
     LeastSquares,
     Method,
     ObservationBlock,
@@ -42,10 +41,8 @@ from symid.identification.faults.examined_faults import faults_of
 from symid.identification.faults.lagging import lag_of
 from symid.identification.faults.poor_fit import unexplained
 from symid.identification.faults.smoothing import slowly_updated
-from symid.identification.parameters.constrained import constrained_estimates
+from symid.identification.parameters.constrained import physical_of
 from symid.identification.parameters.constraints import Constraints
-from symid.identification.parameters.inseparable import estimates_by_priors
-from symid.identification.parameters.physical import PhysicalEstimate, physical_estimates
 from symid.identification.results.contradiction import with_constraint_check
 from symid.identification.results.identification_result import Identification, best_covariance
 from symid.identification.results.reliability import with_discrepancies, with_faults
@@ -218,7 +215,8 @@ def found_from(
         bias = correction.bias
         spread = correction.grown(scatter(segments(whole_logs(parts, logs, observations), fit), fit))
         fit, correlated = correction.applied(fit, correlated)
-    physical = _physical(model, fit, correlated, nominal, constraints) if fit.status == "ok" else ()
+    wide = best_covariance(fit, correlated)
+    physical = physical_of(model, fit.parameters, wide, nominal, constraints) if fit.status == "ok" else ()
     late, hold = observations[0].preparation.late, logs[0].sampling_period / 2
     notes = notes_on_declared(model.delays, late, model.passed_over, hold=hold)
     found = Identification(
@@ -235,34 +233,23 @@ def found_from(
         bias=bias,
         scatter=spread,
     )
-    deviations = found.physical_deviations if physical else None
-    status, message = verdict(
-        model, fit, physical, correlated, has_start=nominal is not None, deviations=deviations
-    )
-    per_log = np.reshape(fit.rows, (len(logs), -1)).sum(axis=1)
+    return _judged(found, logs, has_start=nominal is not None)
+
+
+def _judged(found: Identification, logs: Sequence[AnyLog], *, has_start: bool) -> Identification:
+    """The identification with the status of its estimate, before any check."""
+    per_log = np.reshape(found.fit.rows, (len(logs), -1)).sum(axis=1)
     if not per_log.all() and per_log.any():
         unused = ", ".join(log.source for log, rows in zip(logs, per_log, strict=True) if not rows)
-        status, message = "too_few_rows", f"no row of {unused} is left: check its signals, or leave it out"
-    elif status == "too_few_rows" and (slow := slowly_updated(model, logs)):
+        message = f"no row of {unused} is left: check its signals, or leave it out"
+        return replace(found, status="too_few_rows", message=message)
+    deviations = found.physical_deviations if found.physical else None
+    status, message = verdict(
+        found.model, found.fit, found.physical, found.correlated, has_start=has_start, deviations=deviations
+    )
+    if status == "too_few_rows" and (slow := slowly_updated(found.model, logs)):
         message = f"{message.partition(': ')[0]}: {slow}"
     return replace(found, status=status, message=message)
-
-
-def _physical(
-    model: GeneratedModel,
-    fit: LeastSquares,
-    correlated: CorrelatedCovariance,
-    nominal: Mapping[str, float] | None,
-    constraints: Constraints | None,
-) -> tuple[PhysicalEstimate, ...]:
-    """Physical parameters of an estimate, with the covariance of its correlated residual."""
-    covariance = best_covariance(fit, correlated)
-    physical = physical_estimates(model, fit.parameters, covariance, nominal)
-    if not constraints:
-        return physical
-    if not physical:
-        physical = estimates_by_priors(model, fit.parameters, covariance, constraints, nominal)
-    return constrained_estimates(model, fit.parameters, covariance, physical, constraints) or physical
 
 
 def with_checks(

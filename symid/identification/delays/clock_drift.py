@@ -19,7 +19,7 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import scan
 from symid.identification.delays.refined_delay import Shifting
 from symid.identification.delays.timing import Timing
-from symid.identification.rows.excerpts import Excerpt
+from symid.identification.rows.excerpts import Excerpt, course_of
 
 _WORST_CLOCK = 0.02
 """Largest relative difference of two clocks; a delay that grows faster has another cause."""
@@ -114,8 +114,7 @@ def _growth(parts: Sequence[Excerpt], fit: LeastSquares, delay: Timing) -> _Grow
     for k, part in enumerate(parts):
         late = delay.late if delay.signal in delay.moved else -delay.late
         seen = Shifting(part, delay.moved).with_tangent(late, delay.parameters)
-        times = np.concatenate([other.observation.time for other in parts if other.of == part.of])
-        course = (seen.time - times.min()) / np.ptp(times) - 0.5
+        course = course_of(parts, part)
         place = each * k + np.arange(seen.time.size) * each // seen.time.size
         for j, used in enumerate(seen.valid):
             weight = fit.weights[part.of * len(seen.valid) + j]

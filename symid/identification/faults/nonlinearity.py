@@ -23,7 +23,7 @@ from symid.identification.deviations.whitened import WhitenedRows
 from symid.identification.faults.added_column import AddedColumn
 from symid.identification.faults.constant_force import direction, used_samples
 from symid.identification.faults.poor_fit import unexplained
-from symid.identification.rows.excerpts import Excerpt
+from symid.identification.rows.excerpts import Excerpt, course_of
 from symid.identification.rows.noise import noise_of_rows
 
 _NOISE_EXPLAINS = 1.5
@@ -237,8 +237,7 @@ class ColumnTests:
     def _growing(self, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]) -> FloatArray:
         """The part of the residual that W and y make, times the time within its log from -0.5 to 0.5."""
         part = self.parts[rows.part]
-        times = np.concatenate([other.observation.time for other in self.parts if other.of == part.of])
-        course = (part.observation.time - times.min()) / np.ptp(times) - 0.5
+        course = course_of(self.parts, part)
         return np.asarray(self._residual_of(rows, made) * course[part.observation.valid[rows.equation]])
 
     def _residual_of(self, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]) -> FloatArray:

@@ -23,11 +23,13 @@ import scipy
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.identification.parameters.constraints import Constraints
+from symid.identification.parameters.inseparable import estimates_by_priors
 from symid.identification.parameters.physical import (
     PhysicalEstimate,
     Restricted,
     WhitenedMap,
     open_directions,
+    physical_estimates,
 )
 
 _AT_BOUND = 1e-7
@@ -36,6 +38,21 @@ _AT_BOUND = 1e-7
 
 _FAR = 1e3
 """Distance in deviations from which the tail of a normal distribution is that of an exponential one."""
+
+
+def physical_of(
+    model: GeneratedModel,
+    minimal: FloatArray,
+    covariance: FloatArray,
+    nominal: Mapping[str, float] | None = None,
+    constraints: Constraints | None = None,
+) -> tuple[PhysicalEstimate, ...]:
+    """Physical parameters of minimal ones as `physical_estimates`, under constraints where there are any."""
+    found = physical_estimates(model, minimal, covariance, nominal)
+    if not constraints:
+        return found
+    found = found or estimates_by_priors(model, minimal, covariance, constraints, nominal)
+    return constrained_estimates(model, minimal, covariance, found, constraints) or found
 
 
 def constrained_estimates(

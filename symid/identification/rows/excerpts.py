@@ -132,6 +132,12 @@ def running_integral(x: FloatArray, period: float) -> FloatArray:
     return period * np.cumsum(np.concatenate([[0.0], (x[1:] + x[:-1]) / 2]))
 
 
+def course_of(parts: Sequence[Excerpt], part: Excerpt) -> FloatArray:
+    """Time of the rows of a part within its log, from -0.5 at the first row of its parts to 0.5 at their last."""
+    times = np.concatenate([other.observation.time for other in parts if other.of == part.of])
+    return np.asarray((part.observation.time - times.min()) / np.ptp(times) - 0.5)
+
+
 def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float, ...]:
     """Ratio of the rows of a log, `rows`, to the rows of its parts, for each part.
 
