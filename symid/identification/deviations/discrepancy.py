@@ -160,7 +160,7 @@ class _Columns:
         signs = [direction(speeds_of(part)) for part in self.parts]
         courses = [np.diff(sign, prepend=sign[:1]) for sign in signs]
         pairs = zip(self.parts, courses, strict=True)
-        return self._left([part.made_by(self.model.force, course) for part, course in pairs])
+        return self._left([part.made_by(self.model.force, course)[0] for part, course in pairs])
 
     def _late(self, name: str) -> FloatArray:
         """The column of a delay of a signal."""

@@ -36,10 +36,9 @@ from symid.identification.rows.excerpts import (
     estimate_of_parts,
     running_integral,
 )
-from symid.identification.rows.observation import Observation, SignalRows
+from symid.identification.rows.observation import Observation
+from symid.identification.rows.signal_rows import Rows
 
-_Rows = tuple[FloatArray, FloatArray]
-"""Rows of W and y that a signal makes."""
 _MOST_ROUNDS = 6
 _BARE = 1e-10
 """Noise near the Nyquist frequency, over the rms signal, below that of any sensor: 0.1 nm of a metre."""
@@ -85,10 +84,15 @@ def ac_coupling_of(
     """Statement on one of some signals that has passed a high-pass, which moves parameters out of their intervals."""
     model, passed, most = found.model, [], CRITERIA.ac_coupling_leaves
     for name in names:
-        integrals = [
-            _rows_of(part, name, running_integral(part.log[name], part.log.sampling_period)) for part in parts
+        made = [
+            part.made_by(
+                name,
+                running_integral(part.log[name], part.log.sampling_period),
+                np.ones(part.log.n_samples),
+            )
+            for part in parts
         ]
-        starts = [_rows_of(part, name, np.ones(part.log.n_samples)) for part in parts]
+        integrals, starts = ([one[k] for one in made] for k in (0, 1))
         one = (
             _by_other_sensors(model, parts, integrals, name)
             or _filtered_before(parts, fit, integrals, starts, most=most)
@@ -126,7 +130,7 @@ def smoothing_by_residual(
     every = []
     for name in names:
         bent = [
-            _rows_of(part, name, _second_derivative(part.log[name], part.log.sampling_period))
+            part.made_by(name, _second_derivative(part.log[name], part.log.sampling_period))[0]
             for part in parts
         ]
         one = _filtered_before(parts, fit, bent, most=most)
@@ -163,14 +167,8 @@ def _second_derivative(x: FloatArray, period: float) -> FloatArray:
     return np.pad(np.diff(x, 2), 1) / period**2
 
 
-def _rows_of(part: Excerpt, name: str, x: FloatArray) -> _Rows:
-    """Rows of W and y that a signal makes if it has another course."""
-    log = replace(part.log, signals={**part.log.signals, name: x})
-    return SignalRows.of(part.model, log, part.observation.preparation, name).rows
-
-
 def _by_other_sensors(
-    model: GeneratedModel, parts: Sequence[Excerpt], more: Sequence[_Rows], name: str
+    model: GeneratedModel, parts: Sequence[Excerpt], more: Sequence[Rows], name: str
 ) -> _Filter | None:
     """High-pass by sensors that repeat a signal, and the parameters without it; None without such sensors."""
     corner = high_pass_of(model, parts, name)
@@ -195,8 +193,8 @@ class _Filter:
 def _filtered_before(
     parts: Sequence[Excerpt],
     fit: LeastSquares,
-    more: Sequence[_Rows],
-    constants: Sequence[_Rows] = (),
+    more: Sequence[Rows],
+    constants: Sequence[Rows] = (),
     *,
     most: float,
 ) -> _Filter | None:
@@ -250,7 +248,7 @@ class _StepRows:
     factors: tuple[TriangularFactor, ...]  # of the used columns and y, one of each equation
 
     @classmethod
-    def of(cls, seen: Observation, made: Sequence[_Rows]) -> _StepRows:
+    def of(cls, seen: Observation, made: Sequence[Rows]) -> _StepRows:
         """Columns of the rows of a part, of those that a signal makes, and of those that a constant makes."""
         W = np.concatenate([seen.W, *(x for W, y in made for x in (W, y[..., None]))], axis=2)
         used = np.any(W != 0.0, axis=(0, 1))

@@ -1,7 +1,5 @@
 """Tests of friction: for a law that the model lacks, and for Coulomb friction that varies with the speed."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from symid.arrays import FloatArray
@@ -32,8 +30,8 @@ def missing_friction(tests: ColumnTests, found: Identification, timing: Timing |
     if not any(tests.model.sliding):
         courses["Coulomb friction"] = [direction(v) for v in speeds]
     shares = {}
-    for law, shapes in courses.items():
-        column, outside, moves = _beside(tests, found, shapes)
+    for law, made in zip(courses, tests.made_by(tests.model.force, *courses.values()), strict=True):
+        column, outside, moves = _beside(tests, found, made)
         is_lacking = column.factor > 0.0 and outside > CRITERIA.independent  # friction takes power
         if is_lacking and moves and column.share > max(CRITERIA.friction_shape, by_delay):
             shares[law] = column.share
@@ -56,8 +54,8 @@ def friction_shape(tests: ColumnTests, found: Identification) -> str:
     speeds = [speeds_of(part) for part in tests.parts]
     highest = max(float(np.max(np.abs(v))) for v in speeds) or 1.0
     each = [decaying(v, highest) for v in speeds]
-    for name in each[0]:
-        column, _, moves = _beside(tests, found, [one[name] for one in each])
+    for made in tests.made_by(tests.model.force, *([one[name] for one in each] for name in each[0])):
+        column, _, moves = _beside(tests, found, made)
         if column.share > CRITERIA.friction_shape and moves:
             more = "more" if column.factor > 0 else "less"
             return (
@@ -68,15 +66,12 @@ def friction_shape(tests: ColumnTests, found: Identification) -> str:
     return ""
 
 
-def _beside(
-    tests: ColumnTests, found: Identification, shapes: Sequence[FloatArray]
-) -> tuple[AddedColumn, float, bool]:
-    """Effect of a friction of some course, the part of its column that the model leaves, and whether it counts.
+def _beside(tests: ColumnTests, found: Identification, made: FloatArray) -> tuple[AddedColumn, float, bool]:
+    """Effect of a friction by its column, the part of that that the model leaves, and whether it counts.
 
     It counts if it is certain and moves parameters beyond their intervals.
     """
     Z, rest, y = tests.all_rows
-    made = tests.made_by(tests.model.force, shapes)
     column = AddedColumn.of(Z, rest, made, y)
     along = Z.T @ made
     outside = 1.0 - float(along @ along) / max(float(made @ made), np.finfo(float).tiny)

@@ -99,17 +99,17 @@ class ColumnTests:
         rest = unexplained_by(Z, rest)
         least = max(CRITERIA.nonlinear, self.certain(rest, CRITERIA.gain_beyond_noise))
         for force in self.model.forces:
-            courses = [[np.sign(part.log[force]) for part in self.parts]]
-            courses += [[direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
-            for signs in courses:
-                if self._acts_one_way(force, signs):
-                    continue
-                # without their mean: the force itself holds the residual
-                mean = float(np.mean(np.concatenate(signs)))
-                shapes = [
-                    part.log[force] * (sign - mean) for part, sign in zip(self.parts, signs, strict=True)
-                ]
-                column = AddedColumn.of(Z, rest, self.made_by(force, shapes), y)
+            signs = [[np.sign(part.log[force]) for part in self.parts]]
+            signs += [[direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
+            both_ways = [one for one in signs if not self._acts_one_way(force, one)]
+            # without their mean: the force itself holds the residual
+            means = [float(np.mean(np.concatenate(one))) for one in both_ways]
+            courses = [
+                [part.log[force] * (sign - mean) for part, sign in zip(self.parts, one, strict=True)]
+                for one, mean in zip(both_ways, means, strict=True)
+            ]
+            for made in self.made_by(force, *courses):
+                column = AddedColumn.of(Z, rest, made, y)
                 if column.share > least and CRITERIA.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
                     return (
                         f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
@@ -138,11 +138,12 @@ class ColumnTests:
             relative = [part.log[force] / largest for part in self.parts]
             cube = [x * x * x for x in relative]  # a power takes thirty times as long
             limit = [np.sign(x) * (np.abs(x) > _AT_LIMIT) for x in relative]
-            for words, shapes, share, size in (
-                ("its cube explains", cube, CRITERIA.nonlinear, 0.0),
-                ("its largest values explain", limit, CRITERIA.cut, CRITERIA.nonlinear_output),
+            by_cube, by_limit = self.made_by(force, cube, limit)
+            for words, made, share, size in (
+                ("its cube explains", by_cube, CRITERIA.nonlinear, 0.0),
+                ("its largest values explain", by_limit, CRITERIA.cut, CRITERIA.nonlinear_output),
             ):
-                column = AddedColumn.of(Z, rest, self.made_by(force, shapes), y)
+                column = AddedColumn.of(Z, rest, made, y)
                 is_short = column.factor < -CRITERIA.bent_force * largest
                 if is_short and column.share > share and -column.size > size:
                     return (
@@ -151,10 +152,18 @@ class ColumnTests:
                     )
         return ""
 
-    def made_by(self, force: str, shapes: Sequence[FloatArray]) -> FloatArray:
-        """The column that a force of some course in each part makes, prepared as the recorded one."""
-        made = [part.made_by(force, shape) for part, shape in zip(self.parts, shapes, strict=True)]
-        return np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows])
+    def made_by(self, force: str, *courses: Sequence[FloatArray]) -> list[FloatArray]:
+        """The column that a force of each course, given by part, makes, prepared as the recorded one."""
+        if not courses:
+            return []
+        by_part = [
+            part.made_by(force, *own)
+            for part, own in zip(self.parts, zip(*courses, strict=True), strict=True)
+        ]
+        return [
+            np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows])
+            for made in zip(*by_part, strict=True)
+        ]
 
     def gain_drift(self) -> str:
         """Statement on a force whose gain drifts along the logs; empty without drift."""

@@ -12,7 +12,8 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, in_memory
 from symid.estimation import LeastSquares, ObservationBlock, estimate, triangular_factors
 from symid.identification.rows.noise import noise_levels, noise_of_rows
-from symid.identification.rows.observation import Observation, SignalRows, observe
+from symid.identification.rows.observation import Observation, observe
+from symid.identification.rows.signal_rows import Rows, SignalRows
 
 Kept = TypeVar("Kept")
 
@@ -51,10 +52,9 @@ class Excerpt:
             names, lambda: SignalRows.of(self.model, self.log, self.observation.preparation, *names)
         )
 
-    def made_by(self, force: str, course: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """W and y that a force of another course than the recorded one makes, prepared as that is."""
-        log = replace(self.log, signals={**self.log.signals, force: course})
-        return SignalRows.of(self.model, log, self.observation.preparation, force).rows
+    def made_by(self, name: str, *courses: FloatArray) -> list[Rows]:
+        """W and y that each course of a signal makes in place of the recorded one, prepared as that is."""
+        return list(zip(*self.moved(name).of_courses(np.stack(courses)), strict=True))
 
     def kept(self, key: object, computed: Callable[[], Kept]) -> Kept:
         """Cached result of a key, computed at the first call."""

@@ -21,7 +21,7 @@ _WIDEST = 0.4
 class Filtered:
     """A recorded signal that is filtered, and moved in time, where it is read: no copy of the whole is kept."""
 
-    recorded: FloatArray  # shape (n,): the signal
+    recorded: FloatArray  # shape (n,): the signal; of shape (n_courses, n) `at` sparse places alone
     low_pass: ZeroPhaseFilter | None  # what it passes
     earlier: float = 0.0  # samples by which it is moved to an earlier time
     held: float = 0.0  # samples for which it is held, over which it is averaged
@@ -29,7 +29,12 @@ class Filtered:
     @property
     def size(self) -> int:
         """Number of samples of the recorded signal."""
-        return self.recorded.size
+        return self.recorded.shape[-1]
+
+    @property
+    def is_low_passed(self) -> bool:
+        """Whether it passes a filter and is not moved."""
+        return self.low_pass is not None and not (self.earlier or self.held)
 
     def __getitem__(self, part: slice) -> FloatArray:
         first, last, _ = part.indices(self.size)
@@ -41,12 +46,13 @@ class Filtered:
 
     def at(self, places: slice) -> FloatArray:
         """Values at sparse places, without filtering all samples where that is possible."""
-        if self.low_pass is None or self.earlier or self.held:
+        if self.low_pass is None or not self.is_low_passed:
             return self[places.start : places.stop][:: places.step]
         low = max(places.start - self.low_pass.reach, 0)
         high = min(places.stop + self.low_pass.reach, self.size)
         kept = slice(places.start - low, places.stop - low, places.step)
-        return np.asarray(self.low_pass.apply_thinned(self.recorded[None, low:high], kept)[0])
+        rows = np.atleast_2d(self.recorded)[:, low:high]
+        return self.low_pass.apply_thinned(rows, kept).reshape(*self.recorded.shape[:-1], -1)
 
     def _read(self, first: int, last: int) -> FloatArray:
         reach = self.low_pass.reach if self.low_pass else 0

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -14,16 +12,11 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.identification.rows.bands import completed
 from symid.identification.rows.coulomb import more_columns, sample_friction, take_off
-from symid.identification.rows.filtered_signals import Signal, filtered, low_pass_of
-from symid.identification.rows.noise import coefficients
-from symid.identification.rows.sampling import Sampling, linear_part, sample_into, sampled_rows, sampling_of
+from symid.identification.rows.filtered_signals import low_pass_of
+from symid.identification.rows.sampling import Sampling, sample_into, sampling_of
 from symid.identification.rows.settings import Preparation, Scheme
 from symid.identification.rows.usable_rows import leave_out_spoiled, usable_rows
-from symid.signal_names import split_derivative
-from symid.signal_processing import QuinticSpline, kept_indices
-
-_STEP = 0.25
-"""Half the shift between the signals whose difference is the derivative by their time, in samples."""
+from symid.signal_processing import kept_indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,63 +158,3 @@ def sliding_velocities(model: GeneratedModel, log: Log, chosen: Preparation) -> 
     sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
     signals = sampling.motion(0, sampling.n_samples)
     return np.asarray(model.sliding_velocities(*(signals[name] for name in model.signals)))
-
-
-@dataclass(frozen=True, eq=False)
-class SignalRows:
-    """Contribution of some signals to the rows of a log, to which rows are linear, and its change under a delay."""
-
-    # of the part of the model that is linear in the signals; all other signals are 0
-    sampling: Sampling
-    columns: tuple[int, ...]  # columns of W that they are in, those of the part of the model
-    n_columns: int  # columns of W
-
-    @classmethod
-    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, *names: str) -> SignalRows:
-        """Rows from the filtered signals of a log; the preparation is the complete one of its observation."""
-        before, after = chosen.trim or (0, 0)
-        scheme = Scheme(chosen.difference_order)
-        own = filtered(model, log, chosen, 1.0, names)
-        rest = log.n_samples - before - after
-        period = log.sampling_period
-        mine = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] in names]
-        factors = coefficients(model)[:, :-1, mine]
-        columns = tuple(np.flatnonzero(np.any(factors, axis=(0, 2))).tolist())
-        part = linear_part(model, columns)
-        sampling = Sampling(part, chosen, scheme, period, own, {}, before, rest)
-        return cls(sampling, columns, factors.shape[1])
-
-    @cached_property
-    def rows(self) -> tuple[FloatArray, FloatArray]:
-        """Rows of W and y of the window."""
-        return self._rows(self.sampling.signals)
-
-    def change(self, late: float) -> tuple[FloatArray, FloatArray]:
-        """Change of W and y if the signals are moved `late` seconds to an earlier time."""
-        return self._rows(
-            {name: self._earlier(name, late) - x[:] for name, x in self.sampling.signals.items()}
-        )
-
-    @cached_property
-    def slope(self) -> tuple[FloatArray, FloatArray]:
-        """Derivative of W and y by `late`, per second, by central differences over a part of a sample."""
-        step = _STEP * self.sampling.period
-        return self._rows(
-            {
-                name: (self._earlier(name, step) - self._earlier(name, -step)) / (2 * step)
-                for name in self.sampling.signals
-            }
-        )
-
-    @cached_property
-    def _splines(self) -> dict[str, QuinticSpline]:
-        return {name: QuinticSpline(x[:]) for name, x in self.sampling.signals.items()}
-
-    def _earlier(self, name: str, late: float) -> FloatArray:
-        return self._splines[name].earlier(late / self.sampling.period)
-
-    def _rows(self, signals: Mapping[str, Signal]) -> tuple[FloatArray, FloatArray]:
-        moved, y = sampled_rows(replace(self.sampling, signals=signals))
-        W = np.zeros((*y.shape, self.n_columns))
-        W[..., self.columns] = moved.transpose(0, 2, 1)
-        return W, y

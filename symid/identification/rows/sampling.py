@@ -74,6 +74,11 @@ class Sampling:
         return decimation_filter(factor) if factor > 1 else None
 
     @property
+    def is_sparse(self) -> bool:
+        """Whether what is linear in the signals is made at the samples that are kept, without all others."""
+        return self.row_filter is None and self.factor >= SPARSE and not self.model.known_laws
+
+    @property
     def reach(self) -> int:
         """Samples on either side that the filters need."""
         return sum(f.reach for f in (self.low_pass, self.row_filter) if f is not None)
@@ -117,6 +122,16 @@ class Sampling:
             for order, x in enumerate(self.scheme.derivatives_at(values, self.period, highest, kept)):
                 flat[derivative_name(name, order)] = x
         return flat
+
+    def thinned(self) -> dict[str, FloatArray]:
+        """Flat names with the derivatives that the model needs, as they are in rows to which they are linear."""
+        kept = kept_indices(self.n_samples, self.factor)
+        if self.is_sparse:
+            return self.at(kept)
+        thin, whole = self.row_filter, self.window(0, self.n_samples)
+        if thin is None:
+            return {name: x[kept] for name, x in whole.items()}
+        return {name: thin.apply_thinned(x[None], kept)[0] for name, x in whole.items()}
 
     def of_law(self, x: FloatArray, kept: slice = slice(None)) -> FloatArray:
         """Samples of the values of a law, which have not passed the filter as signals."""
@@ -202,7 +217,7 @@ def sample_into(
             first = -before if piece.start == 0 else first
             last = velocities.shape[1] - before if piece.stop == sampling.n_samples else last
         # What is linear in the signals is made at the samples that are kept, if they are sparse; laws at all samples.
-        is_sparse = thin is None and sampling.factor >= SPARSE and not model.known_laws
+        is_sparse = sampling.is_sparse
         is_linear = velocities is None and not model.law_columns
         motion = {} if is_sparse and is_linear else sampling.motion(first, last)
         inside = slice(piece.first - first, piece.last - first)
