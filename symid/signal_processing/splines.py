@@ -54,14 +54,17 @@ class QuinticSpline:
         """Samples on either side that influence a value shifted by the given number of samples, to rounding."""
         return 2 * _BEYOND + math.ceil(abs(samples)) + _REACH + 1
 
-    def earlier(self, samples: float) -> FloatArray:
-        """The signal moved to an earlier time by any number of samples; negative: to a later one."""
+    def earlier(self, samples: float, kept: slice = slice(None)) -> FloatArray:
+        """Samples of the signal moved to an earlier time by any number of them; negative: to a later one."""
         whole = math.floor(samples)
         weights = _b_spline(samples - whole - np.arange(-_REACH, _REACH + 2.0))
         margin = max(abs(whole) + _REACH + 1 - _BEYOND, 0)
         known = np.pad(self._coefficients, margin, mode="edge") if margin else self._coefficients
         first = _BEYOND + margin + whole - _REACH
-        return np.correlate(known[first : first + self.values.size + weights.size - 1], weights, mode="valid")
+        near = known[first : first + self.values.size + weights.size - 1]
+        if kept == slice(None):
+            return np.correlate(near, weights, mode="valid")
+        return np.asarray(np.lib.stride_tricks.sliding_window_view(near, weights.size)[kept] @ weights)
 
     def mean_earlier(self, samples: float, over: float) -> FloatArray:
         """Mean of the signal over a time around the one by which it is moved, such as that for which a force is held.

@@ -22,7 +22,7 @@ from symid.signal_processing.sections import run, settled_states
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
 _MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either side
 _FEW: Final = 8  # distance of kept samples from which products of blocks are faster than filtering all
-_LENGTH: Final = 2048  # samples of a block
+_LENGTH: Final = 512  # samples of a block at least, if few are kept
 _MOST_KEPT: Final = 16  # of them
 _SLOWEST: Final = 1.0 - 1e-12  # modulus of a pole; of a cutoff near zero it is rounded beyond the circle
 _DOUBLED: Final = tuple(2**k for k in range(40))  # numbers of blocks

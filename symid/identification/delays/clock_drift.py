@@ -82,9 +82,12 @@ def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[
 
 def _changes(parts: Sequence[Excerpt], force: str) -> tuple[FloatArray, FloatArray]:
     """Rms of the changes of a force relative to its own in each third of the logs, and their share of all."""
-    thirds = [np.array_split(part.log[force], 3) for part in parts]
-    changes = np.array([np.sum([np.sum(np.diff(own[k]) ** 2) for own in thirds]) for k in range(3)])
-    power = np.array([np.sum([own[k].size * np.var(own[k]) for own in thirds]) for k in range(3)])
+    changes, power = np.zeros(3), np.zeros(3)
+    for part in parts:
+        for k, x in enumerate(np.array_split(part.log[force], 3)):
+            step, apart = np.diff(x), x - x.mean()
+            changes[k] += step @ step
+            power[k] += apart @ apart
     tiny = np.finfo(float).tiny
     return np.sqrt(changes / np.maximum(power, tiny)), changes / max(float(changes.sum()), tiny)
 

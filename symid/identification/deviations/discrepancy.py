@@ -14,8 +14,10 @@ moved every parameter:
 The changes do not correct the parameters, because only a diagnosis finds which effect it is. They widen the deviations.
 """
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -120,13 +122,12 @@ class _Columns:
         middle = float(np.mean(np.concatenate([motion.time for motion in motions])))
         shapes = [shapes_of(*pair, middle) for pair in zip(motions, self._drive(), strict=True)]
         shapes = [one | wave for one, wave in zip(shapes, waves(motions, self._rests()), strict=True)]
-        found |= {name: self._by_force([one[name] for one in shapes]) for name in shapes[0]}
+        found |= self._by_force(shapes)
         # A force on one body is in some of the equations. Where nothing rubs, only the body of the drive is tried.
         if any(self.model.sliding) and len(self.model.output_names) > 1:
             equations = np.concatenate([np.full(r.residual.size, r.equation) for r in self.rows])
             shapes = [shapes_of(motion) for motion in motions]
-            for name in shapes[0]:
-                column = self._by_force([one[name] for one in shapes])
+            for name, column in self._by_force(shapes).items():
                 for j in range(len(self.model.output_names)):
                     found[f"{name}, in equation {j + 1}"] = np.where(equations == j, column, 0.0)
         return found
@@ -137,8 +138,8 @@ class _Columns:
         j = names.index(self.model.force) if self.model.force in names else 0
         return [part.observation.W[j] @ self.fit.solution for part in self.parts]
 
-    def _by_force(self, shapes: Sequence[FloatArray]) -> FloatArray:
-        """The column that a force makes, by its course at the rows of each part."""
+    def _by_force(self, shapes: Sequence[Mapping[str, FloatArray]]) -> dict[str, FloatArray]:
+        """The columns that forces make, by name and by their courses at the rows of each part."""
         # The residual y - W X is linear in the force and its derivatives.
         signals = [split_derivative(name) for name in self.model.signals]
         mine = [i for i, (name, _) in enumerate(signals) if name == self.model.force]
@@ -146,11 +147,11 @@ class _Columns:
         factors = factors[:, -1] - np.einsum("jak,a->jk", factors[:, :-1], self.fit.solution)
         made = []
         for part, shape in zip(self.parts, shapes, strict=True):
-            derivatives = [shape]
+            derivatives = [np.stack(list(shape.values()))]
             for _ in range(max(signals[i][1] for i in mine)):
-                derivatives.append(np.gradient(derivatives[-1], part.observation.time))
-            made.append(factors @ np.stack([derivatives[signals[i][1]] for i in mine]))
-        return self._used(made)
+                derivatives.append(np.gradient(derivatives[-1], part.observation.time, axis=1))
+            made.append(np.tensordot(factors, [derivatives[signals[i][1]] for i in mine], axes=1))
+        return dict(zip(shapes[0], self._used(made), strict=True))
 
     def _turned(self) -> FloatArray:
         """The column of friction that reverses before or after the velocity, as where an axis sticks for a while.
@@ -171,14 +172,15 @@ class _Columns:
         return self._used([y - W @ self.fit.solution for W, y in made])
 
     def _used(self, made: Sequence[FloatArray]) -> FloatArray:
-        """Weighted values of the used rows, of those of each part and equation."""
+        """Weighted values of the used rows along the last axis, of those of each part and equation."""
         equations = len(self.model.output_names)
         return np.concatenate(
             [
                 self.fit.weights[self.parts[r.part].of * equations + r.equation]
-                * made[r.part][r.equation][self.parts[r.part].observation.valid[r.equation]]
+                * made[r.part][r.equation][..., self.parts[r.part].observation.valid[r.equation]]
                 for r in self.rows
-            ]
+            ],
+            axis=-1,
         )
 
     def noise(self) -> tuple[FloatArray, FloatArray]:
@@ -276,9 +278,17 @@ def _between_bands(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[Disc
 def _slower(part: Excerpt, passes: int) -> Excerpt:
     """A part whose rows have passed a binomial low-pass; those that others than used rows reach are left out."""
     seen = part.observation
-    W, y, valid = seen.W, seen.y[..., None], seen.valid
-    for _ in range(passes):
-        smoothed = (0.25 * x[:, :-2] + 0.5 * x[:, 1:-1] + 0.25 * x[:, 2:] for x in (W, y))
-        W, y = (np.pad(x, ((0, 0), (1, 1), (0, 0))) for x in smoothed)
-        valid = np.pad(valid[:, :-2] & valid[:, 1:-1] & valid[:, 2:], ((0, 0), (1, 1)))
-    return replace(part, observation=replace(seen, W=W, y=y[..., 0], valid=valid))
+    reached = np.lib.stride_tricks.sliding_window_view(
+        np.pad(seen.valid, ((0, 0), (passes, passes))), 2 * passes + 1, 1
+    )
+    rows = np.pad(np.concatenate([seen.W, seen.y[..., None]], axis=2), ((0, 0), (passes, passes), (0, 0)))
+    smooth = np.lib.stride_tricks.sliding_window_view(rows, 2 * passes + 1, 1) @ _binomial(2 * passes)
+    return replace(
+        part, observation=replace(seen, W=smooth[..., :-1], y=smooth[..., -1], valid=reached.all(axis=2))
+    )
+
+
+@cache
+def _binomial(n: int) -> FloatArray:
+    """Weights of n passes of the mean of two neighbours."""
+    return np.array([math.comb(n, k) for k in range(n + 1)]) / 2**n

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -70,7 +71,7 @@ def decaying(velocity: FloatArray, highest: float) -> dict[str, FloatArray]:
     """Friction that decays exponentially with the speed, within parts of the highest one."""
     sign, speed = direction(velocity), np.abs(velocity) / highest
     return {
-        f"friction at less than {100 * width:g} % of the speed": sign * np.exp(-speed / width)
+        f"friction at less than {100 * width:g} % of the speed": sign * np.exp(speed / -width)
         for width in _WIDTHS
     }
 
@@ -116,11 +117,10 @@ def waves(motions: Sequence[Motion], rests: Sequence[FloatArray]) -> list[dict[s
     rest = np.concatenate(rests)
     used = rest != 0.0
     rest, position = rest[used], np.concatenate([m.position for m in motions])[used]
-    step = np.exp(2j * np.pi * _STEP / stroke * position)
-    wave, powers = step**3, []
-    for _ in range(round(_MOST_PERIODS / _STEP)):
-        wave = wave * step
-        powers.append(abs(np.vdot(wave, rest)))
+    # waves of 4, 5 ... steps along the stroke: products of few short ones and few long ones
+    turns, n = 2j * np.pi * _STEP / stroke * position, math.isqrt(round(_MOST_PERIODS / _STEP) - 1) + 1
+    short, long = (np.exp(np.outer(steps, turns)) for steps in (np.arange(4, 4 + n), n * np.arange(n)))
+    powers = np.abs((long * rest) @ short.T).ravel()[: round(_MOST_PERIODS / _STEP)]
     pitch = stroke / (_STEP * (4 + int(np.argmax(powers))))
     phase = 2 * np.pi * position / pitch
     cosine, sine = np.linalg.lstsq(np.stack([np.cos(phase), np.sin(phase)], axis=1), rest, rcond=None)[0]

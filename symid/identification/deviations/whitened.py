@@ -81,13 +81,15 @@ def segments(parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Segment, ...]
     square, count = np.zeros((len(parts), each)), np.zeros((len(parts), each), dtype=int)
     for rows in whitened(parts, fit):
         edges = np.searchsorted(rows.place, np.linspace(0, 1, each + 1))
-        for i in range(each):
-            inside = slice(edges[i], edges[i + 1])
-            Z, r = rows.Z[inside], rows.residual[inside]
-            normal[rows.part, i] += Z.T @ Z
-            slope[rows.part, i] += Z.T @ r
-            square[rows.part, i] += float(r @ r)
-            count[rows.part, i] += r.size
+        some = np.flatnonzero(np.diff(edges))
+        whole = np.concatenate([rows.Z, rows.residual[:, None]], axis=1)
+        products = np.add.reduceat(whole[:, :, None] * whole[:, None, :], edges[some]) if some.size else 0.0
+        sums = np.zeros((each, p + 1, p + 1))
+        sums[some] = products
+        normal[rows.part] += sums[:, :p, :p]
+        slope[rows.part] += sums[:, p, :p]
+        square[rows.part] += sums[:, p, p]
+        count[rows.part] += np.diff(edges)
     found = []
     for k, part in enumerate(parts):
         time = part.observation.time

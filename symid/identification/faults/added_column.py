@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,15 +35,27 @@ class AddedColumn:
         >>> [round(AddedColumn.of(np.ones((4, 1)), r, scale * r**3, r).share, 3) for scale in (1.0, 1e-170)]
         [0.889, 0.889]
         """
-        power, largest = float(r @ r), float(np.max(np.abs(column), initial=0.0))
-        if not power > 0.0 or not largest > np.finfo(float).tiny:
-            return cls()
+        return cls.of_each(Z, r, [column], y)[0]
+
+    @classmethod
+    def of_each(
+        cls, Z: FloatArray, r: FloatArray, columns: Sequence[FloatArray], y: FloatArray
+    ) -> list[AddedColumn]:
+        """Effect of each of some columns alone, as `of`."""
+        if not columns:
+            return []
+        C, tiny = np.stack(columns, axis=1), np.finfo(float).tiny
+        power, size = float(r @ r), np.sqrt(max(float(y @ y), tiny))
+        largest = np.max(np.abs(C), axis=0, initial=0.0)
+        units = C / np.maximum(largest, tiny)  # of a filter's tail alone, its squares would underflow
         # Only the component orthogonal to the model's columns can reduce the residual (Frisch-Waugh-Lovell theorem).
-        unit = column / largest  # of a filter's tail alone, its squares would underflow
-        own = unexplained_by(Z, unit)
-        rest = float(own @ own)
-        if rest < _INDEPENDENT * float(unit @ unit):
-            return cls()
-        taken = float(own @ r) / math.sqrt(rest)
-        size = taken / math.sqrt(max(float(y @ y), np.finfo(float).tiny))
-        return cls(taken**2 / power, size, taken / math.sqrt(rest) / largest)
+        own = unexplained_by(Z, units)
+        rest, whole = np.sum(own**2, axis=0), np.sum(units**2, axis=0)
+        counts = (largest > tiny) & (rest >= _INDEPENDENT * whole) & (power > 0.0)
+        length = np.sqrt(np.where(counts, rest, 1.0))
+        taken = r @ own / length
+        factors = taken / length / np.maximum(largest, tiny)
+        return [
+            cls(t**2 / power, t / size, factor) if counted else cls()
+            for t, factor, counted in zip(taken.tolist(), factors.tolist(), counts, strict=True)
+        ]

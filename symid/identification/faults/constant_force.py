@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray, unexplained_by
+from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.identification.rows.excerpts import Excerpt
 
@@ -42,9 +42,9 @@ def is_constant(force: FloatArray, signs: FloatArray) -> bool:
     >>> is_constant(3 * sign, sign[None]), is_constant(3 * sign + np.linspace(0, 1, 100), sign[None])
     (True, False)
     """
-    whole = float(force @ force)
-    rest = unexplained_by(signs.T, force)
-    return whole > 0 and float(rest @ rest) < _CHANGES**2 * whole
+    whole, along = float(force @ force), signs @ force
+    explained = along @ np.linalg.lstsq(signs @ signs.T, along, rcond=None)[0]
+    return whole > 0 and whole - float(explained) < _CHANGES**2 * whole
 
 
 def direction(part: Excerpt, equation: int, column: int) -> FloatArray:

@@ -1,5 +1,7 @@
 """Tests of friction: for a law that the model lacks, and for Coulomb friction that varies with the speed."""
 
+from collections.abc import Iterable, Iterator, Sequence
+
 import numpy as np
 
 from symid.arrays import FloatArray
@@ -30,8 +32,7 @@ def missing_friction(tests: ColumnTests, found: Identification, timing: Timing |
     if not any(tests.model.sliding):
         courses["Coulomb friction"] = [direction(v) for v in speeds]
     shares = {}
-    for law, made in zip(courses, tests.made_by(tests.model.force, *courses.values()), strict=True):
-        column, outside, moves = _beside(tests, found, made)
+    for law, (column, outside, moves) in zip(courses, _beside(tests, found, courses.values()), strict=True):
         is_lacking = column.factor > 0.0 and outside > CRITERIA.independent  # friction takes power
         if is_lacking and moves and column.share > max(CRITERIA.friction_shape, by_delay):
             shares[law] = column.share
@@ -54,8 +55,7 @@ def friction_shape(tests: ColumnTests, found: Identification) -> str:
     speeds = [speeds_of(part) for part in tests.parts]
     highest = max(float(np.max(np.abs(v))) for v in speeds) or 1.0
     each = [decaying(v, highest) for v in speeds]
-    for made in tests.made_by(tests.model.force, *([one[name] for one in each] for name in each[0])):
-        column, _, moves = _beside(tests, found, made)
+    for column, _, moves in _beside(tests, found, ([one[name] for one in each] for name in each[0])):
         if column.share > CRITERIA.friction_shape and moves:
             more = "more" if column.factor > 0 else "less"
             return (
@@ -66,15 +66,18 @@ def friction_shape(tests: ColumnTests, found: Identification) -> str:
     return ""
 
 
-def _beside(tests: ColumnTests, found: Identification, made: FloatArray) -> tuple[AddedColumn, float, bool]:
-    """Effect of a friction by its column, the part of that that the model leaves, and whether it counts.
+def _beside(
+    tests: ColumnTests, found: Identification, courses: Iterable[Sequence[FloatArray]]
+) -> Iterator[tuple[AddedColumn, float, bool]]:
+    """Effect of frictions of some courses, the part of each column that the model leaves, and whether it counts.
 
     It counts if it is certain and moves parameters beyond their intervals.
     """
     Z, rest, y = tests.all_rows
-    column = AddedColumn.of(Z, rest, made, y)
-    along = Z.T @ made
-    outside = 1.0 - float(along @ along) / max(float(made @ made), np.finfo(float).tiny)
-    without = tests.fit.solution - tests.fit.rank.inverse_root @ along * column.factor
-    is_certain = column.share > tests.certain(rest, CRITERIA.gain_certain)
-    return column, outside, is_certain and is_beyond_intervals(found, without)
+    every = tests.made_by(tests.model.force, *courses)
+    certain = tests.certain(rest, CRITERIA.gain_certain)
+    for made, column in zip(every, AddedColumn.of_each(Z, rest, every, y), strict=True):
+        along = Z.T @ made
+        outside = 1.0 - float(along @ along) / max(float(made @ made), np.finfo(float).tiny)
+        without = tests.fit.solution - tests.fit.rank.inverse_root @ along * column.factor
+        yield column, outside, column.share > certain and is_beyond_intervals(found, without)

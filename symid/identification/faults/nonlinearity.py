@@ -108,8 +108,7 @@ class ColumnTests:
                 [part.log[force] * (sign - mean) for part, sign in zip(self.parts, one, strict=True)]
                 for one, mean in zip(both_ways, means, strict=True)
             ]
-            for made in self.made_by(force, *courses):
-                column = AddedColumn.of(Z, rest, made, y)
+            for column in AddedColumn.of_each(Z, rest, self.made_by(force, *courses), y):
                 if column.share > least and CRITERIA.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
                     return (
                         f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
@@ -122,9 +121,10 @@ class ColumnTests:
         equations = range(len(self.model.output_names))
         used = [np.any([used_samples(part, j) for j in equations], axis=0) for part in self.parts]
         squares = [np.square(part.log[force]) * one for part, one in zip(self.parts, used, strict=True)]
-        power = np.concatenate(squares) * np.concatenate(signs)
-        ways = np.array([power.clip(min=0.0).sum(), -power.clip(max=0.0).sum()])
-        return bool(ways.min() < _ONE_WAY * ways.sum())
+        pairs = list(zip(squares, signs, strict=True))
+        both = sum(float(square @ np.abs(sign)) for square, sign in pairs)
+        apart = abs(sum(float(square @ sign) for square, sign in pairs))
+        return both - apart < 2 * _ONE_WAY * both
 
     def force_limit(self) -> str:
         """Statement on a force with a limit, mostly faster than the cutoff; empty for a linear one.
@@ -138,12 +138,11 @@ class ColumnTests:
             relative = [part.log[force] / largest for part in self.parts]
             cube = [x * x * x for x in relative]  # a power takes thirty times as long
             limit = [np.sign(x) * (np.abs(x) > _AT_LIMIT) for x in relative]
-            by_cube, by_limit = self.made_by(force, cube, limit)
-            for words, made, share, size in (
+            by_cube, by_limit = AddedColumn.of_each(Z, rest, self.made_by(force, cube, limit), y)
+            for words, column, share, size in (
                 ("its cube explains", by_cube, CRITERIA.nonlinear, 0.0),
                 ("its largest values explain", by_limit, CRITERIA.cut, CRITERIA.nonlinear_output),
             ):
-                column = AddedColumn.of(Z, rest, made, y)
                 is_short = column.factor < -CRITERIA.bent_force * largest
                 if is_short and column.share > share and -column.size > size:
                     return (

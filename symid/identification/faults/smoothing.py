@@ -187,12 +187,16 @@ def averaged_over(x: FloatArray) -> int:
     (51, 0)
     """
     first = max(0, (x.size - _SEEN) // 2)
-    return next(filter(None, (_echo(x[first : first + _SEEN], order) for order in _DIFFERENCES)), 0)
+    z, order = x[first : first + _SEEN], 0
+    for higher in _DIFFERENCES:
+        z, order = np.diff(z, higher - order), higher
+        if n := _echo(z, order):
+            return n
+    return 0
 
 
-def _echo(x: FloatArray, order: int) -> int:
-    """Samples after which the differences of some order recur with the opposite sign; 0 without such an echo."""
-    z = np.diff(x, order)
+def _echo(z: FloatArray, order: int) -> int:
+    """Samples after which differences of some order recur with the opposite sign; 0 without such an echo."""
     usual = _USUAL * float(np.median(np.abs(z)))
     z = np.clip(z, -usual, usual)  # a force that is switched on and off comes back too
     n_lags = min(_FARTHEST + _NEAREST + 1, z.size // 4)

@@ -74,6 +74,12 @@ class Sampling:
         return decimation_filter(factor) if factor > 1 else None
 
     @property
+    def kept(self) -> slice:
+        """Samples of the log that rows keep."""
+        first = self.before + kept_indices(self.n_samples, self.factor).start
+        return slice(first, self.before + self.n_samples, self.factor)
+
+    @property
     def is_sparse(self) -> bool:
         """Whether what is linear in the signals is made at the samples that are kept, without all others."""
         return self.row_filter is None and self.factor >= SPARSE and not self.model.known_laws

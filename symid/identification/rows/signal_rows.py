@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -50,19 +50,17 @@ class SignalRows:
 
     def change(self, late: float) -> Rows:
         """Change of W and y if the signals are moved `late` seconds to an earlier time."""
-        return self._rows(
-            {name: self._earlier(name, late) - x[:] for name, x in self.sampling.signals.items()}
-        )
+        signals = self.sampling.signals
+        return self._moved(lambda name, kept: self._earlier(name, late, kept) - signals[name][:][kept])
 
     @cached_property
     def slope(self) -> Rows:
         """Derivative of W and y by `late`, per second, by central differences over a part of a sample."""
         step = _STEP * self.sampling.period
-        return self._rows(
-            {
-                name: (self._earlier(name, step) - self._earlier(name, -step)) / (2 * step)
-                for name in self.sampling.signals
-            }
+        return self._moved(
+            lambda name, kept: (
+                (self._earlier(name, step, kept) - self._earlier(name, -step, kept)) / (2 * step)
+            )
         )
 
     def of_courses(self, courses: FloatArray) -> Rows:
@@ -82,15 +80,24 @@ class SignalRows:
     def _splines(self) -> dict[str, QuinticSpline]:
         return {name: QuinticSpline(x[:]) for name, x in self.sampling.signals.items()}
 
-    def _earlier(self, name: str, late: float) -> FloatArray:
-        return self._splines[name].earlier(late / self.sampling.period)
+    def _earlier(self, name: str, late: float, kept: slice) -> FloatArray:
+        return self._splines[name].earlier(late / self.sampling.period, kept)
+
+    def _moved(self, values: Callable[[str, slice], FloatArray]) -> Rows:
+        """Rows that samples of each signal make, which are made for those that are kept alone if that is enough."""
+        sampling, highest = self.sampling, self.sampling.model.highest_derivatives
+        if not sampling.is_sparse or any(highest[name] for name in sampling.signals):
+            return self._rows({name: values(name, slice(None)) for name in sampling.signals})
+        return self._made({name: values(name, sampling.kept) for name in sampling.signals})
 
     def _rows(self, signals: Mapping[str, Signal]) -> Rows:
         sampling = replace(self.sampling, signals=signals)
         if sampling.model.known_laws:
             moved, y = sampled_rows(replace(sampling, model=linear_part(sampling.model)))
             return moved.transpose(0, 2, 1), y
-        thinned = sampling.thinned()
+        return self._made(sampling.thinned())
+
+    def _made(self, thinned: Mapping[str, FloatArray]) -> Rows:
         made = self.factors @ np.stack([thinned[name] for name in self.flat], axis=-2)[..., None, :, :]
         return made[..., :-1, :].swapaxes(-1, -2), made[..., -1, :]
 
