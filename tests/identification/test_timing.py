@@ -23,7 +23,7 @@ from symid import (
 )
 from symid.identification import Identification, observe
 from symid.identification.delays.timing import Timing
-from symid.identification.rows.observation import SignalRows
+from symid.identification.rows.signal_rows import SignalRows
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RATE = 1000.0

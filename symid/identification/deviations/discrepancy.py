@@ -277,18 +277,15 @@ def _between_bands(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[Disc
 
 def _slower(part: Excerpt, passes: int) -> Excerpt:
     """A part whose rows have passed a binomial low-pass; those that others than used rows reach are left out."""
-    seen = part.observation
-    reached = np.lib.stride_tricks.sliding_window_view(
-        np.pad(seen.valid, ((0, 0), (passes, passes))), 2 * passes + 1, 1
-    )
-    rows = np.pad(np.concatenate([seen.W, seen.y[..., None]], axis=2), ((0, 0), (passes, passes), (0, 0)))
-    smooth = np.lib.stride_tricks.sliding_window_view(rows, 2 * passes + 1, 1) @ _binomial(2 * passes)
-    return replace(
-        part, observation=replace(seen, W=smooth[..., :-1], y=smooth[..., -1], valid=reached.all(axis=2))
-    )
+    seen, ends, size = part.observation, ((0, 0), (passes, passes)), 2 * passes + 1
+    windows = np.lib.stride_tricks.sliding_window_view
+    valid = np.asarray(windows(np.pad(seen.valid, ends), size, 1).all(axis=2))
+    rows = np.pad(np.concatenate([seen.W, seen.y[..., None]], axis=2), (*ends, (0, 0)))
+    smooth = windows(rows, size, 1) @ _binomial(2 * passes)
+    return replace(part, observation=replace(seen, W=smooth[..., :-1], y=smooth[..., -1], valid=valid))
 
 
 @cache
 def _binomial(n: int) -> FloatArray:
     """Weights of n passes of the mean of two neighbours."""
-    return np.array([math.comb(n, k) for k in range(n + 1)]) / 2**n
+    return np.asarray(np.array([math.comb(n, k) for k in range(n + 1)]) / 2**n)

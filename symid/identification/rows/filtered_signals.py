@@ -29,7 +29,8 @@ class Filtered:
     @property
     def size(self) -> int:
         """Number of samples of the recorded signal."""
-        return self.recorded.shape[-1]
+        n_samples: int = self.recorded.shape[-1]
+        return n_samples
 
     @property
     def is_low_passed(self) -> bool:
