@@ -22,6 +22,8 @@ from symid.text import moment
 _SEEN = 0.03
 """Part of the information on a direction that a span must hold to be compared in it."""
 _FEWEST = 4  # segments
+_EQUAL = 1e-9
+"""Relative difference of two gains that is rounding."""
 _INERTIAS = ("kg", "kg*m^2")
 """Units of what does not change with temperature, unlike friction."""
 
@@ -102,7 +104,8 @@ def greatest_change(parts: Sequence[Segment], values: FloatArray, root: FloatArr
     compared = _Comparison.of(
         normal[ends] - normal[begins], slope[ends] - slope[begins], normal[-1], slope[-1]
     )
-    best = int(np.argmax(compared.gain))
+    # A span and the rest gain the same: of both, the one that begins later, from when on the parameters are others.
+    best = int(np.flatnonzero(~(compared.gain < (1.0 - _EQUAL) * np.max(compared.gain)))[-1])
     gain, i, j = float(compared.gain[best]), int(begins[best]), int(ends[best])
     if not whole > 0.0 or gain <= 0.0:
         return None
