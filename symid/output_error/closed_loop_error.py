@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
+from symid.estimation.autoregression import Autoregression, autoregression
 from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.simulation import ClosedLoop
 
@@ -30,45 +30,9 @@ _SMALLEST_NOISE = 1e-9
 """Lowest noise of a signal, relative to its spread."""
 
 
-@dataclass(frozen=True, eq=False)
-class Whitening:
-    """Autoregressive model of errors of several signals, predicted from earlier ones, the latest first.
-
-    `root` is the lower triangular root of the covariance of the white errors.
-    """
-
-    coefficients: FloatArray
-    root: FloatArray
-
-    @classmethod
-    def of(cls, errors: FloatArray, order: int = ORDER) -> Whitening:
-        """Model fitted to errors of shape (n_samples, n_signals) by least squares.
-
-        >>> noise = np.random.default_rng(0).standard_normal((4000, 1))
-        >>> errors = noise.copy()
-        >>> for k in range(1, len(errors)):
-        ...     errors[k] += 0.5 * errors[k - 1]
-        >>> model = Whitening.of(errors, order=1)
-        >>> model.coefficients.round(1).tolist(), model.root.round(1).tolist()
-        ([[0.5]], [[1.0]])
-        """
-        earlier, now = _earlier(errors, order), errors[order:]
-        scale = np.sqrt(np.mean(errors**2, axis=0)) + np.finfo(float).tiny
-        scales = np.tile(scale, order)
-        coefficients = np.linalg.lstsq(earlier / scales, now / scale, rcond=1e-10)[0]
-        rest = now / scale - (earlier / scales) @ coefficients
-        root = np.linalg.cholesky(rest.T @ rest / len(rest) + 1e-14 * np.eye(scale.size))
-        return cls(coefficients / scales[:, None] * scale, root * scale[:, None])
-
-    def apply(self, errors: FloatArray) -> FloatArray:
-        """White errors, of shape (n_samples - order, n_signals)."""
-        order = len(self.coefficients) // errors.shape[1]
-        rest = errors[order:] - _earlier(errors, order) @ self.coefficients
-        return np.asarray(solve_triangular(self.root, rest.T, lower=True).T)
-
-
-def _earlier(errors: FloatArray, order: int) -> FloatArray:
-    return np.hstack([errors[order - 1 - lag : len(errors) - 1 - lag] for lag in range(order)])
+def whitening_of(errors: FloatArray) -> Autoregression:
+    """Autoregressive model of errors of shape (n_samples, n_signals), scaled by their noise."""
+    return autoregression(errors.T, np.ones(len(errors), dtype=bool), ORDER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +45,7 @@ class ClosedLoopError:
     loop: ClosedLoop
     log: Log
     signals: tuple[str, ...]
-    whitening: Whitening | None = None
+    whitening: Autoregression | None = None
 
     @property
     def first_nuisance(self) -> FloatArray:
@@ -128,16 +92,15 @@ class ClosedLoopError:
 
     def scaled(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Whitened errors of all signals as one vector."""
-        errors = self.errors(parameters, nuisance)
-        if self.whitening is None:
-            return (errors / self._scale).ravel()
-        return self.whitening.apply(errors).ravel()
+        errors = self.errors(parameters, nuisance) / self._scale
+        return errors.ravel() if self.whitening is None else self.whitening.by_sample(errors.ravel())
 
     def updated(
         self, parameters: Mapping[str, float], nuisance: FloatArray
     ) -> tuple[ClosedLoopError, FloatArray]:
         """The run with the whitening of its errors at these parameters."""
-        return replace(self, whitening=Whitening.of(self.errors(parameters, nuisance))), nuisance
+        errors = self.errors(parameters, nuisance) / self._scale
+        return replace(self, whitening=whitening_of(errors)), nuisance
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
         """Standard deviations of the errors by signal, SI: noise and what the loop makes of it."""

@@ -18,7 +18,7 @@ from symid.data import Log
 from symid.estimation import LeastSquares, corrected_covariance, estimate, triangular_factors
 from symid.identification.deviations.stability import scatter
 from symid.identification.deviations.whitened import segments_of_rows
-from symid.output_error.closed_loop_error import ORDER, ClosedLoopError, Whitening
+from symid.output_error.closed_loop_error import ORDER, ClosedLoopError, whitening_of
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.search import Search
 from symid.simulation import ClosedLoop, Command, Controller, LinearLaw
@@ -153,12 +153,10 @@ def controller_mismatch(fit: LikelihoodFit) -> ControllerMismatch | None:
     V = _slopes(search, loop, units)
     if not (np.isfinite(W).all() and V.any() and np.isfinite(V).all()):
         return None
-    W, V, y = _whitened(search, W / lengths, V, search.residual(search.x))
+    W, V, y, rows = _whitened(search, W / lengths, V, search.residual(search.x))
     # Part of the terms that the parameters cannot imitate
     imitated = np.linalg.lstsq(W, V, rcond=_VISIBLE)[0]
-    lost = [ORDER * run.n_signals for run in runs]
     fitted = sum(ORDER * run.n_signals**2 for run in runs)
-    rows = [n - first_ones for n, first_ones in zip(search.rows, lost, strict=True)]
     changes = _certain_changes(V - W @ imitated, y, rows, fitted + len(lengths))
     if not changes.any():
         return None
@@ -208,27 +206,23 @@ def _runs(search: Search) -> list[ClosedLoopError]:
 
 def _whitened(
     search: Search, W: FloatArray, V: FloatArray, y: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Slopes and errors, whitened by the errors that parameters and terms together leave.
+) -> tuple[FloatArray, FloatArray, FloatArray, list[int]]:
+    """Slopes and errors, whitened by the errors that parameters and terms together leave, and the rows of each run.
 
     Those that the parameters alone leave hold the effect of the terms, which a model of them would take for noise.
     """
-    joint, rest = np.hstack([W, V]), y
-    n_signals = [run.n_signals for run in _runs(search)]
-    ends = np.cumsum(search.rows)[:-1]
+    joint, rest, ends = np.hstack([W, V]), y, np.cumsum(search.rows)[:-1]
+    runs = np.split(np.column_stack([joint, y]).T, ends, axis=1)
     for _ in range(_PASSES):
-        parts = [part.reshape(-1, n) for part, n in zip(np.split(rest, ends), n_signals, strict=True)]
-        models = [Whitening.of(part) for part in parts]
-
-        def white(column: FloatArray, models: list[Whitening] = models) -> FloatArray:
-            runs = zip(np.split(column, ends), n_signals, models, strict=True)
-            return np.concatenate([model.apply(run.reshape(-1, n)).ravel() for run, n, model in runs])
-
-        white_joint = np.stack([white(column) for column in joint.T], axis=1)
-        white_y = white(y)
-        rest = y - joint @ np.linalg.lstsq(white_joint, white_y, rcond=_VISIBLE)[0]
-    n = W.shape[1]
-    return white_joint[:, :n], white_joint[:, n:], white_y
+        models = [
+            whitening_of(part.reshape(-1, run.n_signals))
+            for part, run in zip(np.split(rest, ends), _runs(search), strict=True)
+        ]
+        white = [model.by_sample(run) for model, run in zip(models, runs, strict=True)]
+        *slopes, errors = np.concatenate(white, axis=1)
+        rest = y - joint @ np.linalg.lstsq(np.transpose(slopes), errors, rcond=_VISIBLE)[0]
+    whole, n = np.transpose(slopes), W.shape[1]
+    return whole[:, :n], whole[:, n:], errors, [run.shape[1] for run in white]
 
 
 def _controllers(loop: ClosedLoop) -> tuple[Controller, ...]:

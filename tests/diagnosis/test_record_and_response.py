@@ -24,12 +24,12 @@ from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictio
 from symid.diagnosis.effects.presliding_friction import dahl_state
 from symid.diagnosis.fitting.sensitivity import parameter_columns, prediction_jacobian
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.autoregression import autoregression
 from symid.diagnosis.prediction.data import training_and_held_out
 from symid.diagnosis.prediction.prediction import prediction_of
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.response import response_of
 from symid.errors import LogError
+from symid.estimation.autoregression import autoregression
 from symid.simulation import forward_dynamics
 
 PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}

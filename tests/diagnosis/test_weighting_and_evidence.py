@@ -14,11 +14,11 @@ from symid import Log, load_axis
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.shares import closed_fraction, removed_share, surely_decreases
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.autoregression import autoregression
 from symid.diagnosis.prediction.record import record_of
 from symid.diagnosis.prediction.weighting import _rests
 from symid.diagnosis.selection import evidence
 from symid.diagnosis.selection.evidence import Errors, outcome
+from symid.estimation.autoregression import autoregression
 from symid.simulation import forward_dynamics
 
 LINEAR = {**RIGID, "Fs": 0.0}

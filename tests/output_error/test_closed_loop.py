@@ -7,7 +7,6 @@ from benchmarks import closed_loop as benchmark
 from symid import load_axis, load_generated
 from symid.errors import SettingError
 from symid.output_error import identify_output_error
-from symid.output_error.closed_loop_error import Whitening
 from symid.simulation import ClosedLoop, from_log, plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = {"M": 40.0, "Fv": 30.0, "Fs": 12.0}
@@ -59,15 +58,3 @@ def test_the_loop_follows_a_logged_reference_as_well_as_a_given_one() -> None:
     spline = ClosedLoop(axis, loop.controller, 250.0)
     apart = given.run(RIGID, log)["q"] - spline.run(RIGID, log)["q"]
     assert np.abs(apart).max() < 1e-3 * np.ptp(log["q"])
-
-
-def test_whitening_leaves_white_noise_of_unit_deviation() -> None:
-    random = np.random.default_rng(2)
-    noise = random.standard_normal((20_000, 2)) @ np.array([[2.0, 0.5], [0.0, 1e-6]])
-    errors = noise.copy()
-    for k in range(2, len(errors)):
-        errors[k] += 1.2 * errors[k - 1] - 0.5 * errors[k - 2]
-    white = Whitening.of(errors, order=4).apply(errors)
-    np.testing.assert_allclose(np.cov(white.T), np.eye(2), atol=0.03)
-    for lag in (1, 2, 5):
-        assert np.abs(white[lag:].T @ white[:-lag] / len(white)).max() < 0.03

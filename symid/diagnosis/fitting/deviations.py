@@ -10,7 +10,7 @@ import numpy as np
 
 from symid.arrays import FloatArray, norms_or_one
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.prediction.autoregression import autoregression
+from symid.estimation.autoregression import autoregression
 
 AR_ORDER = 6
 _NULL = 1e-13

@@ -9,8 +9,8 @@ from symid.arrays import ComplexArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_alike
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.prediction.autoregression import Autoregression, autoregression, unweighted
 from symid.diagnosis.thresholds import THRESHOLDS
+from symid.estimation.autoregression import Autoregression, autoregression, unweighted
 
 _BATCH = 200_000
 """Values in the columns of the shapes that are tried together: as many as fit in a processor's cache."""

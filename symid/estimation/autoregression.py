@@ -23,11 +23,18 @@ class Autoregression:
         """White rows, of shape (..., n_outputs * n_usable), from weighted ones of shape (..., n_outputs, n_rows)."""
         if not self.coefficients.any():  # the rows as they are, see `unweighted`
             return rows[..., self.usable].reshape(*rows.shape[:-2], -1)
-        from symid.diagnosis.prediction.white_rows import white_rows  # numba takes 0.3 s
+        from symid.estimation.white_rows import white_rows  # numba takes 0.3 s
 
         flat = np.ascontiguousarray(rows.reshape(-1, *rows.shape[-2:]))
         white = white_rows(flat, self.coefficients, self.whitening, np.flatnonzero(self.usable))
         return np.asarray(white.reshape(*rows.shape[:-2], -1))
+
+    def by_sample(self, rows: FloatArray) -> FloatArray:
+        """White rows from weighted ones, both as vectors (..., n) of the outputs of one sample after the other."""
+        p = len(self.coefficients)
+        outputs = rows.reshape(*rows.shape[:-1], -1, p).swapaxes(-1, -2)
+        white = self.apply(outputs).reshape(*rows.shape[:-1], p, -1)
+        return np.asarray(white.swapaxes(-1, -2).reshape(*rows.shape[:-1], -1))
 
     def back(self, white: FloatArray) -> FloatArray:
         """The adjoint of `apply`: rows, (..., n_outputs, n_rows), from white ones, (..., n_outputs * n_usable)."""
@@ -57,7 +64,7 @@ def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregress
     # The innovations still correlate between outputs: the inverse Cholesky factor of their covariance whitens them.
     left = present - past @ solution
     covariance = left.T @ left / max(len(left), 1)
-    root = np.linalg.cholesky(covariance + 1e-12 * np.trace(covariance) * np.eye(p))
+    root = np.linalg.cholesky(covariance + 1e-14 * np.trace(covariance) * np.eye(p))
     return Autoregression(np.ascontiguousarray(solution.T).reshape(p, order, p), np.linalg.inv(root), usable)
 
 
