@@ -33,9 +33,9 @@ from symid.cli.options import (
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import say, tracked, working
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
-from symid.fleet.batch_settings import METHODS
 from symid.fleet.worker_limits import LONGEST
 from symid.report.tables.fleet import print_batch
+from symid.verbs.methods import METHODS
 
 batch_options = shared(
     option(
@@ -92,7 +92,7 @@ batch_options = shared(
 @argument("axis")
 @argument("logs", nargs=-1, required=True, metavar="LOG ...")
 @batch_options
-@option("--method", type=Choice(METHODS), default="wls", help="As in symid identify.")
+@option("--method", type=Choice(list(METHODS)), default="wls", help="As in symid identify.")
 @measured_option
 @log_options
 @preparation_options

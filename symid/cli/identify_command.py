@@ -66,6 +66,7 @@ from symid.report.tables.identification import (
     shared_record,
 )
 from symid.verbs.identify_any import identify
+from symid.verbs.methods import METHODS
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification
@@ -83,7 +84,7 @@ loop_options = shared(
 @argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
 @option(
     "--method",
-    type=Choice(["wls", "ols", "iv", "oe"]),
+    type=Choice(list(METHODS)),
     default="wls",
     help="Weighted or ordinary least squares, instrumental variables, or output error (maximum likelihood).",
 )

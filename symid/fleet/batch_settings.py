@@ -13,10 +13,10 @@ from symid.errors import SettingError
 from symid.fleet.worker_limits import LONGEST
 from symid.identification import Preparation
 from symid.identification.signals.axis_logs import axis_columns
+from symid.verbs.methods import method_of
 
 ROW_METHODS = ("wls", "ols")
 """Methods that need only the triangular factors of a log."""
-METHODS = (*ROW_METHODS, "iv", "oe")
 
 
 @dataclass(frozen=True)
@@ -90,8 +90,7 @@ class BatchSettings:
     seconds: float = LONGEST
 
     def __post_init__(self) -> None:
-        if self.method not in METHODS:
-            raise SettingError(f"method {self.method!r} is not known: choose from {', '.join(METHODS)}")
+        method_of(self.method, {"ddof": self.ddof, "bounds": self.bounds, "prior": self.prior})
         if isinstance(self.held, (bool, str)):
             raise SettingError(
                 f"held is {self.held!r}: give the forces that are held as a tuple, such as ('F',), or all of them by "
@@ -99,10 +98,6 @@ class BatchSettings:
             )
         if self.joint and self.method not in ROW_METHODS:
             raise SettingError(f"method {self.method!r} leaves no factors to join: take one of wls, ols")
-        if self.method == "oe" and (self.bounds or self.prior):
-            raise SettingError(
-                "bounds and priors are not possible with method 'oe': take wls, ols or iv, or fix values"
-            )
 
     @property
     def canonical(self) -> str:

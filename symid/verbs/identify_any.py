@@ -194,10 +194,9 @@ def _require_no_preparation(settings: Iterable[str]) -> None:
 
 def _chosen(method: IdentificationMethod[Any] | str, **settings: object) -> Any:
     """The method given as such, or by its short name and its settings."""
-    given = {name: value for name, value in settings.items() if value is not None and value != {}}
     if isinstance(method, str):
-        return method_of(method, given)
-    if given:
+        return method_of(method, settings)
+    if given := [name for name, value in settings.items() if value is not None and value != {}]:
         own = ", ".join(f"{name}=..." for name in given)
         raise SettingError(
             f"{' and '.join(given)} beside {method}, which holds its settings: give {type(method).__name__}({own})"

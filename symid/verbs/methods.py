@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, Literal, TypeVar
 
 from symid.arrays import FloatArray
 from symid.axis import AnyAxis, Axis, axis_of
@@ -187,7 +187,7 @@ class OutputError(IdentificationMethod["OutputErrorIdentification"]):
         )
 
 
-METHODS: dict[str, type[IdentificationMethod[Any]]] = {
+METHODS: Final[dict[str, type[IdentificationMethod[Any]]]] = {
     "wls": WeightedLeastSquares,
     "ols": OrdinaryLeastSquares,
     "iv": InstrumentalVariables,
@@ -196,7 +196,7 @@ METHODS: dict[str, type[IdentificationMethod[Any]]] = {
 
 
 def method_of(name: str, settings: Mapping[str, object]) -> IdentificationMethod[Any]:
-    """The method of a short name with its settings.
+    """The method of a short name with its settings; None or {} is none.
 
     Raises
     ------
@@ -210,13 +210,14 @@ def method_of(name: str, settings: Mapping[str, object]) -> IdentificationMethod
     """
     if name not in METHODS:
         raise SettingError(f"there is no method {name!r}: choose from {', '.join(METHODS)}")
-    for setting in settings:
+    given = {setting: value for setting, value in settings.items() if value is not None and value != {}}
+    for setting in given:
         possible = [short for short, method in METHODS.items() if hasattr(method, setting)]
         if name not in possible:
             raise SettingError(
                 f"{setting} is not possible with method {name!r}: leave it out, or take {' or '.join(possible)}"
             )
-    return METHODS[name](**settings)
+    return METHODS[name](**given)
 
 
 def _feedthrough(axis: Axis, values: Mapping[str, float]) -> Mapping[str, FloatArray]:

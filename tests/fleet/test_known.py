@@ -68,6 +68,8 @@ def test_what_is_not_possible_is_refused(logs: Path, capsys: pytest.CaptureFixtu
         identify_batch("rigid_1m", logs, settings=BatchSettings(prior={"Mx": (1.0, 1.0)}))
     with pytest.raises(SettingError, match="not possible with method 'oe'"):
         BatchSettings(method="oe", bounds={"M": (0.0, None)})
+    with pytest.raises(SettingError, match="ddof is not possible with method 'iv'"):
+        BatchSettings(method="iv", ddof=3)
     arguments = ("batch", "rigid_1m", str(logs), "-o", "r.csv")
     assert run(*arguments, "--fix", "Mx=1") == 2
     assert "--fix Mx is not known: choose from M, Fv, Fs" in capsys.readouterr().err
