@@ -165,24 +165,24 @@ def least_uncertain(
     """
     best = widened(first)
     tried = [best]
-    sizes = _relative_deviations(best)
     few = sum(log.n_samples for log in estimation.logs) <= _MANY_ROWS
     is_open = estimation.preparation.cutoff_hz is None and few
     if is_open and best.status == "too_few_rows":  # half a period of the cutoff is lost at each reversal
         others = (estimation.scaled(first, f) for f in _upward(estimation.highest(first, is_coherent=False)))
         enough = ((one, widened(one)) for one in others if one is not None)
         first, best = next((pair for pair in enough if pair[1].status != "too_few_rows"), (first, best))
-        sizes, tried = _relative_deviations(best), [best]
-    if not is_open or best.status not in _SEARCHED or np.max(sizes, initial=0.0) <= CRITERIA.precise:
+        tried = [best]
+    is_precise = np.max(_relative_deviations(best), initial=0.0) <= CRITERIA.precise
+    if not is_open or best.status not in _SEARCHED or is_precise:
         return best, tried
     # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at
     # the first does not count: its small deviations would hold for a wrong model.
-    lowest, most_left = _mean_deviation(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
+    most_left = max(estimation.left(first), CRITERIA.cutoff_fit)
     for factors in (
         _upward(estimation.highest(first)),
         [CRITERIA.cutoff_step**-k for k in range(1, CRITERIA.lower_cutoffs + 1)],
     ):
-        failed, before = 0, lowest
+        failed, before = 0, best
         for factor in factors:
             other = estimation.scaled(first, factor) if failed < CRITERIA.cutoff_failures else None
             if other is None:
@@ -192,13 +192,27 @@ def least_uncertain(
                 continue
             found = widened(other)
             tried.append(found)
-            size = _mean_deviation(_relative_deviations(found))
-            worth = CRITERIA.worth_another_cutoff if best.status == "ok" else 1.0
-            if found.status == "ok" and size < worth * lowest:
-                best, lowest, failed = found, size, 0
-        if lowest < before:
+            if _is_better(found, best):
+                best, failed = found, 0
+        if best is not before:
             break
     return best, tried
+
+
+def _is_better(found: Identification, best: Identification) -> bool:
+    """Whether deviations are clearly smaller than those of another cutoff, in their geometric or their arithmetic mean.
+
+    The largest decide the arithmetic mean: by that alone, known parameters would be given up for one hardly known.
+    """
+    if found.status != "ok" or not best.physical:
+        return False
+    new, old = (np.maximum(_relative_deviations(one), CRITERIA.known_well) for one in (found, best))
+    of_all, of_largest = np.exp(np.log(new).mean() - np.log(old).mean()), new.mean() / old.mean()
+    if best.status != "ok":
+        return bool(of_all < 1.0)
+    is_lower = _cutoff(found) < _cutoff(best)
+    worth = CRITERIA.worth_a_lower_cutoff if is_lower else CRITERIA.worth_another_cutoff
+    return bool(of_all < CRITERIA.worth_another_cutoff or (of_all <= 1.0 and of_largest < worth))
 
 
 def disagreements_of(found: Identification, tried: Sequence[Identification]) -> tuple[Discrepancy, ...]:
@@ -237,13 +251,6 @@ def _upward(highest: float) -> list[float]:
     """
     steps = max(0, math.ceil(math.log(highest, CRITERIA.cutoff_step) - 0.5))
     return [min(CRITERIA.cutoff_step**k, highest) if k < steps else highest for k in range(1, steps + 1)]
-
-
-def _mean_deviation(sizes: FloatArray) -> float:
-    """Mean of relative deviations, 1 without any. Below `known_well` a smaller deviation does not count."""
-    if not sizes.size:
-        return 1.0
-    return float(np.mean(np.maximum(sizes, CRITERIA.known_well)))
 
 
 def _relative_deviations(found: Identification) -> FloatArray:
