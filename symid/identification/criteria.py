@@ -186,7 +186,7 @@ class Criteria:
     friction_alike: float = 1e-3
     # fewest rows per parameter at a lower cutoff: fewer do not show the cause of a fault
     rows_left: int = 50
-    # ratio of two residuals that count as alike: noise of the output alone makes 1.26 per step
+    # ratio of two residuals, or of two deviations, that count as alike: noise of the output alone makes 1.26 per step
     little_more: float = 1.5
     # worth_another_cutoff, worth_a_lower_cutoff: ratio of deviations below which a higher and a lower cutoff are
     # better. By a lower one EMPS seems to gain a fifth, as fewer rows show less of what its model lacks

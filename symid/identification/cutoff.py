@@ -202,17 +202,18 @@ def least_uncertain(
 def _is_better(found: Identification, best: Identification) -> bool:
     """Whether deviations are clearly smaller than those of another cutoff, in their geometric or their arithmetic mean.
 
-    The largest decide the arithmetic mean: by that alone, known parameters would be given up for one hardly known.
+    The largest decide the arithmetic mean: by that, no known parameter is given up for one hardly known.
     """
     if found.status != "ok" or not best.physical:
         return False
     new, old = (np.maximum(_relative_deviations(one), CRITERIA.known_well) for one in (found, best))
-    of_all, of_largest = np.exp(np.log(new).mean() - np.log(old).mean()), new.mean() / old.mean()
-    if best.status != "ok":
-        return bool(of_all < 1.0)
     is_lower = _cutoff(found) < _cutoff(best)
     worth = CRITERIA.worth_a_lower_cutoff if is_lower else CRITERIA.worth_another_cutoff
-    return bool(of_all < CRITERIA.worth_another_cutoff or (of_all <= 1.0 and of_largest < worth))
+    gives_up = np.any(new > CRITERIA.little_more * old)
+    on_the_whole = np.exp(np.log(new).mean() - np.log(old).mean())
+    return bool(
+        on_the_whole < CRITERIA.worth_another_cutoff or (not gives_up and new.mean() < worth * old.mean())
+    )
 
 
 def disagreements_of(found: Identification, tried: Sequence[Identification]) -> tuple[Discrepancy, ...]:
