@@ -77,8 +77,8 @@ class ResidualCovariance:
             powers[0] += _power(window, sizes[0])
             powers[1] += _power(tail, sizes[1])  # pairs within it have been counted
             tail = window[:, max(window.shape[1] - keep, 0) :]
-        whole, counted = (_lags(power, size, keep) for power, size in zip(powers, sizes, strict=True))
-        return whole - counted, tail
+        whole = _lags(powers[0], sizes[0], keep)
+        return whole - _lags(powers[1], sizes[1], keep) if powers[1].any() else whole, tail
 
     def covariance(self) -> FloatArray:
         """gamma_ij(k), the mean product over valid pairs, 0 without pairs; shape of `products`."""

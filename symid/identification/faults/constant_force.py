@@ -63,6 +63,9 @@ def used_samples(part: Excerpt, equation: int) -> BoolArray:
 
 
 def at_samples(part: Excerpt, rows: FloatArray | BoolArray) -> FloatArray:
-    """Values of the rows at every sample of the log."""
-    times = part.log.start + part.log.sampling_period * np.arange(part.log.n_samples)
-    return np.asarray(np.interp(times, part.observation.time, rows))
+    """Values of the rows at every sample of the log, by lines between them; those of the first and the last beyond."""
+    values, step = np.asarray(rows, dtype=float), part.observation.preparation.decimation or 1
+    first = round((float(part.observation.time[0]) - part.log.start) / part.log.sampling_period)
+    between = values[:-1, None] + np.diff(values)[:, None] * (np.arange(step) / step)
+    ends = np.full(first, values[0]), np.full(part.log.n_samples - first - between.size, values[-1])
+    return np.concatenate([ends[0], between.ravel(), ends[1]])

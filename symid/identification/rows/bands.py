@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -110,6 +111,11 @@ def cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> t
     paper's order are accurate, the second below 3 times the coherent band and, as the last, where those of this order
     are.
     """
+    found = partial(_cutoff_range, log, model, difference_order)
+    return log.kept((cutoff_range, model, difference_order), found) if isinstance(log, Log) else found()
+
+
+def _cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> tuple[float, float, float]:
     spectra = Spectra.of(log, model)
     coherent, quiet = coherent_band(log, model, spectra), noise_limited_band(log, model, spectra)
     first = min(_MARGIN * coherent, quiet, accurate_band(log, model, _BAND_ORDER))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,6 +81,8 @@ def observe(
     needs_velocities = any(model.sliding) and chosen.standstill != 0
     W, y, velocities = _filled(sampling, log.n_samples, friction, needs_velocities)
     sliding = velocities[: len(velocities) if needs_velocities else 0]
+    if needs_velocities:
+        log.kept(_of_velocities(sampling), lambda: velocities)
     if highest is None:
         inside = sliding[:, before : before + sampling.n_samples]
         highest = np.maximum(inside.max(axis=1), -inside.min(axis=1))
@@ -156,5 +159,15 @@ def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> Floa
 def sliding_velocities(model: GeneratedModel, log: Log, chosen: Preparation) -> FloatArray:
     """Each sliding velocity at the samples between the trimmed ends of a log, shape (n_sliding, n_samples)."""
     sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
-    signals = sampling.motion(0, sampling.n_samples)
-    return np.asarray(model.sliding_velocities(*(signals[name] for name in model.signals)))
+
+    def found() -> FloatArray:
+        signals = sampling.motion(0, sampling.n_samples)
+        return np.asarray(model.sliding_velocities(*(signals[name] for name in model.signals)))
+
+    return log.kept(_of_velocities(sampling), found) if sampling.n_samples == log.n_samples else found()
+
+
+def _of_velocities(sampling: Sampling) -> Hashable:
+    """Key of the sliding velocities at all samples of a log."""
+    signals = (sampling.wide or sampling.signals).values()
+    return sliding_velocities, sampling.model.sliding_velocities, sampling.scheme, *signals
