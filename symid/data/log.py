@@ -21,7 +21,7 @@ Kept = TypeVar("Kept")
 
 SHORT = 65_536
 """Samples of a log up to which intermediate results of its length are kept."""
-_MOST_KEPT = 24
+_MOST_KEPT = 16
 _LARGEST = 1e30
 """Magnitude above which a value marks a missing one or an unstable simulation; its powers would overflow."""
 
@@ -207,7 +207,7 @@ class Log(Shown):
             raise LogError(f"{self.source}: there is no signal {name!r}: the log has {there}") from None
 
     def kept(self, key: Hashable, computed: Callable[[], Kept]) -> Kept:
-        """Value that is computed once per key and cached. The cache holds two dozen; a long log computes at each call.
+        """Value that is computed once per key and cached. The cache holds 16 of them, of a long log none.
 
         Examples
         --------
