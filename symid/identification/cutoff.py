@@ -9,6 +9,7 @@ lets noise into W.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -24,7 +25,8 @@ from symid.identification.results.identification_result import Identification
 from symid.identification.results.verdict import poorly_fitted
 from symid.identification.rows.bands import cutoff_range
 from symid.identification.rows.coulomb import factors_without
-from symid.identification.rows.excerpts import excerpts
+from symid.identification.rows.excerpts import Excerpt, excerpts
+from symid.identification.rows.observation import Observation
 from symid.identification.rows.row_blocks import Run, blocks_of_runs
 from symid.identification.rows.settings import Preparation
 
@@ -39,6 +41,8 @@ _COULOMB_SETTLED = 0.005
 """Relative change of the friction that ends the rounds: the rest in the derivatives is below one per cent of the terms
 that the paper drops."""
 _CONDITION_THAT_COSTS_DIGITS = 1e4
+_WINDOWS, _CUTOFFS = 64, 4
+"""Windows of long logs, and cutoffs with the rows of these, that are kept."""
 _MANY_ROWS = 1_000_000
 """Parameters are refined in extended precision where that costs no time, or where rounding has cost digits."""
 
@@ -101,8 +105,14 @@ class Estimation:
         """Largest residual of an equation as part of its output, beyond noise; inf without all parameters."""
         if found.fit.status != "ok":
             return math.inf
-        parts = excerpts(self.model, self.logs, [run.observation for run in found.runs])
+        parts = self.parts_of(tuple(run.observation for run in found.runs))
         return float(np.max(unexplained(self.model, parts, found.fit)))
+
+    @cached_property
+    def parts_of(self) -> Callable[[tuple[Observation, ...]], tuple[Excerpt, ...]]:
+        """Excerpts of the logs with their observations at some cutoff, which share their windows with other cutoffs."""
+        window = lru_cache(maxsize=_WINDOWS)(lambda log, start, stop: log.window(start, stop))
+        return lru_cache(maxsize=_CUTOFFS)(lambda seen: excerpts(self.model, self.logs, seen, window))
 
     def _is_drowned(self, found: CutoffTrial) -> bool:
         """Whether the residual of an equation is too large for any estimate at this cutoff, even if it is noise."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -115,7 +115,7 @@ def identify(
     every = (logs,) if isinstance(logs, Log | LongLog) else tuple(logs)
     _require_usable(model, every)
     estimation = Estimation(model, every, preparation or Preparation(), method, ddof)
-    parts_of = lru_cache(maxsize=1)(partial(excerpts, model, every))
+    parts_of = estimation.parts_of
     found_at = partial(
         _found_at,
         model,

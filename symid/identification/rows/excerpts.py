@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,6 +16,8 @@ from symid.identification.rows.observation import Observation, observe
 from symid.identification.rows.signal_rows import Rows, SignalRows
 
 Kept = TypeVar("Kept")
+Window = Callable[[AnyLog, int, int], Log]
+"""Part of a log between two indices."""
 
 _MOST_SAMPLES = 65_536
 """Samples of all logs together on which an estimate is checked: more would cost time and change little."""
@@ -65,7 +67,10 @@ class Excerpt:
 
 
 def excerpts(
-    model: GeneratedModel, logs: Sequence[AnyLog], observations: Sequence[Observation]
+    model: GeneratedModel,
+    logs: Sequence[AnyLog],
+    observations: Sequence[Observation],
+    window: Window = lambda log, start, stop: log.window(start, stop),
 ) -> tuple[Excerpt, ...]:
     """Evenly spread parts of each long log in which rows are used, and short logs as they are.
 
@@ -75,13 +80,17 @@ def excerpts(
         The model observed.
     logs, observations : sequence of logs and of Observation
         The logs, and what was made of them; of a long log, its first block.
+    window : callable
+        Takes a log, a first and a last index, and returns that part of it, which may be shared between calls.
     """
     most = max(_MOST_SAMPLES // len(logs), _MOST_SAMPLES // 16)
     return tuple(
         part
         for k, (log, whole) in enumerate(zip(logs, observations, strict=True))
         for part in (
-            (_all_of(model, log, whole, k),) if log.n_samples <= most else _parts(model, log, whole, k, most)
+            (_all_of(model, log, whole, k),)
+            if log.n_samples <= most
+            else _parts(model, partial(window, log), log, whole, k, most)
         )
     )
 
@@ -104,14 +113,19 @@ def _all_of(model: GeneratedModel, log: AnyLog, whole: Observation, number: int)
 
 
 def _parts(
-    model: GeneratedModel, log: AnyLog, whole: Observation, number: int, most: int
+    model: GeneratedModel,
+    window: Callable[[int, int], Log],
+    log: AnyLog,
+    whole: Observation,
+    number: int,
+    most: int,
 ) -> tuple[Excerpt, ...]:
     chosen = replace(whole.preparation, trim=None)  # each part has its ends
     size = most // _PARTS
 
     def part(start: int) -> Excerpt:
-        window = log.window(start, start + size)
-        return Excerpt(model, window, observe(model, window, chosen, highest=whole.highest), number)
+        own = window(start, start + size)
+        return Excerpt(model, own, observe(model, own, chosen, highest=whole.highest), number)
 
     # Of a log that mostly stands, parts are looked for more densely until some hold rows.
     n_parts = _PARTS
