@@ -27,6 +27,9 @@ _AS_GOOD = 1.3
 _LEAST_SHARE, _LEAST_ROWS = 0.5, 10
 """Rows that must be left of those at lag 0, and for each parameter, for a lag to count."""
 _LEAST_EIGENVALUE = 1e-12  # relative to the largest
+_LARGEST_INVERSE = (
+    1e6  # of a matrix of ones in the diagonal that is inverted without loss of digits that count
+)
 
 
 class Lag(NamedTuple):
@@ -183,9 +186,27 @@ def _solved(grams: FloatArray) -> tuple[FloatArray, FloatArray]:
     least = _LEAST_EIGENVALUE * np.max(powers, axis=0) + np.finfo(float).tiny
     scale = np.sqrt(np.maximum(powers, least))
     scaled = grams / (scale[:, :, None] * scale[:, None, :])
-    values, vectors = np.linalg.eigh(scaled[:, :-1, :-1])
-    along = np.einsum("lai,la->li", vectors, scaled[:, :-1, -1])
+    normal, slope = scaled[:, :-1, :-1], scaled[:, :-1, -1]
+    factors = _factors(normal, slope)
+    left = np.clip(1.0 - np.sum(slope * factors, axis=1), 0.0, 1.0)
+    return left, factors * scale[:, -1:] / scale[:, :-1]
+
+
+def _factors(normal: FloatArray, slope: FloatArray) -> FloatArray:
+    """Solutions of normal equations, 0 in the directions that they do not determine; an inverse takes a third."""
+    try:
+        inverse = np.linalg.inv(normal)
+    except np.linalg.LinAlgError:
+        return _determined(normal, slope)
+    factors = np.einsum("lab,lb->la", inverse, slope)
+    doubtful = ~(np.max(np.abs(inverse), axis=(1, 2)) < _LARGEST_INVERSE)
+    factors[doubtful] = _determined(normal[doubtful], slope[doubtful])
+    return np.asarray(factors)
+
+
+def _determined(normal: FloatArray, slope: FloatArray) -> FloatArray:
+    values, vectors = np.linalg.eigh(normal)
+    along = np.einsum("lai,la->li", vectors, slope)
     seen = values > _LEAST_EIGENVALUE * values[:, -1:]
     factors = np.where(seen, along / np.where(seen, values, 1.0), 0.0)
-    left = np.clip(1.0 - np.sum(along * factors, axis=1), 0.0, 1.0)
-    return left, np.einsum("lai,li->la", vectors, factors) * scale[:, -1:] / scale[:, :-1]
+    return np.asarray(np.einsum("lai,li->la", vectors, factors))
