@@ -38,6 +38,7 @@ from benchmarks.paper_axis_logs import (
     without_friction,
 )
 from symid.axis import Axis
+from symid.identification import Preparation
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.rough_starts import rigid_start, spread, with_heavy_bodies
@@ -65,7 +66,7 @@ def compared(log: symid.Log, truth: Mapping[str, float], *, held: bool = True) -
     late = {"Fm": -0.5 * log.sampling_period} if held else {}
     return {
         "wls": symid.identify(model, log, preparation=symid.Preparation(late=late)).physical_parameters,
-        "oe": identify_output_error(axis, model, log, held=held).physical_parameters,
+        "oe": identify_output_error(axis, model, log, preparation=Preparation(held=held)).physical_parameters,
     }
 
 
@@ -106,7 +107,9 @@ def print_fast_loop() -> None:
     model = symid.load_generated("direct_2m1s", ("q2",))
     for every in (2, 8, 32):
         for mean in (False, True):
-            found = identify_output_error(direct(), model, recorded(run, every, mean=mean), held=True)
+            found = identify_output_error(
+                direct(), model, recorded(run, every, mean=mean), preparation=Preparation(held=True)
+            )
             how = "mean over the interval" if mean else "samples"
             values = [
                 *errors(found.physical_parameters, PAPER).values(),
@@ -126,7 +129,7 @@ def fits(
         log = noisy(clean, noise, seed)
         nominal = found[0].physical_parameters if seed >= UNKNOWN_START else None
         if nominal is None:
-            found.append(identify_output_error(axis, model, log, held=True))
+            found.append(identify_output_error(axis, model, log, preparation=Preparation(held=True)))
             continue
         fit = found[0].comparison.fit([log], [nominal])
         found.append(replace(found[0], logs=(log,), fit=fit))

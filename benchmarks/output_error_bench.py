@@ -6,6 +6,7 @@ import numpy as np
 
 import symid
 from benchmarks.motor_bench import read
+from symid.identification import Preparation
 from symid.output_error import identify_output_error
 
 
@@ -45,7 +46,9 @@ def print_bench(quick: bool) -> None:
                 late = {"iq": -0.5 * part.sampling_period} if mean else {}
                 found = {
                     "wls": symid.identify(model, part, preparation=symid.Preparation(late=late)),
-                    "oe": identify_output_error(axis, model, part, held=True if mean else None),
+                    "oe": identify_output_error(
+                        axis, model, part, preparation=Preparation(held=True if mean else None)
+                    ),
                 }
                 how = ", mean current" if mean else ""
                 for method, one in found.items():

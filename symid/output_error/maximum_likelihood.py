@@ -29,7 +29,6 @@ def identify_output_error(
     model: GeneratedModel | Sequence[str],
     logs: Log | Sequence[Log],
     *,
-    held: bool | None = None,
     loop: ClosedLoop | None = None,
     preparation: Preparation | None = None,
     nominal: Mapping[str, float] | None = None,
@@ -45,16 +44,13 @@ def identify_output_error(
         then act at bodies that no sensor sees.
     logs : Log or sequence of Log
         Runs of one axis.
-    held : bool, optional
-        Whether the force is held from each sample to the next. If not given, the preparation says so, or the
-        declaration of the drive; if both are silent, the likelihood decides between a held force and a smooth one whose
-        timing is estimated.
     loop : ClosedLoop, optional
         The axis under its known controller, along the reference of the log: what readings and force are compared with,
         instead of predicting each reading from earlier ones. The force between its samples need not be known then.
     preparation : Preparation, optional
-        `late`, `held` and `standstill` are respected; a `late` of the force fixes its timing. There is nothing else to
-        choose.
+        `late`, `held` and `standstill` are respected; a `late` of the force fixes its timing. If neither `held` nor the
+        declaration of the drive says whether the force is held from each sample to the next, the likelihood decides
+        between a held force and a smooth one whose timing is estimated.
     nominal : mapping of str to float, optional
         Nominal physical parameters to begin with; otherwise those of weighted least squares, and rough ones.
 
@@ -76,7 +72,8 @@ def identify_output_error(
     >>> axis, truth = load_axis("rigid_1m"), {"M": 5.0, "Fv": 3.0, "Fs": 0.0}
     >>> reference = chirp(1.0, 5.0, 4.0, 0.01, sampling_period=4e-3)
     >>> log = simulate(axis, truth, reference, tuned_cascade(plant_of(axis, truth), "q")).log
-    >>> found = identify_output_error(axis, load_generated("rigid_1m"), log, held=True)
+    >>> held = Preparation(held=True)
+    >>> found = identify_output_error(axis, load_generated("rigid_1m"), log, preparation=held)
     >>> {name: round(value, 3) for name, value in found.physical_parameters.items() if name != "Fs"}
     {'M': 5.0, 'Fv': 3.0}
     """
@@ -90,7 +87,7 @@ def identify_output_error(
         for log in runs:
             loop.check(log)
     whole, visible = Models(model, model) if isinstance(model, GeneratedModel) else models_of(axis, model)
-    held = prepared.held if held is None else held
+    held = prepared.held
     if held is None:
         is_timed = any(drive.signal in chosen.late for drive in axis.drives)
         held = axis.drives[0].held or (False if is_timed else None)

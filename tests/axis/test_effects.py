@@ -201,7 +201,7 @@ def test_output_error_finds_the_effect_of_a_simulated_log(name: str) -> None:
     noise = {"q": 1e-9, "F": 3e-2}
     signals = {key: exact[key] + noise[key] * random.standard_normal(exact.n_samples) for key in noise}
     log = Log.from_arrays(signals, sampling_period=1 / 500.0)
-    found = identify_output_error(axis, compiled(derive(axis)), log, held=True)
+    found = identify_output_error(axis, compiled(derive(axis)), log, preparation=Preparation(held=True))
     assert found.status == "ok"
     for parameter, value in values.items():
         assert found.physical_parameters[parameter] == pytest.approx(value, rel=0.01), parameter

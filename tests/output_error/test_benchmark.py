@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import cramer_rao, output_error as benchmark, output_error_bench as bench
+from symid.identification import Preparation
 
 
 def test_at_250_hz_mass_and_spring_of_the_structure_are_within_5_percent() -> None:
@@ -49,7 +50,7 @@ def test_a_decimated_bench_keeps_its_frequencies(mean: bool) -> None:
         bench.symid.load_axis("motor_bench"),
         bench.symid.load_generated("motor_bench", ("qm", "ql")),
         log,
-        held=True if mean else None,
+        preparation=Preparation(held=True if mean else None),
     )
     antiresonance, resonance = bench.bench_frequencies(found.physical_parameters)
     assert antiresonance == pytest.approx(53.7, abs=1.5)

@@ -14,6 +14,8 @@ from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.output_error.fit_status import verdict_of
 from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
 
+HELD = Preparation(held=True)
+
 RIGID = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
 PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
 
@@ -38,7 +40,7 @@ def rigid() -> Log:
 
 
 def identified(log: Log) -> OutputErrorIdentification:
-    return identify_output_error(load_axis("rigid_1m"), load_generated("rigid_1m"), log, held=True)
+    return identify_output_error(load_axis("rigid_1m"), load_generated("rigid_1m"), log, preparation=HELD)
 
 
 @pytest.mark.parametrize(
@@ -49,7 +51,7 @@ def test_faults_that_least_squares_finds_hold_where_samples_are_dense(
     rigid: Log, status: Status, expected: str
 ) -> None:
     found = identified(rigid)
-    regression = identify(load_generated("rigid_1m"), rigid, preparation=Preparation(held=True))
+    regression = identify(load_generated("rigid_1m"), rigid, preparation=HELD)
     assert regression.status == "ok"
     judged = verdict_of(found, replace(regression, status=status, message="its statement"))
     assert judged == (expected, "its statement" if expected != "ok" else "")
@@ -59,7 +61,7 @@ def test_faults_that_least_squares_finds_hold_where_samples_are_dense(
 
 def test_least_squares_with_a_negative_mass_are_compared_where_samples_are_dense(rigid: Log) -> None:
     found = identified(rigid)
-    regression = identify(load_generated("rigid_1m"), rigid, preparation=Preparation(held=True))
+    regression = identify(load_generated("rigid_1m"), rigid, preparation=HELD)
     (place,) = regression.physical
     values = place.parameters * np.array([-1.0, 1.0, 1.0])
     negative = replace(regression, physical=(replace(place, parameters=values),))
@@ -109,7 +111,7 @@ def test_a_fast_and_a_slow_log_of_one_axis() -> None:
         )
         log = simulate(axis, PAPER, moves, tuned_cascade(plant_of(axis, PAPER), "q2", bandwidth_hz=8.0)).log
         logs.append(noisy(log, {"q2": 1e-8, "Fm": 0.3}, seed=int(rate)))
-    found = identify_output_error(axis, model, logs, held=True)
+    found = identify_output_error(axis, model, logs, preparation=HELD)
     assert found.status == "ok", found.message
     for name in ("Ms", "Ks", "Mm"):
         assert found.physical_parameters[name] == pytest.approx(PAPER[name], rel=0.02)
@@ -118,9 +120,9 @@ def test_a_fast_and_a_slow_log_of_one_axis() -> None:
 def test_logs_of_different_axes_are_distinguished(rigid: Log) -> None:
     heavier = swept(RIGID | {"M": 120.0}, seed=2)
     axis, model = load_axis("rigid_1m"), load_generated("rigid_1m")
-    found = identify_output_error(axis, model, [rigid, heavier], held=True)
+    found = identify_output_error(axis, model, [rigid, heavier], preparation=HELD)
     assert found.status == "poor_fit"
-    assert identify_output_error(axis, model, [rigid, rigid], held=True).status == "ok"
+    assert identify_output_error(axis, model, [rigid, rigid], preparation=HELD).status == "ok"
 
 
 def test_a_lag_beside_white_innovations_is_reported() -> None:
@@ -137,7 +139,7 @@ def test_a_lag_beside_white_innovations_is_reported() -> None:
 @pytest.mark.parametrize("mass", [100.0, 112.0])
 def test_logs_are_told_apart_where_one_has_another_payload(rigid: Log, mass: float) -> None:
     logs = [rigid, swept({**RIGID, "M": mass}, seed=2)]
-    found = identify_output_error(load_axis("rigid_1m"), load_generated("rigid_1m"), logs, held=True)
+    found = identify_output_error(load_axis("rigid_1m"), load_generated("rigid_1m"), logs, preparation=HELD)
     same = mass == RIGID["M"]
     assert found.status == ("ok" if same else "poor_fit"), found.message
     assert same or "differ between the logs" in found.message

@@ -22,6 +22,8 @@ from symid.errors import LogError, SettingError
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
 
+HELD = Preparation(held=True)
+
 RIGID = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
 PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
 SCREW = {"Mm": 250.0, "Fvm": 400.0, "Fsm": 60.0, "Kt": 4e7, "Ft": 9000.0, "Ml": 420.0, "Fvl": 700.0}
@@ -77,7 +79,7 @@ def test_a_log_almost_without_noise_gives_its_parameters_back(name, truth, measu
     log = noisy(logged(load_axis(name), truth, measured[0]), 1, scale=1e-3)
     nominal = {key: value * (1.02 if k % 2 else 0.98) for k, (key, value) in enumerate(truth.items())}
     found = identify_output_error(
-        load_axis(name), load_generated(name, measured), log, held=True, nominal=nominal
+        load_axis(name), load_generated(name, measured), log, preparation=HELD, nominal=nominal
     )
     assert found.status == "ok"
     for parameter, value in found.physical_parameters.items():
@@ -94,7 +96,7 @@ def test_without_noise_and_start_the_paper_s_axis_comes_back_exactly() -> None:
     model = load_generated("direct_2m1s", ("q2",))
     method_1 = identify(model, run.log, preparation=Preparation(late={"Fm": -0.5 / 250.0}))
     assert abs(method_1.physical_parameters["Ks"] / truth["Ks"] - 1) > 0.5
-    found = identify_output_error(axis, model, run.log, held=True)
+    found = identify_output_error(axis, model, run.log, preparation=HELD)
     for parameter, value in found.physical_parameters.items():
         assert value == pytest.approx(truth[parameter], rel=1e-7, abs=1e-6), parameter
 
@@ -110,7 +112,7 @@ def test_without_noise_and_start_the_paper_s_axis_comes_back_exactly() -> None:
 )
 def test_with_friction_and_noise_the_truth_lies_within_the_deviations(name, truth, measured) -> None:
     log = logged(load_axis(name), truth, measured[0], seed=1)
-    found = identify_output_error(load_axis(name), load_generated(name, measured), log, held=True)
+    found = identify_output_error(load_axis(name), load_generated(name, measured), log, preparation=HELD)
     assert found.status == "ok"
     assert all(abs(z) < 4 for z in deviations(found, truth).values()), deviations(found, truth)
     for signal, std in found.noise.items():
@@ -128,7 +130,7 @@ def test_three_masses_from_nominal_values() -> None:
     log = logged(axis, HUNG, "q2", seed=2)
     nominal = {name: value * (1.1 if k % 2 else 0.9) for k, (name, value) in enumerate(HUNG.items())}
     found = identify_output_error(
-        axis, load_generated("direct_3m2s", ("q2", "ddq1")), log, held=True, nominal=nominal
+        axis, load_generated("direct_3m2s", ("q2", "ddq1")), log, preparation=HELD, nominal=nominal
     )
     assert all(abs(z) < 4 for z in deviations(found, HUNG).values()), deviations(found, HUNG)
 
@@ -166,7 +168,8 @@ def test_two_logs_tell_more_than_one() -> None:
     axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
     logs = [logged(axis, RIGID, "q", seed=seed) for seed in (5, 6)]
     single, both = (
-        identify_output_error(axis, model, chosen, held=True, nominal=RIGID) for chosen in (logs[0], logs)
+        identify_output_error(axis, model, chosen, preparation=HELD, nominal=RIGID)
+        for chosen in (logs[0], logs)
     )
     assert all(abs(z) < 4 for z in deviations(both, RIGID).values())
     one, two = (np.sqrt(np.diag(f.physical_covariance(corrected=False))) for f in (single, both))
@@ -181,7 +184,7 @@ def test_friction_of_a_load_whose_position_no_sensor_tells() -> None:
     rough, truth = axis.with_effect(CoulombFriction(load, "Fsl")), SCREW | {"Fsl": 90.0}
     model = compiled(derive(rough, ("qm", "vl")))
     log = logged(rough, truth, "qm", seed=7)
-    found = identify_output_error(rough, model, log, held=True)
+    found = identify_output_error(rough, model, log, preparation=HELD)
     assert found.fit is not None
     assert found.fit.search.errors[0].run.motions.count(None) == 1
     assert found.status == "undetermined"  # the frictions of motor and load are not told apart
@@ -194,7 +197,7 @@ def test_what_the_motor_encoder_does_not_see_is_not_a_number() -> None:
     truth = {"Jm": 5e-3, "Fvm": 0.02, "Kt": 550.0, "Ft": 0.05, "Pt": 3.0, "Jl": 4.5e-3, "Fvl": 0.02}
     reference = chirp(1.0, 120.0, 4.0, 0.02, sampling_period=1e-3)
     run = simulate(axis, truth, reference, tuned_cascade(plant_of(axis, truth), "qm", bandwidth_hz=8.0))
-    found = identify_output_error(axis, model, noisy(run.log, 8), held=True, nominal=truth)
+    found = identify_output_error(axis, model, noisy(run.log, 8), preparation=HELD, nominal=truth)
     assert math.isnan(found.physical_parameters["Pt"])
     covariance = found.physical_covariance(corrected=False)
     place = list(found.physical_parameters).index("Pt")
@@ -207,7 +210,7 @@ def test_what_the_motor_encoder_does_not_see_is_not_a_number() -> None:
 def test_a_log_in_which_nothing_moves_has_no_start() -> None:
     axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
     log = logged(axis, RIGID, "q")
-    found = identify_output_error(axis, model, log, held=True, preparation=Preparation(standstill=10.0))
+    found = identify_output_error(axis, model, log, preparation=Preparation(held=True, standstill=10.0))
     assert found.status == "no_start"
     assert "motion" in found.message
     assert found.physical_parameters == found.minimal_parameters == found.noise == {}
@@ -219,7 +222,9 @@ def test_a_friction_that_pushes_is_not_physical() -> None:
     axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
     log = logged(axis, RIGID, "q")
     pushing = log["F"] - 200.0 * np.gradient(log["q"], log.sampling_period)
-    found = identify_output_error(axis, model, replace(log, signals={**log.signals, "F": pushing}), held=True)
+    found = identify_output_error(
+        axis, model, replace(log, signals={**log.signals, "F": pushing}), preparation=HELD
+    )
     assert found.status == "not_physical"
     assert "Fv" in found.message
 
@@ -228,7 +233,7 @@ def test_a_wrong_sign_is_told_as_least_squares_find_it() -> None:
     axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
     log = logged(axis, RIGID, "q")
     turned = replace(log, signals={**log.signals, "F": -log["F"]})
-    found = identify_output_error(axis, model, turned, held=True)
+    found = identify_output_error(axis, model, turned, preparation=HELD)
     assert found.status != "ok"
     assert "the sign of F or of a position is wrong" in found.message
 
@@ -237,7 +242,7 @@ def test_a_wrong_sign_is_told_as_least_squares_find_it() -> None:
 def test_impossible_nominal_values_are_a_mistake(nominal: dict[str, float]) -> None:
     axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
     with pytest.raises(SettingError):
-        identify_output_error(axis, model, logged(axis, RIGID, "q"), held=True, nominal=nominal)
+        identify_output_error(axis, model, logged(axis, RIGID, "q"), preparation=HELD, nominal=nominal)
 
 
 def test_no_log_and_missing_signals_are_a_mistake() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from symid import Axis, Weight, load_axis
 from symid.arrays import FloatArray
 from symid.axis import Law, OffsetForce, QuadraticDrag
+from symid.identification import Preparation
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -22,7 +23,7 @@ def identified(axis: Axis, law: Law, size: float) -> OutputErrorIdentification:
     moves = trapezoids([0.2], [0.1, 0.2, 0.5], acceleration=4.0, jerk=100.0, dwell=0.1, sampling_period=1e-3)
     loop = tuned_cascade(plant_of(SLIDE, VALUES), "q", bandwidth_hz=10.0)
     log = simulate(machine, values, moves, loop, start="equilibrium").log
-    return identify_output_error(axis, ("q",), log, held=True)
+    return identify_output_error(axis, ("q",), log, preparation=Preparation(held=True))
 
 
 def deviations_off(found: OutputErrorIdentification) -> FloatArray:

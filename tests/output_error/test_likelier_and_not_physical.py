@@ -5,6 +5,7 @@ import pytest
 
 from benchmarks.ok_promise import cases
 from symid import Log, load_axis, load_generated
+from symid.identification import Preparation
 from symid.output_error import identify_output_error
 
 
@@ -12,7 +13,10 @@ def test_the_physical_minimum_near_least_squares_is_taken() -> None:
     _, case = next(iter(cases(1, 17, 260101, "undamaged")))
     log = Log.from_arrays({name: x[:800] for name, x in case.signals.items()}, sampling_period=1 / case.rate)
     found = identify_output_error(
-        load_axis(case.axis), load_generated(case.axis, case.measured), log, held=False
+        load_axis(case.axis),
+        load_generated(case.axis, case.measured),
+        log,
+        preparation=Preparation(held=False),
     )
     assert found.status == "ok"
     error = np.abs(np.array([found.physical_parameters[name] - case.truth[name] for name in case.truth]))

@@ -5,6 +5,7 @@ import numpy as np
 from symid import Log
 from symid.axis import load_axis
 from symid.codegen import load_generated
+from symid.identification import Preparation
 from symid.output_error import identify_output_error
 
 TRUE = {"M": 5.0, "Fv": 20.0, "Fs": 6.0}
@@ -22,7 +23,7 @@ def test_the_expected_shift_is_the_error():
         load_axis("rigid_1m"),
         load_generated("rigid_1m"),
         Log.from_arrays(noisy, sampling_period=1 / RATE),
-        held=False,
+        preparation=Preparation(held=False),
         nominal=TRUE,
     )
     error = found.physical_parameters["M"] - TRUE["M"]

@@ -114,7 +114,9 @@ def test_innovations_determine_the_axis_and_the_noise_of_each_force() -> None:
 
 def test_a_gantry_with_friction_is_found_in_a_log_of_smooth_forces() -> None:
     near = {name: 1.15 * value for name, value in GANTRY_TRUE.items()}
-    found = identify_output_error(GANTRY, ("q1", "q2"), gantry_log(1.0), held=False, nominal=near)
+    found = identify_output_error(
+        GANTRY, ("q1", "q2"), gantry_log(1.0), preparation=Preparation(held=False), nominal=near
+    )
     assert found.status == "ok", found.message
     for (name, value), deviation in zip(
         found.physical_parameters.items(), found.physical_deviations, strict=True
