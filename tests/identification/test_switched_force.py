@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from symid import identify
+from symid import Axis, Drive, Position, ViscousFriction, identify
+from symid.axis import Body
 from symid.data.quality.stuck import inspect_spans, is_switched
 from symid.identification import Preparation
 from symid.identification.faults.recording import channel_fault
@@ -40,6 +41,47 @@ def test_a_relay_is_no_limit_and_no_coarse_record(run: dict[str, np.ndarray]) ->
     assert found.status == "ok", found.message
     for name, value in TRUE.items():
         assert found.physical_parameters[name] == pytest.approx(value, rel=0.1)
+
+
+def spindle_run(*steps: tuple[float, float]) -> dict[str, np.ndarray]:
+    """A rotor that turns one way under steps of its torque, (time, level) each, with noise; step responses by hand."""
+    t = np.arange(8000) / 1000
+    w, F = np.zeros(t.size), np.zeros(t.size)
+    for begin, torque in steps:
+        after = t >= begin
+        start = float(np.interp(begin, t, w))
+        final = (torque - TRUE["Fs"]) / TRUE["Fv"]
+        response = final + (start - final) * np.exp(-TRUE["Fv"] / TRUE["M"] * (t[after] - begin))
+        w[after] = np.maximum(response, 0.0)  # friction holds it at rest
+        F[after] = torque
+    q = np.cumsum(w) * 1e-3 - 0.5e-3 * w  # trapezoids
+    return {
+        "t": t,
+        "q": 1e-6 * np.round(q / 1e-6),
+        "F": F + 0.06 * np.random.default_rng(1).standard_normal(t.size),
+    }
+
+
+def test_a_spindle_that_starts_and_brakes_at_its_torque_limit_is_not_clipped() -> None:
+    found = identify(
+        "rigid_1m", spindle_run((0.5, LEVEL), (4.0, -LEVEL), (4.2, 0.0)), preparation=Preparation(held=True)
+    )
+    assert found.status == "ok", found.message
+    for name, value in TRUE.items():
+        assert found.physical_parameters[name] == pytest.approx(value, rel=0.01)
+
+
+@pytest.mark.parametrize(("brake", "is_hidden"), [((), True), (((5.0, 4.0),), False)])
+def test_friction_that_a_constant_force_hides_is_noted(
+    brake: tuple[tuple[float, float], ...], is_hidden: bool
+) -> None:
+    slide = Body("slide", mass="M")
+    axis = Axis("slide", (slide, ViscousFriction(slide, "Fv")), Drive("F", slide), (Position("q", slide),))
+    found = identify(axis, spindle_run((0.5, LEVEL), *brake))
+    assert any("Coulomb friction, which the model does not have" in note for note in found.notes) is is_hidden
+    if is_hidden:
+        hidden = LEVEL / (LEVEL - TRUE["Fs"])
+        assert found.physical_parameters["M"] == pytest.approx(TRUE["M"] * hidden, rel=0.01)
 
 
 @pytest.mark.parametrize(

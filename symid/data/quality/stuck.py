@@ -25,6 +25,8 @@ _TRAVEL: Final = 0.05  # of its whole range, by which another position moves in 
 _TOGETHER: Final = 0.9  # least correlation of two positions that move together
 _CLIPPED_SHARE: Final = 0.001  # of all samples: the least for a note on a clipped force
 _FEW_STEPS: Final = 10  # changes of a force that are a sequence of steps
+# change that is a step, and scatter between steps that is noise alone, in its standard deviations
+_STEP_IN_NOISE, _STEADY_IN_NOISE = 8.0, 1.5
 _SOME: Final = 1000  # samples that are looked at before all of them
 
 
@@ -109,14 +111,20 @@ def cut_in_motion(x: FloatArray) -> int:
     return int(np.sum(_cut_in_motion(x, long).length))
 
 
-def is_switched(force: FloatArray) -> bool:
+def is_switched(force: FloatArray, noise: float = 0.0) -> bool:
     """Whether a force is switched: a relay or binary sequence with two levels and 0 at rest, or a few steps.
 
-    A small force that is coarsely rounded also has two levels and 0, but changes often.
+    A small force that is coarsely rounded also has two levels and 0, but changes often. `noise` is the standard
+    deviation of noise on a force of a few steps.
 
     >>> is_switched(np.array([0.0, 4.0, 4.0, -4.0, 4.0])), is_switched(np.tile([0.0, 1.0, 0.0, -1.0], 9))
     (True, False)
+    >>> noisy = np.repeat([0.0, 4.0, -4.0], 50) + 0.1 * np.random.default_rng(0).standard_normal(150)
+    >>> is_switched(noisy), is_switched(noisy, 0.1), is_switched(noisy + np.linspace(0, 3, 150), 0.1)
+    (False, True, False)
     """
+    if noise > 0.0 and _is_of_noisy_steps(force, noise):
+        return True
     if np.unique(force[:: max(force.size // _SOME, 1)]).size > _FEW_STEPS + 1:
         return False
     levels, steps = np.unique(force), np.abs(np.diff(force))
@@ -124,6 +132,15 @@ def is_switched(force: FloatArray) -> bool:
     across = bool(changes.size) and 2 * np.mean(changes == np.ptp(levels)) >= 1.0
     two = levels.size == 2 or (levels.size == 3 and 0.0 in levels and across)
     return bool(two or 0 < changes.size <= _FEW_STEPS)
+
+
+def _is_of_noisy_steps(force: FloatArray, noise: float) -> bool:
+    """Whether a force is constant but for a few steps and noise of a standard deviation."""
+    steps = np.flatnonzero(np.abs(np.diff(force)) > _STEP_IN_NOISE * noise) + 1
+    if not 0 < steps.size <= _FEW_STEPS:
+        return False
+    rest = np.concatenate([level - np.mean(level) for level in np.split(force, steps)])
+    return float(np.std(rest)) < _STEADY_IN_NOISE * noise
 
 
 def _extreme(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:

@@ -10,6 +10,10 @@ from symid.identification.rows.excerpts import Excerpt
 
 _CHANGES = 0.01
 """Rms of a force beside a part with the sign of the motion, relative to the whole, below which it is constant."""
+_DIFFERS, _SELDOM = 0.05, 0.02
+"""Relative change of a force that shows friction, and the part of the motion in which filters seem to show it."""
+_MOVES = 0.02
+"""Column of a row as part of its largest value above which the axis moves."""
 CONSTANT = (
     "{} hardly changes while the axis moves, so that the log does not distinguish friction from inertia and damping: "
     "move with several forces and in both directions, or leave the friction out"
@@ -32,6 +36,25 @@ def constant_force(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
         signs = np.stack([np.concatenate([direction(p, equation, law) for p in parts])[used] for law in laws])
         if is_constant(acting, signs):
             return CONSTANT.format(force)
+    return ""
+
+
+def friction_unseen(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+    """Statement on a constant force in a model without dry friction, which it would hide; empty otherwise.
+
+    Friction of a part of the force divides all parameters by the rest, and leaves no residual.
+    """
+    dry = {equation for equation, _ in model.law_columns}
+    for equation, force in enumerate(model.output_names):
+        if force not in model.forces or equation in dry or model.known:
+            continue
+        acting = np.concatenate([p.log[force][_in_motion(p, equation)] for p in parts])
+        usual = float(np.median(acting)) if acting.size else 0.0
+        if usual and np.mean(np.abs(acting - usual) > _DIFFERS * abs(usual)) < _SELDOM:
+            return (
+                f"{force} hardly changes while the axis moves: Coulomb friction, which the model does not have, would "
+                "change all parameters by one factor and leave no residual; move with several forces"
+            )
     return ""
 
 
@@ -60,6 +83,13 @@ def used_samples(part: Excerpt, equation: int) -> BoolArray:
     return part.kept(
         (used_samples, equation), lambda: np.asarray(at_samples(part, part.observation.valid[equation]) > 0.5)
     )
+
+
+def _in_motion(part: Excerpt, equation: int) -> BoolArray:
+    """Samples of the log at which a column of an equation is not small."""
+    columns = np.abs(part.observation.W[equation])
+    relative = columns / np.maximum(columns.max(axis=0, initial=0.0), np.finfo(float).tiny)
+    return used_samples(part, equation) & (at_samples(part, relative.max(axis=1)) > _MOVES)
 
 
 def at_samples(part: Excerpt, rows: FloatArray | BoolArray) -> FloatArray:

@@ -9,7 +9,7 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import shown_late
 from symid.identification.deviations.stability import Change
 from symid.identification.deviations.whitened import whitened
-from symid.identification.faults.constant_force import constant_force
+from symid.identification.faults.constant_force import constant_force, friction_unseen
 from symid.identification.faults.lagging import ac_coupling_of, smoothing_by_residual
 from symid.identification.faults.missing_friction import friction_shape, missing_friction
 from symid.identification.faults.modes import folding_of, lost_mode, mode_above
@@ -64,7 +64,7 @@ def faults_of(
         missing_friction=missing_friction(more, found, found.timing),
         noise_alone=noise_alone,
         constant_force=constant_force(model, parts) or alike,
-        note=friction_holds,
+        note=friction_holds or friction_unseen(model, parts),
         hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
     )
 

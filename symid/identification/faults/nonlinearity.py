@@ -57,7 +57,9 @@ class ColumnTests:
         """Statement on a force that is compressed where it is large; empty for a linear one."""
         beyond_noise = unexplained(self.model, self.parts, self.fit, _NOISE_EXPLAINS)
         for j, force in enumerate(self.model.output_names):
-            if force not in self.model.forces or all(is_switched(part.log[force]) for part in self.parts):
+            if force not in self.model.forces:
+                continue
+            if all(is_switched(part.log[force], part.noise_of(force)) for part in self.parts):
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)

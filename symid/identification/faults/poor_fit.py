@@ -4,7 +4,6 @@ The residual over the whole log is a mean: a clipped sensor, or a tenth of the l
 parameters but hardly raises the mean. Both are visible in the part of the log where they occur.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -108,17 +107,19 @@ def _clipped(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     The estimate then changes if rows at the end of the range are left out. A limit of the true force, which acts on the
     axis as well, does not change it.
     """
-    noise = [math.sqrt(part.levels[force] * part.log.sampling_frequency / 2) for part in parts]
+    noise = [part.noise_of(force) for part in parts]
     limits = [_at_limit(part.log[force], one) for part, one in zip(parts, noise, strict=True)]
     share = float(np.mean(np.concatenate(limits)))
-    if share < _CLIPPED_SHARE or all(is_switched(part.log[force]) for part in parts):
+    if share < _CLIPPED_SHARE or all(is_switched(p.log[force], n) for p, n in zip(parts, noise, strict=True)):
         return ""
     seen = [part.observation for part in parts]
     free = [o.valid & ~_rows_near(part, flags) for o, part, flags in zip(seen, parts, limits, strict=True)]
     other = _of_rows(parts, free)
     where = f"{force} is at the end of its range in {100 * share:.3g} % of the log"
     cure = "record with a wider range, or cut those parts out"
-    if min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok":
+    is_short = min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok"
+    # rows of a coasting axis, whose force is noise, fit parameters of zero
+    if is_short or np.any(other.residual_norm > CRITERIA.worst_fit * other.y_norm):
         if not any(_at_limit(part.log[force], 0.0).any() for part in parts):
             return ""  # a drive that is mostly at its limits looks like that, too
         return f"{where}, and the rest is too short to decide whether the true force went beyond it: {cure}"

@@ -1,5 +1,6 @@
 """Logs as blocks of one observation, and excerpts of long logs on which an estimate is examined."""
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -42,6 +43,10 @@ class Excerpt:
     def levels(self) -> dict[str, float]:
         """Noise of each signal, as `noise_levels`."""
         return noise_levels(self.model, self.log)
+
+    def noise_of(self, name: str) -> float:
+        """Standard deviation of the noise of a signal."""
+        return math.sqrt(self.levels[name] * self.log.sampling_frequency / 2)
 
     @cached_property
     def noise(self) -> FloatArray:
