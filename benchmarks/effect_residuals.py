@@ -12,7 +12,7 @@ from symid.diagnosis.findings.curves import signal_curves
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.signal_processing import LowPass, derivatives
 
@@ -195,7 +195,7 @@ def residual_of(effect: str) -> Residual:
         axis, log, true = turning_table()
     else:
         axis, (log, true) = model(signature), log_with(effect, signature)
-    record = data_of(axis, (joined([log]), None), Recorded({}, held=None)).record
+    record = data_of(axis, (joined([log]), None), Recording({}, held=None)).record
     start = {name: true[name] for name in axis.physical_parameters}
     begun = first_state(record, start)
     base = Fit(*begun) if effect == "sensor_delay" else fitted_axis(*begun)

@@ -34,10 +34,10 @@ from symid.diagnosis.fitting.gauss_newton import ITERATIONS, converged, fitted
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.in_motion.motion import with_motion
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import LogsByPurpose, Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.record import Record, record_of
-from symid.diagnosis.prediction.recorder import recovered
+from symid.diagnosis.prediction.recorder import repaired
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import backward_elimination
 from symid.diagnosis.selection.forward import forward_selection
@@ -71,7 +71,7 @@ def diagnose_against(
     simulated : Log
         A log of the simulator, best under the same reference, with the same signals.
     validation, late, held, library, controller
-        As for `diagnose`; signals of both logs count as recorded alike.
+        As for `diagnose`; signals of both logs are taken as recorded alike.
 
     Returns
     -------
@@ -102,13 +102,13 @@ def diagnose_against(
     >>> found.verdict, [p.name for p in found.simulated.parameters if p.differs]
     ('parameters', ['Fs'])
     """
-    whole = recovered(axis, [log, validation] if validation else [log])
-    recorded = Recorded(dict(late or {}), held, thinned=whole.thinned)
-    runs = joined(whole.logs[:1]), joined(whole.logs[1:]) if validation else None
-    data = data_of(axis, runs, recorded)
-    holds = replace(recorded, thinned=1).holds(axis, simulated.sampling_period)
+    whole = repaired(axis, [log, validation] if validation else [log])
+    recording = Recording(dict(late or {}), held, decimation=whole.decimation)
+    logs = LogsByPurpose(joined(whole.logs[:1]), joined(whole.logs[1:]) if validation else None)
+    data = data_of(axis, logs, recording)
+    holds = replace(recording, decimation=1).holds(axis, simulated.sampling_period)
     noisy = as_noisy(simulated, data.record)
-    own = record_of(data.record.dynamics, noisy, None, recorded.delays(axis), holds)
+    own = record_of(data.record.dynamics, noisy, None, recording.delays(axis), holds)
     effects = effects_named(library)
     model = _simulator(own, effects)
     state, weighting = applied(model.state, data.record, data.training)
@@ -120,7 +120,7 @@ def diagnose_against(
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, steps, fits, model.parameters, (log, validation))
     simulator = _described(model, fits[-1] if found.effects else base, found.parameters, simulated.source)
-    found = with_motion(found, comparison, runs, data.held_out, controller=controller, simulated=simulated)
+    found = with_motion(found, comparison, logs, data.held_out, controller=controller, simulated=simulated)
     return replace(
         found,
         sentence=sentence_against(found, simulator),

@@ -1,10 +1,10 @@
-"""Readings that are late by their nature: a second encoder beside its spring, an accelerometer beside a held force.
+"""Delays of readings that a diagnosis shows: of a load behind a spring, of an accelerometer beside a held force.
 
-Through a spring of stiffness K, a load whose position is read T late seems to feel K T more of viscous friction, and
-the drive K T less. Errors hardly distinguish the two; negative friction, which no machine has, does.
+If the position of a load on a spring of stiffness K is read T late, the viscous friction of the load is identified K T
+too high and that of the drive K T too low. The errors hardly show the difference, but a negative friction does.
 
 A held force makes the acceleration jump at each sample. An accelerometer with the same clock is read just before the
-jump: its reading belongs to the force of the sample before, and is half a sample later than the motion.
+jump. Its reading belongs to the force of the sample before, and is half a sample late.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _AS_GOOD = 1.1
-"""Error that the model found may leave with the late reading, relative to that with the reading as it is."""
+"""Largest error with the delay of the reading, relative to that without, with which the delay is accepted."""
 _TEXT = "{} read {:.3g} ms {} against {}, which looks like negative friction"
 
 
@@ -24,18 +24,19 @@ READ_BEFORE_STEPS = (
 )
 
 
-def before_steps(axis: Axis, found: Diagnosis, hold: float) -> dict[str, float]:
-    """Time by which accelerometers are late, s, that a diagnosis names as late by half of the time of a hold."""
+def delays_of_accelerometers(axis: Axis, found: Diagnosis, hold: float) -> dict[str, float]:
+    """Delay of each accelerometer that a diagnosis finds late by half the time `hold` of a force, s."""
     read = {own.signal for own in axis.sensors if isinstance(own, Acceleration)}
     late = (e for e in found.effects if e.effect == "sensor_delay" and e.at in read)
     half = (e.at for e in late if abs(e.parameters["T"].value / hold - 0.5) < THRESHOLDS.half_sample)
     return dict.fromkeys(half, hold / 2)
 
 
-def lateness(axis: Axis, found: Diagnosis) -> dict[str, float]:
-    """Time by which the reading of a load is late, s, if a friction far below zero shows it; else empty.
+def delay_of_load_reading(axis: Axis, found: Diagnosis) -> dict[str, float]:
+    """Delay of the reading of a load by its signal, s, from a friction far below zero; empty if none is.
 
-    A negative time is that of an early reading. Axes of two bodies joined by a spring, each with a position, count.
+    The delay of an early reading is negative. Only axes of two bodies joined by a spring, each with a position, are
+    examined.
     """
     springs = [
         (own, own.at) for own in axis.elements if isinstance(own, Spring) and isinstance(own.at, Between)
@@ -57,10 +58,10 @@ def lateness(axis: Axis, found: Diagnosis) -> dict[str, float]:
     return {}
 
 
-def with_late_reading(found: Diagnosis, late: Diagnosis, times: Mapping[str, float]) -> Diagnosis:
-    """The diagnosis with the late reading if it explains as much by values that a machine can have.
+def with_delayed_reading(found: Diagnosis, late: Diagnosis, times: Mapping[str, float]) -> Diagnosis:
+    """The diagnosis `late` with the delayed reading, if it explains as much by values that a machine can have.
 
-    If its values are possible, but it explains less, the other one gets a note that the reading may be late.
+    If its values are possible but it explains less, the diagnosis without the delay notes that the reading may be late.
     """
     if any(own.is_far_from_physical for own in late.parameters):
         return found

@@ -49,7 +49,7 @@ class Thresholds:
     # mean square from which on a search that would end goes on from the nominal values (a drawn pair: 7.8)
     resumed: float = 4.0
     # multiple of the least mean square beyond which another candidate is not fitted to the end
-    hopeless: float = 4.0
+    give_up: float = 4.0
     # share of the best gain from which on another candidate is accepted in its place, where it is not certain
     beside_best: float = 0.2
     # share of the gain of a friction that varies along the stroke from which on its level comes first (a load: 0.02)
@@ -93,9 +93,9 @@ class Thresholds:
     # (friction by the load explained servo motors away)
     least_inertia: float = 2.0
     # factor by which it may grow beside any effect that does not explain all: a mode of the motor bench hid 9 tenths
-    # of the inertia (9.0), one at 1.2 Hz that imitates cogging makes a motor 560 times as heavy (both real)
+    # of the inertia (9.0), one at 1.2 Hz that refines cogging makes a motor 560 times as heavy (both real)
     heavier: float = 30.0
-    seen: float = 1e-8  # share of a column, squared, that the others must leave of it
+    least_independent: float = 1e-8  # share of a column, squared, that the others must leave of it
     deviations: float = 2.0  # standard deviations of nothing within which a value does not count as found
     # rms of a missing force relative to the largest of the drive: a spring that holds it may carry more
     largest_force: float = 5.0
@@ -113,7 +113,7 @@ class Thresholds:
     # share of what a limit or a bent gain makes of the force that must differ from the course of the force: of a
     # sine cut to a fifth it is 0.016, of a force of two levels 0 (relay test of a cart, real)
     own_course: float = 0.01
-    # share of its stiffness that a spring loses within its play, at least: a smaller one imitates what else bends
+    # share of its stiffness that a spring loses within its play, at least: a smaller one refines what else bends
     # (a spring of MuJoCo whose damping the model lacked, 0.08)
     least_play: float = 0.2
     # share of the mean square above that of noise up to which what is left speaks for an unusual size: a gain that
@@ -144,7 +144,7 @@ class Thresholds:
     # deviations of their difference over the blocks: laws differ a little from those of a real axis (reliability
     # of drawn cases)
     tempered_share: float = 0.006
-    doubt: float = 1.0
+    gain_deviations: float = 1.0
     # level_spread, level_elsewhere: relative deviation of a friction level from its nominal value, and
     # likelihood, relative to its peak, of one that has changed for other reasons
     level_spread: float = 0.08

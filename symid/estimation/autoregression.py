@@ -36,7 +36,7 @@ class Autoregression:
         white = self.apply(outputs).reshape(*rows.shape[:-1], p, -1)
         return np.asarray(white.swapaxes(-1, -2).reshape(*rows.shape[:-1], -1))
 
-    def back(self, white: FloatArray) -> FloatArray:
+    def adjoint(self, white: FloatArray) -> FloatArray:
         """The adjoint of `apply`: rows, (..., n_outputs, n_rows), from white ones, (..., n_outputs * n_usable)."""
         n_outputs, order, _ = self.coefficients.shape
         whole = np.zeros((*white.shape[:-1], n_outputs, self.usable.size))

@@ -36,7 +36,7 @@ from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffe
 from symid.diagnosis.fitting.cross_validation import Blocks
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.scaled_sensors import with_quantities
 from symid.diagnosis.selection.credibility import _is_a_gain, _is_ringing
@@ -58,7 +58,7 @@ def switched_log() -> Log:
 
 @pytest.mark.parametrize(("log", "is_gain"), [(switched_log(), True), (rigid_log(), False)])
 def test_a_limit_of_a_switched_force_is_a_gain(log: Log, is_gain: bool) -> None:
-    data = data_of(load_axis("rigid_1m"), (joined([log]), None), Recorded({}, None))
+    data = data_of(load_axis("rigid_1m"), (joined([log]), None), Recording({}, None))
     state, weighting = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
     limit = Placed(SaturationEffect(), "actuator", (0.5 * float(np.abs(log["F"]).max()),), (1.0,))
     assert _is_a_gain(Fit(with_effects(state, weighting, (limit,)), weighting)) is is_gain
@@ -70,7 +70,7 @@ def test_the_size_of_a_force_of_one_sign_explains_nothing(least: float) -> None:
     force = least + 13.0 * np.sin(2 * np.pi * (0.9 * t + 0.3 * np.sin(0.8 * t)))
     _, q, _ = scipy.signal.lsim(([1.0], [6.0, 8.0, 0.0]), force, t)
     log = Log.from_arrays({"q": q, "F": force}, sampling_period=2e-3)
-    data = data_of(load_axis("rigid_1m"), (joined([log]), None), Recorded({}, None))
+    data = data_of(load_axis("rigid_1m"), (joined([log]), None), Recording({}, None))
     fit = Fit(*first_state(data.record, {"M": 5.0, "Fv": 8.0, "Fs": 0.1}))
     assert bool(screened(fit, [GainAsymmetryEffect()])) is (least == 0.0)
 
@@ -82,14 +82,14 @@ def test_the_frequency_at_which_an_axis_swings_is_no_disturbance(hertz: float, o
     axis = Axis("arm", (body, PendulumWeight(body, "ml")), Drive("T", body), (Position("q", body),))
     phase = 2 * np.pi * 0.8 * np.arange(0.0, 6.5, 2e-3)
     log = Log.from_arrays({"q": 0.2 * np.sin(phase), "T": 0.2 * np.sign(np.cos(phase))}, sampling_period=2e-3)
-    data = data_of(axis, (joined([log]), None), Recorded({}, None))
+    data = data_of(axis, (joined([log]), None), Recording({}, None))
     state, _ = first_state(data.record, {"J": 0.1, "ml": 0.1 * (2 * np.pi * 0.8) ** 2 / 9.81})
     assert is_line_of_motion(state.prediction, hertz, 0.25) is own
 
 
 @pytest.mark.parametrize(("change", "plausible"), [(4.0, True), (-2.0, True), (9.0, False), (-3.5, False)])
 def test_a_mass_changes_by_less_than_a_factor_of_two(change: float, plausible: bool) -> None:
-    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recording({}, None))
     state, _ = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
     payload = Placed(PayloadChangeEffect(), "motor", (change, 2.0), (1.0,))
     assert payload.effect.is_plausible(state.prediction, payload) is plausible
@@ -100,7 +100,7 @@ def test_a_mass_changes_by_less_than_a_factor_of_two(change: float, plausible: b
 )
 def test_a_mode_that_rings_is_no_disturbance(hertz: float, least: float, rings: bool) -> None:
     """The error of one block falls by `least`, that of the others by 1 each."""
-    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recording({}, None))
     state, weighting = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
     mode = Placed(FlexibleModeEffect(), "motor", (20.0, 0.005), (2.0,))
     wave = Placed(PeriodicDisturbanceEffect(), "motor", (hertz,), (0.1, 0.0))
@@ -117,7 +117,7 @@ def test_a_mode_that_rings_is_no_disturbance(hertz: float, least: float, rings: 
 @pytest.mark.parametrize("share", [0.9, 1.1, 1.4])
 def test_a_wave_has_a_whole_period_within_the_stroke(name: str, share: float) -> None:
     """Cogging, both bends of a period, if it explains all."""
-    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recording({}, None))
     state, _ = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
     pitch = share * float(np.ptp(rigid_log()["q"]))
     effect = next(effect for effect in LIBRARY if effect.name == name)
@@ -131,11 +131,11 @@ def test_a_wave_has_a_whole_period_within_the_stroke(name: str, share: float) ->
 @pytest.mark.parametrize("hertz", [3.0, 5.3, 9.4, 12.5, 19.0])
 @pytest.mark.parametrize("damping", [0.003, 0.02])
 def test_the_mode_that_is_missing_is_among_those_that_are_tried(hertz: float, damping: float) -> None:
-    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recording({}, None))
     state, weighting = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
     effect = FlexibleModeEffect()
     (missing,) = effect.columns(state.prediction, "motor", (hertz, damping))
-    wanted = weighting.back(weighting.rows(missing))
+    wanted = weighting.adjoint(weighting.rows(missing))
     tried = effect.shapes(
         state.prediction, "motor", lambda r: data.record.fine(np.sum(r.conj() * wanted, axis=0))
     )

@@ -6,7 +6,7 @@ import pytest
 from symid import CoulombFriction, Log, OffsetForce, load_axis
 from symid.diagnosis import LIBRARY, diagnose
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.priors import is_of_new_friction
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
@@ -31,7 +31,7 @@ def test_a_load_with_friction_in_one_direction() -> None:
     assert level.value == pytest.approx(20.0, rel=0.05)
 
     # The same constant force at the motor is less probable because friction was found at the load, which declares none.
-    state, _ = first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, VALUES)
+    state, _ = first_state(data_of(SCREW, (joined([log]), None), Recording({}, True)).record, VALUES)
     others = {("coulomb_friction", "load"), ("stribeck_friction", "motor")}
     assert is_of_new_friction(state.prediction, ("asymmetric_friction", "load"), others)
     assert not is_of_new_friction(state.prediction, ("asymmetric_friction", "motor"), others)

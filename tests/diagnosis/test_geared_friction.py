@@ -24,7 +24,7 @@ from symid.data import Log
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import LIBRARY
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.drive_force import drive_force_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.simulation import plant_of, trapezoids, tuned_cascade
@@ -100,7 +100,7 @@ def test_force_in_a_joint_as_the_drive_feels_it(
         },
         sampling_period=1e-3,
     )
-    prediction = first_state(data_of(axis, (joined([log]), None), Recorded({}, True)).record, values)[
+    prediction = first_state(data_of(axis, (joined([log]), None), Recording({}, True)).record, values)[
         0
     ].prediction
     for name, joint in (prediction.joints | prediction.springs).items():

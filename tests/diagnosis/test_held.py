@@ -9,7 +9,7 @@ from symid.diagnosis import LIBRARY
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.held import nominal_shows_hold
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
@@ -33,7 +33,7 @@ def test_nominal_values_that_need_only_a_hold_show_it(
     reference = trapezoids(0.1, [0.2, 0.3], acceleration=4.0, jerk=100.0, dwell=0.1, sampling_period=1e-3)
     screw = SCREW.with_effect(ActuatorLag(lag)) if lag else SCREW
     log = simulate(screw, VALUES, reference, tuned_cascade(plant_of(SCREW, VALUES), "qm"), seed=1).log
-    data = data_of(SCREW, (joined([log]), None), Recorded({}, held))
+    data = data_of(SCREW, (joined([log]), None), Recording({}, held))
     state, weighting = first_state(data.record, VALUES | wrong)
     assert nominal_shows_hold(Fit(state, weighting), fitted_axis(state, weighting)) is shown
 

@@ -9,7 +9,7 @@ from symid.diagnosis.effects import Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection import stages
 from symid.diagnosis.selection.screening import Candidate
@@ -45,7 +45,7 @@ def test_friction_of_a_structure_begins_at_the_size_with_the_least_error() -> No
     reference = trapezoids(0.1, [0.15, 0.3], acceleration=4.0, jerk=120.0, dwell=0.1, sampling_period=1e-3)
     loop = tuned_cascade(plant_of(AXIS, VALUES), "q2")
     log = simulate(machine.with_signal("Fm", noise=0.3), VALUES | {"Fss": 60.0}, reference, loop, seed=1).log
-    data = data_of(AXIS, (joined([log]), None), Recorded({}, True))
+    data = data_of(AXIS, (joined([log]), None), Recording({}, True))
     state, weighting = first_state(data.record, VALUES)
     (coulomb,) = (effect for effect in LIBRARY if effect.name == "coulomb_friction")
     # A projection of a force that has changed its own motion may be far off, either way.
@@ -62,7 +62,7 @@ def test_relatives_of_friction_of_a_structure_are_integrated_from_its_values() -
     reference = trapezoids(0.1, [0.3], acceleration=4.0, jerk=120.0, dwell=0.1, sampling_period=1e-3)
     loop = tuned_cascade(plant_of(AXIS, VALUES), "q2")
     log = simulate(machine.with_signal("Fm", noise=0.3), VALUES | {"Fss": 60.0}, reference, loop, seed=1).log
-    state, weighting = first_state(data_of(AXIS, (joined([log]), None), Recorded({}, True)).record, VALUES)
+    state, weighting = first_state(data_of(AXIS, (joined([log]), None), Recording({}, True)).record, VALUES)
     fit = Fit(state, weighting)
     effects = {effect.name: effect for effect in LIBRARY}
     plain = Placed(effects["coulomb_friction"], "structure", (), (20.0,))

@@ -44,14 +44,14 @@ def before_and_after() -> tuple[Diagnosis, Diagnosis]:
     """The diagnosis with the reading as it is, from which the time is told, and that with the reading late."""
     asked: list[Diagnosis] = []
     module = sys.modules["symid.diagnosis.diagnose"]
-    lateness = module.lateness
+    delay_of_load_reading = module.delay_of_load_reading
 
     def seen(axis: Axis, found: Diagnosis) -> dict[str, float]:
         asked.append(found)
-        return lateness(axis, found)
+        return delay_of_load_reading(axis, found)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "lateness", seen)
+        patch.setattr(module, "delay_of_load_reading", seen)
         late = diagnose(SCREW, late_by_a_sample(1), validation=late_by_a_sample(2), nominal=VALUES)
     return asked[0], late
 

@@ -9,7 +9,7 @@ from symid import load_axis
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.diagnosis import diagnose
-from symid.diagnosis.selection.evidence import Errors, _is_outdone
+from symid.diagnosis.selection.evidence import Errors, _chance_of_another_law
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 RIGID = load_axis("rigid_1m")
@@ -59,5 +59,5 @@ def test_a_constant_force_stays_certain_beside_a_law_that_the_library_lacks() ->
 
 @pytest.mark.parametrize("share", [0.0, 0.3])
 def test_the_probability_of_an_effect_falls_with_what_another_shape_leaves(share: float) -> None:
-    assert 0.8 < _is_outdone(Errors(None, 50.0, 10.0, 0.1, nonparametric=share)) <= 0.85
-    assert _is_outdone(Errors(None, 50.0, 10.0, 0.1, nonparametric=1.0)) < 0.05
+    assert 0.8 < _chance_of_another_law(Errors(None, 50.0, 10.0, 0.1, nonparametric=share)) <= 0.85
+    assert _chance_of_another_law(Errors(None, 50.0, 10.0, 0.1, nonparametric=1.0)) < 0.05

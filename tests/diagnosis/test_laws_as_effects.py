@@ -158,7 +158,7 @@ def test_a_strong_law_in_a_spring_pushes_as_the_spring_does(name: str) -> None:
     (effect,) = (e for e in LAWS if e.name == name)
     prediction = scene_for(effect)
     largest = max(map(abs, prediction.springs["transmission"].range))
-    strong = list(effect.strong(prediction.springs["transmission"], 8e6))
+    strong = list(effect.strong_starts(prediction.springs["transmission"], 8e6))
     assert len(strong) == 4
     for (shape, amplitudes), share in zip(strong, (0.3, 1.0, 2.5, 5.0), strict=True):
         force = abs(force_at(effect.point_by_point(shape, amplitudes), largest, 0.0))

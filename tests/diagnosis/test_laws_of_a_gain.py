@@ -12,7 +12,7 @@ from symid.diagnosis import LIBRARY, diagnose
 from symid.diagnosis.effects import GainNonlinearityEffect, Placed
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection import backward
 from symid.diagnosis.selection.reselection import reselected
@@ -87,7 +87,7 @@ def test_a_gain_may_bend_more_in_short_peaks(share: float) -> None:
     peaks = np.abs(np.arange(force.size) / force.size - 0.5) < share / 2
     raised = np.where(peaks, 3.0, force)
     data = data_of(
-        RIGID, (joined([replace(log, signals={**log.signals, "F": raised})]), None), Recorded({}, None)
+        RIGID, (joined([replace(log, signals={**log.signals, "F": raised})]), None), Recording({}, None)
     )
     state, _ = first_state(data.record, {"M": 1.0, "Fv": 1.0, "Fs": 0.1})
     assert CUBE.is_plausible(state.prediction, Placed(CUBE, ACTUATOR, (), (0.05,))) is (share < 0.02)

@@ -8,7 +8,7 @@ from symid import Log, diagnose, load_axis
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection import confirmation
 from symid.diagnosis.selection.forward import forward_selection
@@ -50,7 +50,7 @@ def test_the_leading_candidate_is_fitted_until_its_error_hardly_falls(
     library = [effect for effect in LIBRARY if effect.name == "flexible_mode"]
     monkeypatch.setattr(confirmation, "_DIRECT", (0, 0, 0))
     axis = load_axis("rigid_1m")
-    data = data_of(axis, (joined([ringing_log(4)]), None), Recorded({}, True))
+    data = data_of(axis, (joined([ringing_log(4)]), None), Recording({}, True))
     plain = fitted_axis(*first_state(data.record, {"M": 40.0, "Fv": 80.0, "Fs": 15.0}))
     (step,) = forward_selection(plain, library)[:1]
     assert step.best.fit.mean_square < 0.02 * plain.mean_square

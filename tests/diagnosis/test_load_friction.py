@@ -12,7 +12,7 @@ from symid.diagnosis.effects import LIBRARY, Placed
 from symid.diagnosis.fitting.gauss_newton import converged
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
@@ -79,7 +79,7 @@ def loaded_screw() -> tuple[State, Weighting]:
     loop = tuned_cascade(plant_of(SCREW, SCREW_VALUES), "qm")
     reference = trapezoids(0.15, [0.2, 0.4], acceleration=6.0, jerk=400.0, dwell=0.05, sampling_period=5e-4)
     log = simulate(machine, SCREW_VALUES, reference, loop, seed=1).log
-    record = data_of(SCREW, (joined([log]), None), Recorded({}, True)).record
+    record = data_of(SCREW, (joined([log]), None), Recording({}, True)).record
     state, weighting = first_state(record, SCREW_VALUES)
     return with_effects(state, weighting, (FRICTION,)), weighting
 

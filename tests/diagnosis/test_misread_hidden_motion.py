@@ -9,7 +9,7 @@ from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
@@ -29,7 +29,7 @@ def run(axis: Axis, values: dict[str, float], *signals: str) -> Log:
 
 def begun(log: Log) -> tuple[State, Weighting]:
     """The declared screw at its true values."""
-    return first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, VALUES)
+    return first_state(data_of(SCREW, (joined([log]), None), Recording({}, True)).record, VALUES)
 
 
 def screw(*effects: EncoderRipple | CoulombFriction) -> Axis:

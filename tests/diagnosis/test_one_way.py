@@ -8,9 +8,8 @@ from hand_made import QUIET, RATE, RIGID, motion
 
 from symid import Axis, Log, OffsetForce, load_axis
 from symid.diagnosis import diagnose
-from symid.diagnosis.prediction.one_way import alike_in_one_way
+from symid.diagnosis.prediction.one_way import indistinct_constant_forces
 from symid.diagnosis.selection.screening import Candidate
-from symid.diagnosis.selection.stages import as_good
 
 SPEED, PITCH = 1.5, 0.3
 
@@ -48,9 +47,13 @@ def test_a_way_back_tells_them_apart(axis: Axis, log: Log) -> None:
     back = Log.from_arrays(
         {name: np.concatenate([x, x[::-1]]) for name, x in log.signals.items()}, sampling_period=1 / RATE
     )
-    assert alike_in_one_way(axis, [log], None)[0] == {"OF": 0.0}
-    assert alike_in_one_way(axis, [log, back], None) == alike_in_one_way(axis, [back], None) == ({}, ())
-    assert alike_in_one_way(load_axis("rigid_1m"), [log], None) == ({}, ())
+    assert indistinct_constant_forces(axis, [log], None)[0] == {"OF": 0.0}
+    assert (
+        indistinct_constant_forces(axis, [log, back], None)
+        == indistinct_constant_forces(axis, [back], None)
+        == ({}, ())
+    )
+    assert indistinct_constant_forces(load_axis("rigid_1m"), [log], None) == ({}, ())
 
 
 def test_effects_with_the_gain_of_a_chosen_one_are_fitted_too() -> None:
@@ -59,5 +62,5 @@ def test_effects_with_the_gain_of_a_chosen_one_are_fitted_too() -> None:
     found = [
         Candidate(p, gain, 0.0) for p, gain in zip(placed, (50.0, 30.0, 21.33, 21.32, 11.6), strict=True)
     ]
-    assert [c.placed.effect for c in as_good(found, found[:3])] == ["coulomb"]
-    assert as_good(found, found[:2]) == []
+    assert [c.placed.effect for c in ties(found, found[:3])] == ["coulomb"]
+    assert ties(found, found[:2]) == []

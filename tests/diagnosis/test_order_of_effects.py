@@ -18,7 +18,7 @@ from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import State, first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import _determined, brought_first
@@ -137,7 +137,7 @@ def test_hidden_bodies_go_on_when_a_mass_changes(moment: float) -> None:
     log = Log.from_arrays({"q2": run["q2"], "Fm": run["Fm"]}, sampling_period=run.sampling_period)
     left = []
     for declared in (ELASTIC, ELASTIC.with_effect(change)):
-        data = data_of(declared, (joined([log]), None), Recorded({}, True))
+        data = data_of(declared, (joined([log]), None), Recording({}, True))
         left.append(Fit(*first_state(data.record, FLEXIBLE)).mean_square)
     assert left[1] < 0.02 * left[0]
 
@@ -192,7 +192,7 @@ def test_cogging_of_a_longer_pitch_than_the_stroke_is_found_if_it_explains_all()
 
 def test_effects_within_their_deviations_beside_all_others_are_dropped() -> None:
     """An effect that is named first and stood in for another one, which leaves nothing to it."""
-    data = data_of(RIGID, (joined([rigid_log(lambda t, q, v, a, path: 800 * q)]), None), Recorded({}, None))
+    data = data_of(RIGID, (joined([rigid_log(lambda t, q, v, a, path: 800 * q)]), None), Recording({}, None))
     fit = fitted(*first_state(data.record, hand_made.RIGID))
     base, steps = fit, list[SelectionStep]()
     for name in ("offset_force", "position_stiffness"):

@@ -9,7 +9,7 @@ from symid.diagnosis import LIBRARY, Diagnosis, diagnose
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -53,7 +53,7 @@ def test_a_payload_loads_the_bearings_too() -> None:
     # A friction of 0.25 of the drive force multiplies the force of the added mass by 1 / (1 - 0.25) as well.
     time, body = float(CRUISES[0]), AXIS.bodies[0]
     log = log_with_change(time, 1, LoadDependentFriction(body, 0.25))
-    data = data_of(AXIS, (joined([log]), None), Recorded({}, True))
+    data = data_of(AXIS, (joined([log]), None), Recording({}, True))
     state, weighting = first_state(data.record, VALUES)
     effects = {effect.name: effect for effect in LIBRARY}
     friction = Placed(effects["load_dependent_friction"], body.name, (), (0.25,))

@@ -11,7 +11,7 @@ from symid.diagnosis.fitting.gauss_newton import converged
 from symid.diagnosis.fitting.moments import timed
 from symid.diagnosis.fitting.sensitivity import prediction_jacobian
 from symid.diagnosis.fitting.state import State, evaluated, first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.simulation import multisine, plant_of, simulate, trapezoids, tuned_cascade
@@ -32,7 +32,7 @@ def loaded() -> tuple[State, Weighting]:
     )
     log = simulate(machine, VALUES, shaking, tuned_cascade(plant_of(SCREW, VALUES), "qm"), seed=1).log
     wrong = VALUES | {"Kt": 6.8e6, "Ml": 138.0, "Mm": 122.5}
-    state, weighting = first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, wrong)
+    state, weighting = first_state(data_of(SCREW, (joined([log]), None), Recording({}, True)).record, wrong)
     payload = Placed(EFFECTS["payload_change"], "load", (42.0, MOMENT), (1.0,))
     return with_effects(state, weighting, (payload,)), weighting
 
@@ -42,14 +42,14 @@ def test_derivatives_by_stiffness_and_mass_hold_what_the_change_takes_back(
 ) -> None:
     """They were those of a load that rings at its first resonance throughout the log, 100 times as large."""
     state, weighting = loaded
-    columns = weighting.known(weighting.rows(prediction_jacobian(state)), state.beginning)
+    columns = weighting.projected(weighting.rows(prediction_jacobian(state)), state.beginning)
     for k, (name, value) in enumerate(state.prediction.parameters.items()):
         step = 1e-5 * value
         here, there = (
             evaluated(state, weighting, dict(state.prediction.parameters) | {name: x}, state.placed).rows
             for x in (value, value + step)
         )
-        difference = weighting.known((here - there) / step, state.beginning)
+        difference = weighting.projected((here - there) / step, state.beginning)
         assert np.linalg.norm(columns[k] - difference) < 0.02 * np.linalg.norm(difference), name
 
 
@@ -69,7 +69,7 @@ def moved(change: float, time: float, level: float = 0.0, damping: float = 620.0
     path = trapezoids([0.2, 0.1] * 3, 0.6, acceleration=8.0, jerk=400.0, dwell=0.1, sampling_period=1e-3)
     loop, own = tuned_cascade(plant_of(SCREW, values), "qm"), {"Fsl": level} if level else {}
     log = simulate(machine, values | own, path, loop, seed=1).log
-    return first_state(data_of(SCREW, (joined([log]), None), Recorded({}, True)).record, values)
+    return first_state(data_of(SCREW, (joined([log]), None), Recording({}, True)).record, values)
 
 
 def test_its_moment_is_found_to_the_millisecond_where_the_load_rings_from_it_on() -> None:

@@ -10,7 +10,7 @@ from symid.diagnosis.effects import LIBRARY, FlexibleModeEffect, Placed
 from symid.diagnosis.effects.friction_drift import FrictionDriftEffect
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.credibility import _makes_impossible, friction_drives
 
@@ -19,7 +19,7 @@ RIPPLE = next(effect for effect in LIBRARY if effect.name == "force_constant_rip
 
 
 def fit_with(*placed: Placed, mass: float = 6.0) -> Fit:
-    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recorded({}, None))
+    data = data_of(load_axis("rigid_1m"), (joined([rigid_log()]), None), Recording({}, None))
     state, weighting = first_state(data.record, {"M": mass, "Fv": 8.0, "Fs": 0.1})
     return Fit(with_effects(state, weighting, placed), weighting)
 

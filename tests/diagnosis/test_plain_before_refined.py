@@ -9,7 +9,7 @@ from symid import CoulombFriction, Log, load_axis
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.step import SelectionStep, accepted_of
@@ -37,7 +37,7 @@ def found() -> list[str]:
     smooth = replace(
         declared, elements=tuple(e for e in declared.elements if not isinstance(e, CoulombFriction))
     )
-    data = data_of(smooth, (joined([slide()]), None), Recorded({}, True))
+    data = data_of(smooth, (joined([slide()]), None), Recording({}, True))
     fit = fitted_axis(*first_state(data.record, {"M": 58.0, "Fv": 100.0}))
     library = [effect for effect in LIBRARY if effect.name in NAMES]
     return [step.best.key[0] for step in accepted_of(forward_selection(fit, library, None))]

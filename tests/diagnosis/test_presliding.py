@@ -7,9 +7,9 @@ import pytest
 
 from symid import CoulombFriction, Log, PreslidingFriction, load_axis
 from symid.diagnosis import LIBRARY, Diagnosis, diagnose, explained_axis
-from symid.diagnosis.effects import Placed, with_parts
+from symid.diagnosis.effects import Placed, with_presliding_parts
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -60,7 +60,7 @@ def test_an_encoder_of_coarse_steps_shows_no_short_reach() -> None:
     effect = next(e for e in LIBRARY if e.name == "presliding_friction")
 
     def shows(log: Log, reach: float) -> bool:
-        data = data_of(FRICTIONLESS, (joined([log]), None), Recorded({}, True))
+        data = data_of(FRICTIONLESS, (joined([log]), None), Recording({}, True))
         prediction = first_state(data.record, KNOWN)[0].prediction
         return effect.is_plausible(prediction, Placed(effect, BODY.name, (reach,), (12.0,)))
 
@@ -70,13 +70,13 @@ def test_an_encoder_of_coarse_steps_shows_no_short_reach() -> None:
 
 
 def test_a_part_of_coulomb_friction_predicts_what_both_did_apart() -> None:
-    data = data_of(FRICTIONLESS, (joined([slide(1)]), None), Recorded({}, True))
+    data = data_of(FRICTIONLESS, (joined([slide(1)]), None), Recording({}, True))
     state, weighting = first_state(data.record, KNOWN)
     effects = {effect.name: effect for effect in LIBRARY}
     coulomb = Placed(effects["coulomb_friction"], BODY.name, (), (18.0,))
     presliding = Placed(effects["presliding_friction"], BODY.name, (1e-4,), (12.0,))
     apart = with_effects(state, weighting, (coulomb, presliding))
-    whole, part = with_parts(apart.placed)
+    whole, part = with_presliding_parts(apart.placed)
     together = with_effects(state, weighting, (whole, part))
     assert (whole.amplitudes, part.amplitudes) == ((30.0,), (12.0,))
     assert np.allclose(together.rows, apart.rows, rtol=0, atol=1e-9 * np.abs(apart.rows).max())
@@ -88,7 +88,7 @@ def test_reaches_tried_fit_within_the_stroke_of_the_joint() -> None:
     values = {"Ms": 2300.0, "Fvs": 28000.0, "Ks": 1.4e8, "Mm": 335.0, "Fvm": 330.0, "Fsm": 110.0}
     path = trapezoids([0.2, 0.1], 0.8, acceleration=5.0, jerk=300.0, dwell=0.05, sampling_period=1e-3)
     log = simulate(axis, values, path, tuned_cascade(plant_of(axis, values), "q2"), seed=1).log
-    state, _ = first_state(data_of(axis, (joined([log]), None), Recorded({}, True)).record, values)
+    state, _ = first_state(data_of(axis, (joined([log]), None), Recording({}, True)).record, values)
     effect = next(effect for effect in LIBRARY if effect.name == "presliding_friction")
     tried = {
         at: [reach for (reach,) in effect.shapes(state.prediction, at, lambda response: response.real)]

@@ -20,7 +20,7 @@ from symid.diagnosis import diagnose
 from symid.diagnosis.effects import Placed, effects_named
 from symid.diagnosis.effects.signals import RecordedLagEffect
 from symid.diagnosis.prediction.quantisation import rounding_error
-from symid.diagnosis.prediction.recorder import recovered
+from symid.diagnosis.prediction.recorder import repaired
 from symid.errors import LogError
 from symid.identification.faults.smoothing import interpolated_from, updated_every
 
@@ -135,7 +135,7 @@ def test_a_short_mean_costs_no_effect_its_name() -> None:
 
 def test_a_sound_log_is_left_as_it_is() -> None:
     log = with_drag()
-    found = recovered(load_axis("rigid_1m"), [log])
+    found = repaired(load_axis("rigid_1m"), [log])
     assert found.logs[0] is log
     assert (found.notes, found.thinned) == ((), 1)
 
@@ -163,7 +163,7 @@ def test_a_coarse_position_that_mostly_rests_was_interpolated_all_the_same() -> 
     counts = np.round(40 * np.clip(np.sin(np.arange(6000) / 40), -0.4, 0.4))
     slow = np.interp(np.arange(1, 24_000) / 4, np.arange(6000), counts)
     assert interpolated_from(slow) == 4
-    thin = recovered(
+    thin = repaired(
         load_axis("rigid_1m"), [Log.from_arrays({"q": slow, "F": np.sin(slow)}, sampling_period=1e-3)]
     )
     assert np.isin(thin.logs[0]["q"], counts).all()
@@ -196,4 +196,4 @@ def test_a_short_log_shows_a_slow_channel_by_steps_that_no_encoder_makes() -> No
     assert updated_every(spun_up) == updated_every(np.arange(120) // 4 * step) == (1, 0)
     log = Log.from_arrays({"F": np.sin(60 * t), "q": held(spun_up)}, sampling_period=1e-3)
     with pytest.raises(LogError, match="30 samples of its own, as q is updated every 4th sample only"):
-        recovered(load_axis("rigid_1m"), [log])
+        repaired(load_axis("rigid_1m"), [log])

@@ -41,7 +41,7 @@ from symid import (
 )
 from symid.diagnosis import explained_axis, next_experiment_of
 from symid.diagnosis.experiment import discrimination
-from symid.diagnosis.experiment.discrimination import shares_of
+from symid.diagnosis.experiment.discrimination import drive_ratios
 from symid.errors import LogError, SettingError
 from symid.report.pages.diagnosis_page import write_html
 from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
@@ -214,7 +214,7 @@ def test_drives_that_run_against_each_other_go_on_so() -> None:
     turned = {"q2": 0.3 - run["q2"], "F2": -run["F2"]}
     like = found().record
     mirrored = replace(like, log=replace(run, signals={**run.signals, **turned}))
-    plain, share = shares_of(mirrored)
+    plain, share = drive_ratios(mirrored)
     assert (plain.factor, plain.offset, share.factor) == (1.0, 0.0, -1.0)
     assert share.offset == pytest.approx(0.3, abs=1e-3)
 

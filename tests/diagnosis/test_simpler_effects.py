@@ -12,7 +12,7 @@ from symid.diagnosis.effects import Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state, with_effects
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb
 from symid.diagnosis.selection.screening import Candidate
@@ -39,7 +39,7 @@ def test_coulomb_friction_begins_at_the_level_of_what_contains_it() -> None:
     reference = trapezoids(0.1, [0.1, 0.2], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
     log = simulate(noisy, values, reference, tuned_cascade(plant_of(RIGID, values), "q"), seed=1).log
     law = next(own for own in RIGID.laws if isinstance(own, CoulombFriction))
-    data = data_of(RIGID.without(law), (joined([log]), None), Recorded({}, True))
+    data = data_of(RIGID.without(law), (joined([log]), None), Recording({}, True))
     fit = fitted(*first_state(data.record, {"M": 100.0, "Fv": 120.0}))
     whole = Fit(with_effects(fit.state, fit.weighting, (VARYING,)), fit.weighting)
     own = Confirmed(whole, 0.0, 1.0, whole.blocks.squares)

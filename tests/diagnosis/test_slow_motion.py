@@ -8,10 +8,10 @@ import pytest
 
 from benchmarks.diagnosis.real import recordings
 from symid import Log, diagnose, load_axis
-from symid.diagnosis.findings.feedback import driven_backwards
+from symid.diagnosis.findings.feedback import negative_friction
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 
 TIME = np.arange(0, 40, 0.01)
@@ -49,10 +49,10 @@ def test_a_drive_that_supplies_energy_is_not_reversed_whatever_a_model_says(sign
     """Friction of a model that lacks much may come out negative."""
     log = slow_log(level=0.65, weight=0.0)
     turned = replace(log, signals={"q": log["q"], "F": sign * log["F"]})
-    data = data_of(load_axis("rigid_1m"), (joined([turned]), None), Recorded({}, None))
+    data = data_of(load_axis("rigid_1m"), (joined([turned]), None), Recording({}, None))
     model = Fit(*first_state(data.record, {"M": 2.0, "Fv": -3.0, "Fs": -0.65}))
     plain = Fit(*first_state(data.record, {"M": 2.0, "Fv": 1.0, "Fs": -0.4}))
-    sentence = driven_backwards(model, plain)
+    sentence = negative_friction(model, plain)
     assert bool(sentence) is said
     assert ("(Fs -0.4)" in sentence) is said  # the value in the table of parameters
 

@@ -23,7 +23,7 @@ from symid.diagnosis import diagnose
 from symid.diagnosis.fitting import start
 from symid.diagnosis.fitting.gauss_newton import converged
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError
@@ -56,7 +56,7 @@ def flexible_log(seed: int) -> Log:
 
 
 def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    data = data_of(load_axis("direct_2m1s"), (joined([flexible_log(1)]), None), Recorded({}, None))
+    data = data_of(load_axis("direct_2m1s"), (joined([flexible_log(1)]), None), Recording({}, None))
     begin = first_state(data.record, FAR, data.training)
     found = start.fitted_axis(*begin)
     assert found.mean_square < THRESHOLDS.fit_of_noise
@@ -78,7 +78,7 @@ def test_a_moment_at_the_wrong_end_of_the_log_is_found() -> None:
     )
     late, early = (axis.with_effect(PayloadChange(motor, 20.0, time=t)) for t in (12.0, 1.0))
     log = simulate(late, values, path, tuned_cascade(plant_of(axis, values), "q")).log
-    data = data_of(early, (joined([log]), None), Recorded({}, None))
+    data = data_of(early, (joined([log]), None), Recording({}, None))
     stuck = converged(*first_state(data.record, values, data.training))
     assert stuck.mean_square > 3 * THRESHOLDS.fit_of_noise
     found = start.from_other_moments(stuck)
@@ -152,7 +152,7 @@ def test_declared_dry_friction_of_a_hidden_load_is_integrated_with_its_motion() 
     noisy = axis.with_signal("q", noise=1e-7).with_signal("F", noise=1.0)
     run = simulate(noisy, true, reference, tuned_cascade(plant_of(axis, true), "q"), seed=1).log
     log = Log.from_arrays({"q": run["q"], "F": run["F"]}, sampling_period=run.sampling_period)
-    data = data_of(axis, (joined([log]), None), Recorded({}, True))
+    data = data_of(axis, (joined([log]), None), Recording({}, True))
     signs = np.random.default_rng(1).choice([-0.15, 0.15], len(true))
     nominal = {name: value * (1 + off) for (name, value), off in zip(true.items(), signs, strict=True)}
     found = start.fitted_axis(*first_state(data.record, nominal, data.training))

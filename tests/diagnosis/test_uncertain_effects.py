@@ -12,7 +12,7 @@ from symid.diagnosis.effects import Effect
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
-from symid.diagnosis.prediction.data import Recorded, data_of
+from symid.diagnosis.prediction.data import Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
 from symid.diagnosis.selection import forward
 from symid.diagnosis.selection.backward import backward_elimination
@@ -37,7 +37,7 @@ def slide() -> Log:
 
 def first_step(*names: str) -> tuple[Fit, list[Effect], SelectionStep]:
     """The slide re-identified, effects by their names, and the first step of a search among these."""
-    data = data_of(load_axis("rigid_1m"), (joined([slide()]), None), Recorded({}, True))
+    data = data_of(load_axis("rigid_1m"), (joined([slide()]), None), Recording({}, True))
     fit = fitted_axis(*first_state(data.record, {"M": 58.0, "Fv": 100.0, "Fs": 35.0}))
     library = [effect for effect in LIBRARY if effect.name in names]
     return fit, library, forward._selection_step(fit, library, None)

@@ -66,7 +66,7 @@ def test_back_is_the_adjoint_of_rows() -> None:
     spectrum = one.from_grid(course)
     course = one.rows(spectrum)  # what of it lies in the band
     assert np.sum(weighting.rows(spectrum[None]) * rows) == pytest.approx(
-        np.sum(course * one.rows(weighting.back(rows))[0]), rel=1e-6
+        np.sum(course * one.rows(weighting.adjoint(rows))[0]), rel=1e-6
     )
 
 
@@ -164,7 +164,7 @@ def test_effects_below_noise_and_a_thousandth_of_the_force_are_no_cause() -> Non
     step = SimpleNamespace(accepts=True)
     small = Errors(200.0, 1.42, 1.03, 0.06, relative=0.00075)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(evidence, "is_there", lambda _: 1.0)
+        patch.setattr(evidence, "probability_of_presence", lambda _: 1.0)
         patch.setattr(evidence, "_is_likeliest", lambda *_: True)
         assert outcome((step,), 1, small).verdict == "parameters"  # type: ignore[arg-type]  # of a step it is all
         assert outcome((step,), 1, replace(small, relative=0.01)).verdict == "effect"  # type: ignore[arg-type]

@@ -115,7 +115,7 @@ class Cogging(Law):
     shape: ClassVar = (ShapeParameter("pitch", "pitch", "stroke"),)
     hypotheses: ClassVar = (Hypothesis("cogging", ("As", "Ac")),)
     moves_hidden: ClassVar = False
-    imitates: ClassVar = (Unbalance,)
+    refines: ClassVar = (Unbalance,)
     advice: ClassVar = (
         "move slowly at two speeds over the whole stroke: "
         "ripple of the stroke scales its frequency with speed"
@@ -156,7 +156,7 @@ class PeriodicFriction(Law):
         Hypothesis("position_dependent_friction", ("dFs", "dFc"), beside=(CoulombFriction,)),
         Hypothesis("position_dependent_friction", ("Fs", "dFs", "dFc"), together=(CoulombFriction,)),
     )
-    imitates: ClassVar = (CoulombFriction,)
+    refines: ClassVar = (CoulombFriction,)
     advice: ClassVar = _ALONG
 
 
@@ -189,7 +189,7 @@ class PositionDependentFriction(Law):
         Hypothesis("position_dependent_friction", ("Fs", "dF1", "dF2"), together=(CoulombFriction,)),
     )
     moves_hidden: ClassVar = False
-    imitates: ClassVar = (CoulombFriction,)
+    refines: ClassVar = (CoulombFriction,)
     advice: ClassVar = _ALONG
 
 
@@ -224,5 +224,5 @@ class PositionDependentViscousFriction(Law):
             beside=(ViscousFriction, CoulombFriction),
         ),
     )
-    imitates: ClassVar = (CoulombFriction,)
+    refines: ClassVar = (CoulombFriction,)
     advice: ClassVar = _ALONG

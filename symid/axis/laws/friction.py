@@ -104,7 +104,7 @@ class FrictionAsymmetry(Law):
         Hypothesis("asymmetric_friction", ("dFs",), without=(OffsetForce,)),
     )
     by_direction: ClassVar = True
-    imitates: ClassVar = (OffsetForce,)
+    refines: ClassVar = (OffsetForce,)
     advice: ClassVar = "move over the same stroke at the same speeds in both directions"
 
 
@@ -153,7 +153,7 @@ class StribeckFriction(Law):
     formula: ClassVar = (Term("level", "sign(v)*exp(-(v/velocity)**2)"),)
     shape: ClassVar = (ShapeParameter("velocity", "vs", "speed", trials=(0.006, 0.6, 12)),)
     hypotheses: ClassVar = (Hypothesis("stribeck_friction", ("dF",)),)
-    imitates: ClassVar = (CoulombFriction,)
+    refines: ClassVar = (CoulombFriction,)
     advice: ClassVar = "move at five to ten constant speeds below 10 % of the highest"
 
 

@@ -146,7 +146,7 @@ class Law(ABC):
     """Whether it belongs to a spring, with q as the deflection of the spring."""
     moves_hidden: ClassVar[bool] = True
     """Whether it may change the motion of an unmeasured joint so much that a diagnosis must integrate that motion."""
-    imitates: ClassVar[tuple[type[Law], ...]] = ()
+    refines: ClassVar[tuple[type[Law], ...]] = ()
     """Simpler laws that may explain the same gap: a diagnosis tries them too, and prefers them in a tie."""
     advice: ClassVar[str] = ""
     """Measurement that confirms the law; a diagnosis proposes it as the next experiment."""

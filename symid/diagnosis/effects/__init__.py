@@ -27,7 +27,11 @@ from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_l
 from symid.diagnosis.effects.load_dependent_friction import LoadDependentFrictionEffect
 from symid.diagnosis.effects.payload_change import PayloadChangeEffect
 from symid.diagnosis.effects.periodic_disturbance import PeriodicDisturbanceEffect
-from symid.diagnosis.effects.presliding_friction import PreslidingFrictionEffect, is_part, with_parts
+from symid.diagnosis.effects.presliding_friction import (
+    PreslidingFrictionEffect,
+    is_presliding_part,
+    with_presliding_parts,
+)
 from symid.diagnosis.effects.repeating import (
     CoggingEffect,
     EncoderRippleEffect,
@@ -47,7 +51,7 @@ from symid.diagnosis.effects.signals import (
     TransferEffect,
     force_at,
     time_of,
-    with_alike,
+    with_equivalents,
 )
 from symid.errors import SettingError
 
@@ -140,8 +144,8 @@ __all__ = [
     "effects_of_element",
     "force_at",
     "imperfection_of",
-    "is_part",
+    "is_presliding_part",
     "time_of",
-    "with_alike",
-    "with_parts",
+    "with_equivalents",
+    "with_presliding_parts",
 ]

@@ -20,7 +20,7 @@ relative to that of the spring, with which a fit may begin."""
 class BacklashEffect(LawEffect):
     """Play within which a spring is much softer."""
 
-    def rattling(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def rattling_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         """Shapes and amplitudes of a play in which the body on a spring of that stiffness rattles."""
         largest = max(map(abs, spring.range))
         return [((width * largest,), (level * stiffness,)) for width, level in product(_WIDTHS, _LEVELS)]

@@ -57,11 +57,11 @@ class Effect(ABC):
     """Shape parameters that may be as small as their standard deviation, such as the damping of a mode."""
     per_log: ClassVar[bool] = False
     """Whether its amplitudes are properties of a log, for instance because time starts at 0 in each."""
-    imitates: tuple[str, ...] = ()
+    refines: tuple[str, ...] = ()
     """Names of simpler effects that may explain the same gap."""
 
     @property
-    def in_doubt(self) -> frozenset[str]:
+    def may_be_undetermined(self) -> frozenset[str]:
         """Shape parameters whose standard deviation may exceed them."""
         return frozenset((*self.moments, *self.may_be_zero))
 
@@ -165,7 +165,7 @@ class JointEffect(Effect):
         """Force of the effect as a function of the motion at an instant, for hidden joints; None if it is not one."""
         return None
 
-    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         """Shapes and amplitudes that change the motion of a hidden joint as much as its spring of that stiffness."""
         return ()
 
@@ -235,10 +235,10 @@ class Placed:
         """Names of effect and place."""
         return self.effect.name, self.at
 
-    def contains(self, key: Key) -> bool:
+    def refines(self, key: Key) -> bool:
         """Whether it refines an effect at a place, as presliding friction refines Coulomb friction."""
         name, place = key
-        return self.at == place and name in self.effect.imitates
+        return self.at == place and name in self.effect.refines
 
     @property
     def free(self) -> tuple[float, ...]:

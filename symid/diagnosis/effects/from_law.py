@@ -93,7 +93,7 @@ class LawEffect(JointEffect):
         formula = tuple(term for each in self.laws for term in each.formula)
         self.formula = formula[: len(self.amplitudes)]
         self.advice = law.advice
-        self.imitates = tuple(each.hypotheses[0].effect for each in law.imitates)
+        self.refines = tuple(each.hypotheses[0].effect for each in law.refines)
         self.positive = not (hypothesis.together or self.formula[0].signed)
 
     @property
@@ -185,7 +185,7 @@ class LawEffect(JointEffect):
         courses = [function(joint.q, unit, *shape) for function in self.functions.arrays]
         return np.asarray(np.tensordot(amplitudes, courses, 1))
 
-    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
         if not self.law.in_spring:
             scales = (_scale(number, spring) for number in self.shape_parameters)
@@ -235,7 +235,7 @@ class LinearLawEffect(LinearEffect, LawEffect):
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> None:
         return None
 
-    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         return ()
 
 

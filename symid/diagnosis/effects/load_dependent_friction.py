@@ -39,7 +39,7 @@ class LoadDependentFrictionEffect(JointEffect):
         load = prediction.record.resampled(np.abs(drive))
         return sampled(prediction, load * np.sign(joint.v), joint=joint)
 
-    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         return [((), (mu,)) for mu in _COEFFICIENTS]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:

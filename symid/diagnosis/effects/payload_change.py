@@ -77,7 +77,7 @@ class PayloadChangeEffect(Effect):
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
         step = max(1, score.size // 400)
         times = best_peaks(score[::step], record.fine_time[::step], _TRIALS)
-        mass = abs(_felt_mass(prediction, body))
+        mass = abs(_effective_mass(prediction, body))
         first, last = _CHANGES_WITHIN * record.log.n_samples * record.log.sampling_period
         spread = record.duration * _MOMENTS_TRIED
         moments = {
@@ -87,7 +87,7 @@ class PayloadChangeEffect(Effect):
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """The larger of both masses is less than twice the other: else one of them has lost its inertia."""
-        before = _felt_mass(prediction, prediction.loaded[placed.at])
+        before = _effective_mass(prediction, prediction.loaded[placed.at])
         smaller, larger = sorted((before, before + placed.shape[0]))
         return larger < _MOST_OF_OTHER * smaller
 
@@ -187,7 +187,7 @@ def _with_change(
     return other.of_force(direction), _FreeMotion(record, outputs, forces)
 
 
-def _felt_mass(prediction: Prediction, body: Joint) -> float:
+def _effective_mass(prediction: Prediction, body: Joint) -> float:
     """Mass of the axis at a body, while the others move as little as they can."""
     d = body.direction
     return float(d @ prediction.response.plant.mass @ d) / float(d @ d) ** 2

@@ -42,7 +42,7 @@ class PreslidingFrictionEffect(JointEffect):
     """
 
     name = "presliding_friction"
-    imitates = ("coulomb_friction",)
+    refines = ("coulomb_friction",)
     amplitudes = ("Fs",)
     shape_names = ("reach",)
     positive = True
@@ -78,7 +78,7 @@ class PreslidingFrictionEffect(JointEffect):
         replaces = self.of_found or joint.name in _declared(prediction, DeclaredCoulomb)
         return sampled(prediction, state - np.sign(joint.v) if replaces else state, joint=joint)
 
-    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
         return [((x * largest,), (y * stiffness * largest,)) for x, y in product(_HIDDEN_REACHES, HOLDING)]
 
@@ -93,13 +93,13 @@ class PreslidingFrictionEffect(JointEffect):
 _PART = PreslidingFrictionEffect(of_found=True)
 
 
-def is_part(item: Placed, whole: Placed) -> bool:
+def is_presliding_part(item: Placed, whole: Placed) -> bool:
     """Whether an effect is presliding friction and the other one Coulomb friction in the same joint."""
     is_pair = item.effect.name == PreslidingFrictionEffect.name and whole.key == ("coulomb_friction", item.at)
     return is_pair and not (item.integrated or whole.integrated)
 
 
-def with_parts(placed: Iterable[Placed]) -> tuple[Placed, ...]:
+def with_presliding_parts(placed: Iterable[Placed]) -> tuple[Placed, ...]:
     """The same effects, with presliding friction replacing part of the Coulomb friction found in the same joint.
 
     The prediction is the same; the level of the Coulomb friction becomes the total one, as that of a declared law.
@@ -107,7 +107,7 @@ def with_parts(placed: Iterable[Placed]) -> tuple[Placed, ...]:
     found = list(placed)
     for at, item in enumerate(found):
         for i, whole in enumerate(found[:at]):
-            if is_part(item, whole):
+            if is_presliding_part(item, whole):
                 found[i] = replace(whole, amplitudes=(whole.amplitudes[0] + item.amplitudes[0],))
                 found[at] = replace(item, effect=_PART)
     return tuple(found)

@@ -20,7 +20,7 @@ def time_of(item: Placed) -> float:
     return time
 
 
-def with_alike(keys: Iterable[Key]) -> frozenset[Key]:
+def with_equivalents(keys: Iterable[Key]) -> frozenset[Key]:
     """Effects and places, with those that are nearly equal to one of them: a delay and a lag of the same drive."""
     present = frozenset(keys)
     return present | {(name, at) for own, at in present if own in LATE_FORCES for name in LATE_FORCES}

@@ -12,9 +12,9 @@ from symid.diagnosis.experiment.discrimination import (
     LEAST_LOG_ODDS,
     CandidateExperiment,
     Rivals,
-    shares_of,
-    simulated_trials,
-    trials,
+    candidate_experiments,
+    drive_ratios,
+    refined_by_fits,
 )
 from symid.diagnosis.experiment.experiment_wording import (
     none_separates,
@@ -146,7 +146,7 @@ def next_experiment_of(
     forces = {name: force or float(np.abs(record.log[name]).max()) for name in record.forces}
     # Candidates are ranked by the log-odds expected of the linear prediction. The best that can decide is simulated
     # with its controller, since limits must hold there.
-    best = simulated_trials(rivals, trials(rivals, envelope, forces))
+    best = refined_by_fits(rivals, candidate_experiments(rivals, envelope, forces))
     decisive = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
     if not decisive:
         return Experiment(none_separates(rivals), rivals.keys)
@@ -163,7 +163,7 @@ def next_experiment_of(
         simulated=run,
         message=message,
         further=further,
-        paths=tuple(share.of(chosen.trajectory) for share in shares_of(record)),
+        paths=tuple(share.of(chosen.trajectory) for share in drive_ratios(record)),
     )
 
 

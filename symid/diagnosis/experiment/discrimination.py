@@ -38,7 +38,7 @@ _FORCE_MARGIN = 1.02  # of the largest force in the log
 _LEAST_ROWS = 64  # with fewer, a motion separates nothing
 _ALIKE = 0.02  # deviation of a ratio of two drives from 1 up to which it is 1
 _ITERATIONS = 10  # of fits that begin at the truth or near it
-_Judge = Callable[[State, State, Weighting], float]
+_LeftBy = Callable[[State, State, Weighting], float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,9 @@ class CandidateExperiment:
     log_odds: float
 
 
-def trials(rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]) -> list[CandidateExperiment]:
+def candidate_experiments(
+    rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]
+) -> list[CandidateExperiment]:
     """Motions within the limits of the forces, reduced if necessary, the most promising first."""
     found: dict[int, CandidateExperiment] = {}
     for share in _GENTLER:
@@ -87,17 +89,21 @@ def trials(rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]) -> l
             if i in found:
                 continue
             try:
-                records = tuple(reading(model, trajectory, rivals.record) for model in rivals.models)
+                records = tuple(
+                    simulated_readings(model, trajectory, rivals.record) for model in rivals.models
+                )
             except LogError:  # too short
                 continue
             needed = {name: max(np.abs(record.log[name]).max() for record in records) for name in forces}
             if all(needed[name] <= _FORCE_MARGIN * force for name, force in forces.items()):
-                found[i] = CandidateExperiment(trajectory, records, _judged(rivals, records, _linear))
+                found[i] = CandidateExperiment(
+                    trajectory, records, _expected_log_odds(rivals, records, _linear)
+                )
     return sorted(found.values(), key=lambda trial: -trial.log_odds)
 
 
 @dataclass(frozen=True)
-class Share:
+class DriveRatio:
     """Position of a drive relative to that of the first one: factor and offset."""
 
     factor: float = 1.0
@@ -113,27 +119,27 @@ class Share:
         )
 
 
-def shares_of(like: Record) -> tuple[Share, ...]:
+def drive_ratios(like: Record) -> tuple[DriveRatio, ...]:
     """Motion of each drive relative to the first one, as in the log: equal, mirrored, geared, or at rest.
 
     Factors near 1 or -1 are set to these, so that a skew in the log is not commanded.
     """
     first, *others = (like.log[name] for name in like.driven)
-    shares = [Share()]
+    shares = [DriveRatio()]
     for other in others:
         factor = float(np.cov(first, other)[0, 1] / np.var(first, ddof=1))
         if abs(abs(factor) - 1.0) < _ALIKE:
             factor = math.copysign(1.0, factor)
-        shares.append(Share(factor, float(np.mean(other) - factor * np.mean(first))))
+        shares.append(DriveRatio(factor, float(np.mean(other) - factor * np.mean(first))))
     return tuple(shares)
 
 
-def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
+def simulated_readings(model: State, trajectory: Trajectory, like: Record) -> Record:
     """Readings of an axis whose driven joints follow a trajectory, with the sensors and the noise of `like`."""
     rng, names = np.random.default_rng(0), (*like.driven, *like.outputs)
     levels = zip(names, like.noise, strict=True)
     noise = {name: level * rng.standard_normal(trajectory.n_samples) for name, level in levels}
-    shares = zip(like.driven, shares_of(like), strict=True)
+    shares = zip(like.driven, drive_ratios(like), strict=True)
     paths = {name: share.of(trajectory).position for name, share in shares}
     exact = paths | {name: noise[name] for name in like.forces}
     first_seen = exact | {name: path + noise[name] for name, path in paths.items()}
@@ -168,7 +174,7 @@ def _samples(record: Record, spectrum: ComplexArray) -> FloatArray:
     return np.asarray(scipy.fft.irfft(padded, record.n_extended))[: record.log.n_samples]
 
 
-def _judged(rivals: Rivals, records: Sequence[Record], left: _Judge) -> float:
+def _expected_log_odds(rivals: Rivals, records: Sequence[Record], left: _LeftBy) -> float:
     """Expected log-odds for the true cause, in the less favourable case."""
     found = []
     for right, record in enumerate(records):
@@ -254,7 +260,7 @@ def _fitted(model: State, truth: State, weighting: Weighting) -> float:
     return math.log(model_left / truth_left)
 
 
-def simulated_trials(rivals: Rivals, trials: Sequence[CandidateExperiment]) -> list[CandidateExperiment]:
+def refined_by_fits(rivals: Rivals, trials: Sequence[CandidateExperiment]) -> list[CandidateExperiment]:
     """The best few motions with the log-odds of fits to noisy readings, best first.
 
     A motion is skipped if its linear estimate is below the result of another one.
@@ -262,6 +268,6 @@ def simulated_trials(rivals: Rivals, trials: Sequence[CandidateExperiment]) -> l
     found: list[CandidateExperiment] = []
     for trial in trials[:_MOST_SIMULATED]:
         if trial.log_odds > max([LEAST_LOG_ODDS, *(other.log_odds for other in found)]):
-            fitted_odds = _judged(rivals, trial.records, _fitted)
+            fitted_odds = _expected_log_odds(rivals, trial.records, _fitted)
             found.append(replace(trial, log_odds=min(trial.log_odds, fitted_odds)))
     return sorted(found, key=lambda trial: -trial.log_odds)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 from symid.diagnosis.effects import Key
-from symid.diagnosis.experiment.discrimination import Rivals, shares_of
+from symid.diagnosis.experiment.discrimination import Rivals, drive_ratios
 from symid.diagnosis.experiment.simulated import SimulatedExperiment
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Trajectory
@@ -31,7 +31,7 @@ def words_of_motion(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> 
 
 def words_of_drives(record: Record) -> str:
     """Motion of several drives in words; empty for one drive."""
-    shares = zip(record.driven[1:], shares_of(record)[1:], strict=True)
+    shares = zip(record.driven[1:], drive_ratios(record)[1:], strict=True)
     first = record.driven[0]
     unlike = [f"{name} {share.factor:.3g} times {first}" for name, share in shares if share.factor != 1.0]
     if record.n_drives == 1:

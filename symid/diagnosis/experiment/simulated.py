@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from symid.axis import Axis
-from symid.diagnosis.experiment.discrimination import Rivals, Separation, separation, shares_of
+from symid.diagnosis.experiment.discrimination import Rivals, Separation, drive_ratios, separation
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.in_motion.declared import axis_with_effects
 from symid.diagnosis.in_motion.replayed import Part, driver_of
@@ -106,7 +106,7 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
         raise SettingError("; ".join(explained.left_out))
     axis = without_noise(explained.axis) if seed is None else _with_noise(explained.axis, like)
     plant = plant_of(axis, explained.values)
-    paths = [share.of(_fast(trajectory)) for share in shares_of(like)]
+    paths = [share.of(_fast(trajectory)) for share in drive_ratios(like)]
     tuned = tuned_cascades(plant, like.driven, min(20.0, like.log.sampling_frequency / 20))
     run = simulate(
         axis,
@@ -160,7 +160,7 @@ def _demand(record: Record, run: Simulation, trajectory: Trajectory) -> Extremes
     """Extremes of the driven joints, in terms of the first one."""
     plant = plant_of(record.dynamics.axis, dict.fromkeys(record.dynamics.parameters, 1.0))
     period, moved = float(run.time[1] - run.time[0]), []
-    for name, share in zip(record.driven, shares_of(record), strict=True):
+    for name, share in zip(record.driven, drive_ratios(record), strict=True):
         row, n = plant.sensors[name].row, len(plant.bodies)
         if share.factor:
             position, speed = (run.states[:, part] @ row for part in (slice(n), slice(n, None)))

@@ -152,7 +152,7 @@ class Comparison:
         drive, most = int(np.argmax(falls[:n_drives])), int(np.argmax(falls))
         return drive if falls[drive] > 0 or not falls[most] > 0 else most
 
-    def felt_by(self, model: int) -> Comparison:
+    def showing(self, model: int) -> Comparison:
         """The comparison for the force that shows the last effect of a model."""
         output = self.output_of(model)
         return replace(self, drive=output) if output < self.record.n_drives else self

@@ -11,7 +11,7 @@ from symid.diagnosis.effects import Placed, effects_of_element
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.curves import signal_curves, spectrum_of, weighted_of
 from symid.diagnosis.findings.diagnosis_result import Diagnosis, DriveError
-from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
+from symid.diagnosis.findings.faults import NO_FAULTS, RecordingFaults, shifted_channels
 from symid.diagnosis.findings.found_effects import Alternative, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.findings.gap_of_comparison import gap_of
@@ -19,7 +19,14 @@ from symid.diagnosis.findings.location import is_stationary, joint_at, located, 
 from symid.diagnosis.findings.parameter_changes import effect_values, lost, parameter_changes
 from symid.diagnosis.findings.wording import next_experiment
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.selection.evidence import Errors, Outcome, Verdict, is_there, outcome, probabilities
+from symid.diagnosis.selection.evidence import (
+    Errors,
+    Outcome,
+    Verdict,
+    outcome,
+    probabilities,
+    probability_of_presence,
+)
 from symid.diagnosis.selection.lack_of_fit import LackOfFit, lack_of_fit
 from symid.diagnosis.selection.step import SelectionStep, accepted_of
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -34,7 +41,7 @@ def concluded(
     fits: Sequence[Fit],
     nominal: Mapping[str, float] | None,
     logs: tuple[Log, Log | None],
-    damaged: Damage = NO_DAMAGE,
+    recording: RecordingFaults = NO_FAULTS,
 ) -> Diagnosis:
     """The diagnosis that follows from a search, without its sentence and the gap in the motion.
 
@@ -49,7 +56,7 @@ def concluded(
     share, nonparametric = comparison.unexplained_of_all, _nonparametric_fit(gaps, fits)
     errors = _errors(gaps, share, is_stationary(comparison), fits[0], nonparametric.share)
     chances = outcome(steps, validated, errors)
-    verdict = _verdict(chances, gaps, share, damaged)
+    verdict = _verdict(chances, gaps, share, recording)
     # Effects are reported where the verdict names them; otherwise the gap stays that of the re-identified model.
     accepted = accepted_of(steps)[:validated] if verdict in ("effect", "partly") else []
     if not accepted:
@@ -64,7 +71,7 @@ def concluded(
     alternatives = _alternatives(comparison, steps[0], chances)
     undetermined = [change.name for change in parameters if not change.is_determined]
     added = fits[-1].state.placed[len(fits[0].state.placed) :]
-    faults = (*damaged.texts, *shifted_channels(logs[0], comparison.record.forces, added))
+    faults = (*recording.texts, *shifted_channels(logs[0], comparison.record.forces, added))
     return Diagnosis(
         axis=axis,
         measured=comparison.record.signals,
@@ -147,13 +154,13 @@ def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, non
     )
 
 
-def _verdict(chances: Outcome, gaps: Sequence[Gap], share: float, damaged: Damage) -> Verdict:
+def _verdict(chances: Outcome, gaps: Sequence[Gap], share: float, recording: RecordingFaults) -> Verdict:
     """The most probable verdict; "partly" if effects leave more than noise and more than a small share of the gap.
 
-    From a damaged recording no effect is concluded: it may be an image of the damage.
+    No effect is concluded from a faulty recording: it may be an image of the fault.
     """
     verdict = chances.verdict
-    if damaged.silent or (damaged.fatal and verdict not in ("no_gap", "parameters")):
+    if recording.uninformative or (recording.fatal and verdict not in ("no_gap", "parameters")):
         return "recording"
     if (
         verdict == "effect"
@@ -182,13 +189,13 @@ def _effects(
         best = item.key
         chance = probabilities(step, named - {best})
         rivals = [k for k, p in chance.items() if p >= THRESHOLDS.indistinguishable and k != best]
-        there = chances.effect if i == 0 else THRESHOLDS.further_effect * is_there(step)
+        there = chances.effect if i == 0 else THRESHOLDS.further_effect * probability_of_presence(step)
         if _may_be_an_order(item, last.state.placed):
             there *= THRESHOLDS.other_order
         # An effect in the joint of an outdone first one makes up for the wrong shape of that.
         if nonparametric.outdoes and joint_at(axis, item.at) == joint_at(axis, last.state.placed[known].at):
             there = min(there, chances.effect)
-        felt = comparison.felt_by(i + 2)
+        felt = comparison.showing(i + 2)
         found.append(
             FoundEffect(
                 effect=best[0],

@@ -15,7 +15,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SymidError
 
 
-def inconstant(found: Fit, comparison: Comparison) -> int | None:
+def timing_that_varies(found: Fit, comparison: Comparison) -> int | None:
     """Index of the first delay or lag of a fit that has clearly another time on the data of a comparison.
 
     Unless it explains these: recorders that are started anew may be late by another time.

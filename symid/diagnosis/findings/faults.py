@@ -29,16 +29,19 @@ it: a tenth rounds off reversals of friction as presliding does."""
 
 
 @dataclass(frozen=True)
-class Damage:
-    """Faults of a recording."""
+class RecordingFaults:
+    """Faults of a recording, in sentences."""
 
-    fatal: tuple[str, ...] = ()  # sentences on faults that make the log useless
-    noted: tuple[str, ...] = ()  # sentences on minor faults
-    silent: bool = False  # whether the log says nothing of the machine, not even that a model is right
+    fatal: tuple[str, ...] = ()  # from which no effect can be concluded
+    noted: tuple[str, ...] = ()  # minor ones
+    uninformative: bool = False  # whether the log does not even show that a model is right
 
-    def led_by(self, text: str, *, silent: bool = False) -> Damage:
-        """The damage with a further fatal sentence in front, unless it is empty."""
-        return replace(self, fatal=(text, *self.fatal), silent=silent or self.silent) if text else self
+    def led_by(self, text: str, *, uninformative: bool = False) -> RecordingFaults:
+        """The faults with a further fatal one first, unless the sentence is empty."""
+        if not text:
+            return self
+        uninformative = uninformative or self.uninformative
+        return replace(self, fatal=(text, *self.fatal), uninformative=uninformative)
 
     @property
     def texts(self) -> tuple[str, ...]:
@@ -46,15 +49,12 @@ class Damage:
         return (*self.fatal, *self.noted)
 
 
-NO_DAMAGE = Damage()
+NO_FAULTS = RecordingFaults()
 
 
-def damage(logs: Sequence[Log], begun: Fit, found: Fit, last: Fit) -> Damage:
-    """Damage of logs by their recorder or by a wrong sign.
-
-    `begun` is the axis with its initial values, `found` the axis fitted to the logs, `last` that with all effects.
-    """
-    record = begun.state.prediction.record
+def recording_faults(logs: Sequence[Log], initial: Fit, reidentified: Fit, last: Fit) -> RecordingFaults:
+    """Faults of logs by their recorder or by a wrong sign, from the axis at three stages; `last` has all effects."""
+    record = initial.state.prediction.record
     names = (*record.forces, *record.signals)
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
     faults = [
@@ -69,17 +69,19 @@ def damage(logs: Sequence[Log], begun: Fit, found: Fit, last: Fit) -> Damage:
         uneven_averaging({name: log[name] for name in names}, cycles, "end of the motion", _AVERAGED)
         for log in logs
     ]
-    signs = [wrong_sign(begun, found, last, drive) for drive in range(record.n_drives)]
-    cut = [cut_force(found, drive) for drive in range(record.n_drives)]
+    signs = [wrong_sign(initial, reidentified, last, drive) for drive in range(record.n_drives)]
+    cut = [cut_force(reidentified, drive) for drive in range(record.n_drives)]
     fatal = tuple(dict.fromkeys(text for text in (*signs, *faults, *held, *means, *cut) if text))
-    # Samples filled with 0 scale the force, and all values with it: a gap is then none of the model.
+    # Samples filled with 0 scale the force, and all values with it: the gap is then not one of the model.
     forces = [log[name] for log in logs for name in record.forces]
-    silent = any(np.mean(dropped(x)) >= _LOST for x in forces if not is_switched(x))
-    return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)), silent)
+    uninformative = any(np.mean(dropped(x)) >= _LOST for x in forces if not is_switched(x))
+    return RecordingFaults(
+        fatal, tuple(dict.fromkeys(text for note in notes for text in note)), uninformative
+    )
 
 
 def _fault_of_channel(x: FloatArray, name: str, *, is_force: bool) -> str:
-    """Fault that makes a channel useless, in words; empty if there is none."""
+    """Sentence on the fault of a channel; empty if there is none."""
     found = channel_fault(x, name, _LOST, is_force=is_force)
     return channel_fault(x, name, _REPEATED, is_force=is_force) if "repeats" in found else found
 

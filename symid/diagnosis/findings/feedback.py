@@ -33,7 +33,7 @@ def feedback_law(fit: Fit) -> str:
     spectra = np.zeros((4, *record.measured.shape), dtype=complex)
     spectra[:, 0] = constant, motion, 1j * record.omega * motion, record.measured[0]
     rows = np.concatenate([fit.weighting.rows(spectra), fit.state.rows[None]])
-    known = fit.weighting.known(rows, fit.state.beginning).reshape(len(rows), len(record.measured), -1)
+    known = fit.weighting.projected(rows, fit.state.beginning).reshape(len(rows), len(record.measured), -1)
     *law, force, error = known[:, 0]
     gains = np.linalg.lstsq(np.transpose(law), force)[0]
     left = float(np.linalg.norm(force - gains @ law))
@@ -55,7 +55,7 @@ def _has_negative_damping(fit: Fit) -> bool:
     return any(fit.parameters[name] < 0 for name in dampings)
 
 
-def driven_backwards(fit: Fit, plain: Fit) -> str:
+def negative_friction(fit: Fit, plain: Fit) -> str:
     """Sentence if friction as a whole comes out negative, as with a force of the wrong sign; otherwise empty.
 
     It states the values of the model without effects, `plain`, as no effect is concluded then.

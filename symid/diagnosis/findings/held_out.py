@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from symid.diagnosis.findings.comparison import Comparison
-from symid.diagnosis.findings.constant_time import inconstant
+from symid.diagnosis.findings.constant_time import timing_that_varies
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.fitting.applied import fitted_to_log
 from symid.diagnosis.selection.backward import brought_first, without
@@ -29,7 +29,7 @@ def without_worsening(
     comparison, found = on_held_out(steps), accepted_of(steps)
     unfit = _worsening(comparison)
     if unfit is None and found:
-        unfit = inconstant(found[-1].best.fit, comparison)
+        unfit = timing_that_varies(found[-1].best.fit, comparison)
     if unfit is None:
         return steps, comparison
     if len(found) == 1:

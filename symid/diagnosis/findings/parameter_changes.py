@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symid.axis import Axis
-from symid.diagnosis.effects import declared_effects, with_parts
+from symid.diagnosis.effects import declared_effects, with_presliding_parts
 from symid.diagnosis.findings.found_effects import EffectParameter, ParameterChange
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit, masses_and_stiffnesses
@@ -20,7 +20,7 @@ def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
     A moment that the log does not determine, because the axis does not accelerate, may lie anywhere in that time, at
     most with the deviation of a uniform distribution over the log.
     """
-    parts = with_parts(fit.state.placed)
+    parts = with_presliding_parts(fit.state.placed)
     if parts != fit.state.placed:  # otherwise the cached derivatives stay valid
         fit = replace(fit, state=replace(fit.state, placed=parts))
     deviations = standard_deviations(fit)

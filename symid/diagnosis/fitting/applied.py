@@ -57,10 +57,10 @@ def _levels_on(record: Record, model: State) -> list[float]:
 
 def errors_of(state: State, weighting: Weighting) -> FloatArray:
     """Weighted errors less the part that unknown initial states and values of the log explain; nan in rows not kept."""
-    error = weighting.known(state.rows, state.beginning)
+    error = weighting.projected(state.rows, state.beginning)
     of_log = belongs_to_log(state)
     if of_log.any():
-        columns = weighting.known(weighting.rows(prediction_jacobian(state)[of_log]), state.beginning)
+        columns = weighting.projected(weighting.rows(prediction_jacobian(state)[of_log]), state.beginning)
         error = unexplained_by(columns.T, error, RANK)
     rows = np.full(state.rows.shape, np.nan)
     rows[:, weighting.kept] = error.reshape(len(rows), -1)

@@ -69,7 +69,7 @@ class Blocks:
             found[:, b] = np.sum(errors**2, axis=1)
         return found
 
-    def least_seen(self, n: int) -> float:
+    def least_independent_part(self, n: int) -> float:
         """Least sum of squares of a unit combination of the last columns after projection on the others.
 
         Columns that are zero do not count, such as that of a change at a moment when the axis rests.

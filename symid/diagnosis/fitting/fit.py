@@ -67,9 +67,9 @@ class Fit:
         return self.weighting.rows(self.jacobian if begun is None else self.jacobian + begun)
 
     @cached_property
-    def known_columns(self) -> FloatArray:
+    def projected_columns(self) -> FloatArray:
         """Kept rows of these columns, less the part that unknown initial states explain; shape (n_columns, n)."""
-        return self.weighting.known(self.columns, self.state.beginning)
+        return self.weighting.projected(self.columns, self.state.beginning)
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -82,7 +82,7 @@ class Fit:
 
         The part that the columns could still explain is included: with a value at its bound the fit is not perfect.
         """
-        return self.weighting.known(self.state.rows, self.state.beginning)
+        return self.weighting.projected(self.state.rows, self.state.beginning)
 
     @cached_property
     def cost(self) -> float:
@@ -99,7 +99,7 @@ class Fit:
     @cached_property
     def blocks(self) -> Blocks:
         """The model block by block, for cross-validation."""
-        return cross_validation_blocks(self.state, self.weighting, self.known_columns, self.error)
+        return cross_validation_blocks(self.state, self.weighting, self.projected_columns, self.error)
 
     @property
     def n_rows(self) -> float:

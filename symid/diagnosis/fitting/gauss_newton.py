@@ -144,7 +144,7 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
     Damping restrains only directions to which the rows are hardly sensitive, such as a stiffness and the mass on it in
     a fixed ratio; a shorter step would restrain all directions.
     """
-    state, weighting, error, flat = fit.state, fit.weighting, fit.error, fit.known_columns
+    state, weighting, error, flat = fit.state, fit.weighting, fit.error, fit.projected_columns
     if not (np.isfinite(flat).all() and np.isfinite(error).all()):
         return None
     moves = ~_damping_held_at_zero(state, flat @ error)

@@ -138,7 +138,7 @@ def _after(
     kept = state.released(weighting)
     for change in (Placed(effect, place, shape, (1.0,)) for shape in shapes):
         rows = weighting.rows(state.prediction.passed_on(change.change(state.prediction)))
-        left = weighting.known(state.rows - rows, state.beginning)
+        left = weighting.projected(state.rows - rows, state.beginning)
         yield float(left @ left), Start(kept, weighting, change)
 
 
@@ -153,7 +153,9 @@ def of_rattling(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[S
         for spring, _ in _hidden_springs(model.state.prediction):
             at, joint, stiffness = _deflected(model.state.prediction, spring)
             if (play.name, at) not in present and any(joint.range):
-                placed = (Placed(play, at, *own, integrated=True) for own in play.rattling(joint, stiffness))
+                placed = (
+                    Placed(play, at, *own, integrated=True) for own in play.rattling_starts(joint, stiffness)
+                )
                 starts = (Start(state, model.weighting, own, to_the_end=True) for own in placed)
                 yield min(starts, key=_sum_of_squares)
 
@@ -188,7 +190,7 @@ def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) 
         _, joint, stiffness = _deflected(prediction, spring)
         if not any(joint.range):  # the spring became rigid
             return
-        for shape, amplitudes in effect.strong(joint, stiffness):
+        for shape, amplitudes in effect.strong_starts(joint, stiffness):
             yield Placed(effect, place, shape, amplitudes, integrated=True)
 
 

@@ -24,7 +24,7 @@ NEAR, ANYWHERE = 0.06, 1.0
 """How far from the best moment found others are tried closely, relative to the log: first near it, then in all of it
 where much is left."""
 _GROWTH = 1.5
-_POSSIBLE, _HOPELESS = 3.0, 4.0
+_POSSIBLE, _FLUCTUATES = 3.0, 4.0
 """Growth of the steps to the end of the time in which a moment may lie; its limit in standard deviations, and the rise
 of the sum of squares beyond it, relative to that limit, from which on no later moment is tried: it fluctuates."""
 
@@ -91,7 +91,7 @@ def moment_deviation(fit: Fit, at: int, name: str) -> float:
     def reach(sign: float) -> float:
         step = furthest = _LAST_STEP / record.band_hz
         risen = 0.0
-        while risen < _HOPELESS * rise and step < record.duration:
+        while risen < _FLUCTUATES * rise and step < record.duration:
             moved = with_shape(fit.state, fit.weighting, at, _moved(item, name, sign * step))
             risen = Fit(moved, fit.weighting).cost - fit.cost
             step *= _GROWTH
@@ -133,7 +133,7 @@ def _best_addition(state: State, weighting: Weighting, at: int, shapes: Iterable
     without = beside.errors + change(item.shape)
 
     def cost(shape: Shape) -> float:
-        left = weighting.known(weighting.rows(without - change(shape)), beside.beginning)
+        left = weighting.projected(weighting.rows(without - change(shape)), beside.beginning)
         return float(left @ left)
 
     return sorted(shapes, key=cost)[:1]

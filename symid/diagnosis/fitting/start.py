@@ -155,7 +155,7 @@ def _most_promising(fit: Fit, at: int, states: Sequence[State]) -> list[State]:
     """The few of many states that would leave least after a step of all other values and of the effect's size."""
     if len(states) <= _TRIED:
         return list(states)
-    others = np.delete(fit.known_columns, fit.state.values_of[at], axis=0)
+    others = np.delete(fit.projected_columns, fit.state.values_of[at], axis=0)
     placed = fit.state.placed
     plain = Fit(
         with_effects(fit.state, fit.weighting, (*placed[:at], *placed[at + 1 :])), fit.weighting

@@ -1,8 +1,9 @@
-"""Values corrected by what a fit predicts wrong of a simulation of its own axis (indirect inference).
+"""Correction of the fitted values for the bias of the fit (indirect inference).
 
-The fit sees motion up to a frequency, and hidden motion from an unknown state on. What this changes, at reversals
-above all, it changes in the same way in a simulation of the axis found, whose values are known: the errors there are
-taken off those of the log, and the values follow (Gourieroux, Monfort and Renault, J. Applied Econometrics 8, 1993).
+The fit uses motion up to a frequency, and does not know the initial state of hidden motion. Its bias, which arises
+mostly at reversals, is the same in a simulation of the axis that was found, where the true values are known. The errors
+of that simulation are subtracted from those of the log, and the values are fitted again (Gourieroux, Monfort and
+Renault, J. Applied Econometrics 8, 1993).
 """
 
 import math
@@ -22,15 +23,16 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import continued
 from symid.diagnosis.fitting.state import State, with_effects
 from symid.diagnosis.in_motion.declared import axis_with_effects
-from symid.diagnosis.in_motion.motion import Given, drivers_of
+from symid.diagnosis.in_motion.motion import drivers_of
 from symid.diagnosis.in_motion.replayed import Driver, Part, replayed
-from symid.diagnosis.prediction.joined_logs import Joined
+from symid.diagnosis.prediction.data import Controllers
+from symid.diagnosis.prediction.joined_logs import JoinedLogs
 from symid.diagnosis.prediction.record import Record
 from symid.errors import SymidError
 
 
 def with_corrected_values(
-    found: Diagnosis, comparison: Comparison, fits: Sequence[Fit], run: Joined, controller: Given
+    found: Diagnosis, comparison: Comparison, fits: Sequence[Fit], run: JoinedLogs, controller: Controllers
 ) -> tuple[Diagnosis, Comparison]:
     """A diagnosis with corrected values of its last model, and the comparison with that model to be simulated.
 
@@ -56,7 +58,7 @@ def with_corrected_values(
     return found, replace(models, states=(*models.states[:-1], last))
 
 
-def corrected(fit: Fit, run: Joined, controller: Given = None) -> Fit | None:
+def corrected(fit: Fit, run: JoinedLogs, controller: Controllers = None) -> Fit | None:
     """A fit with corrected values; None if its axis cannot be simulated or would move no nearer to the machine."""
     try:
         with np.errstate(all="ignore"):
@@ -65,7 +67,7 @@ def corrected(fit: Fit, run: Joined, controller: Given = None) -> Fit | None:
         return None
 
 
-def _corrected(fit: Fit, run: Joined, controller: Given) -> Fit | None:
+def _corrected(fit: Fit, run: JoinedLogs, controller: Controllers) -> Fit | None:
     record = fit.state.prediction.record
     whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in run.parts]
     parts = [[replace(part, drive=d) for d in range(record.n_drives)] for part in whole]
@@ -123,7 +125,7 @@ def _distance(parts: Sequence[Sequence[Part]], moved: Sequence[Log]) -> float:
     )
 
 
-def _as_simulated(record: Record, run: Joined, moved: Sequence[Log]) -> Record:
+def _as_simulated(record: Record, run: JoinedLogs, moved: Sequence[Log]) -> Record:
     """The record of simulated logs, with the noise of the measured ones in its weights."""
     signals = dict(record.log.signals)
     for name in (*record.forces, *record.signals):

@@ -18,7 +18,7 @@ from symid.axis import (
     Spring,
     Weight,
 )
-from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of, with_parts
+from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of, with_presliding_parts
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
@@ -142,7 +142,7 @@ def axis_with_effects(state: State) -> ExplainedAxis:
     declared, values = state.prediction.axis, dict(state.prediction.parameters)
     axis = declared.without(*declared.imperfections)
     left_out = []
-    for item in with_parts(state.placed):
+    for item in with_presliding_parts(state.placed):
         added = _added(axis, item, values)
         if added is None:
             left_out.append(_left_out(state.prediction, item))

@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
-from typing import TypeAlias
 
 import numpy as np
 
@@ -26,15 +25,13 @@ from symid.diagnosis.in_motion.replayed import (
     simulated_positions,
     since_begin,
 )
-from symid.diagnosis.prediction.joined_logs import Joined
+from symid.diagnosis.prediction.data import Controllers, LogsByPurpose
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError, SettingError, SymidError
 from symid.estimation.residual_measures import fit_percent
 from symid.simulation import Cascade
 
-Given: TypeAlias = Cascade | Sequence[Cascade] | None
-"""Controller of the machine, or one for each drive; None if it is not known."""
 _SAME = 0.01
 """Relative difference of two references or durations below which they count as equal."""
 _PHASE = 0.25
@@ -46,10 +43,10 @@ _AWAY = 10.0
 def with_motion(
     found: Diagnosis,
     comparison: Comparison,
-    runs: tuple[Joined, Joined | None],
+    runs: LogsByPurpose,
     allowed: BoolArray | None,
     *,
-    controller: Given = None,
+    controller: Controllers = None,
     simulated: Log | None = None,
 ) -> Diagnosis:
     """A diagnosis with the gap in the motion next to each drive.
@@ -57,7 +54,7 @@ def with_motion(
     An effect becomes unlikely if the axis moves less like the machine with it.
     """
     models = comparison.with_effects(len(found.effects))
-    if runs[1] is not None:  # phases and moments differ in the validation log
+    if runs.validation is not None:  # phases and moments differ in the validation log
         models = models.fitted_to_log()
     motions = motions_of(models, runs, allowed, controller=controller, simulated=simulated)
     of_force = dict(zip(comparison.record.forces, motions, strict=True))
@@ -113,10 +110,10 @@ def _most(effect: str) -> float:
 
 def motions_of(
     comparison: Comparison,
-    runs: tuple[Joined, Joined | None],
+    runs: LogsByPurpose,
     allowed: BoolArray | None,
     *,
-    controller: Given = None,
+    controller: Controllers = None,
     simulated: Log | None = None,
 ) -> tuple[SimulatedMotion, ...]:
     """Motion of the simulated axis with each model of a comparison, at the position next to each drive.
@@ -126,16 +123,16 @@ def motions_of(
     same reference; it then replaces the nominal model.
     """
     record, states = comparison.record, comparison.states
-    seen = list(parts_of(record, runs[1] or runs[0], allowed))
+    seen = list(parts_of(record, runs.validation or runs.identification, allowed))
     logs = [[replace(part, drive=d) for d in range(record.n_drives)] for part in seen]
-    whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in runs[0].parts]
+    whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in runs.identification.parts]
     models = [state for state in states[1:] if state is not None]
     drivers = drivers_of(record, whole, models, controller)
     found = [
         None if state is None else errors_of_axis(partial(axis_with_effects, state), logs, drivers)
         for state in states
     ]
-    if simulated is not None and len(logs) == 1 and runs[1] is None and _is_like(simulated, logs[0]):
+    if simulated is not None and len(logs) == 1 and runs.validation is None and _is_like(simulated, logs[0]):
         times = since_begin(simulated)
         found[0] = [
             _compared([part], [np.interp(since_begin(part.log), times, simulated[part.signal])], "")
@@ -150,7 +147,7 @@ def motions_of(
 
 
 def drivers_of(
-    record: Record, whole: Sequence[Part], models: Sequence[State], controller: Given = None
+    record: Record, whole: Sequence[Part], models: Sequence[State], controller: Controllers = None
 ) -> list[Driver]:
     """What drives the simulated axis beside the measured force of each drive: as given, or read from whole logs."""
     given: Sequence[Cascade | None] = [None] * record.n_drives

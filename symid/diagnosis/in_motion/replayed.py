@@ -22,7 +22,7 @@ import scipy
 from symid.arrays import BoolArray, FloatArray
 from symid.data import REFERENCE, Log
 from symid.diagnosis.in_motion.declared import ExplainedAxis
-from symid.diagnosis.prediction.joined_logs import Joined
+from symid.diagnosis.prediction.joined_logs import JoinedLogs
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.errors import SettingError
@@ -150,7 +150,7 @@ def _cutoff(record: Record) -> float:
     return min(record.motion_hz, _HIGHEST * record.log.sampling_frequency)
 
 
-def parts_of(record: Record, run: Joined, allowed: BoolArray | None) -> Iterator[Part]:
+def parts_of(record: Record, run: JoinedLogs, allowed: BoolArray | None) -> Iterator[Part]:
     """The logs of a run with the samples that count."""
     at = np.rint(record.log.sampling_period * np.arange(record.log.n_samples) / record.fine_time[1]).astype(
         int

@@ -1,8 +1,10 @@
-"""Logs of a diagnosis: how they were recorded, joined to runs, and in the frequency domain."""
+"""The logs of a diagnosis: how they were recorded, which serve which purpose, and their spectra."""
+
+from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -10,12 +12,12 @@ from symid.arrays import BoolArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.prediction.driven_positions import signals_of
-from symid.diagnosis.prediction.joined_logs import Joined, joined, ways, with_common_zeros
+from symid.diagnosis.prediction.joined_logs import JoinedLogs, joined, ways, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.simulation import Cascade, forward_dynamics
 
-Runs = tuple[Joined, Joined | None]
-"""Logs for identification, and for validation if there are any."""
+Controllers: TypeAlias = Cascade | Sequence[Cascade] | None
+"""Controller of the machine, or one for each drive; None if it is not known."""
 _PARTS: Final = 12
 _FEWER_PARTS: Final = 6
 """Parts of a motion of few rows; the window removes some rows of each part."""
@@ -26,31 +28,53 @@ _MOSTLY_MOVES: Final = 0.5
 
 
 @dataclass(frozen=True)
-class Recorded:
-    """Recording of the signals: delays, holds, controller."""
+class Recording:
+    """How signals were recorded: their delays, holds of the force, the controller, and the decimation of the logs."""
 
     late: Mapping[str, float]  # time by which signals were recorded late, s
     held: bool | None  # whether the force is held from sample to sample; None if it is not known
-    # that of the machine, or one for each drive; None if it is not known
-    controller: Cascade | Sequence[Cascade] | None = None
-    thinned: int = 1  # samples recorded for one of the logs that are looked at
+    controller: Controllers = None
+    decimation: int = 1  # recorded samples for each sample of the logs, see `repaired`
 
     def delays(self, axis: Axis) -> dict[str, float]:
         """Time by which signals of a log were recorded late, s: as given, else as declared; apart from holds."""
         return {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
 
+    def later(
+        self, axis: Axis, further: Mapping[str, float], found: Mapping[str, float] | None = None
+    ) -> dict[str, float]:
+        """Delays of readings that are `further` late beyond those declared, given and `found` before, s."""
+        delays = {s.signal: s.delay for s in axis.sensors} | dict(self.late) | dict(found or {})
+        return {signal: delays[signal] + time for signal, time in further.items()}
+
+    def with_late(self, delays: Mapping[str, float]) -> Recording:
+        """The recording with these delays of signals in place of its own, s."""
+        return replace(self, late={**self.late, **delays})
+
     def holds(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time for which each force that is held from sample to sample is held, s."""
         held = (d.signal for d in axis.drives if (d.held if self.held is None else self.held))
-        return dict.fromkeys(held, sampling_period / self.thinned)
+        return dict.fromkeys(held, sampling_period / self.decimation)
 
     def may_be_held(self, axis: Axis) -> bool:
         """Whether a hold of the forces is neither known nor excluded."""
         return self.held is None and not any(d.held or d.signal in self.late for d in axis.drives)
 
 
-def one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
-    """Logs one after the other; where the axis leaves zeros of encoders open, they are made the same."""
+class LogsByPurpose(NamedTuple):
+    """Logs by their purpose."""
+
+    identification: JoinedLogs
+    validation: JoinedLogs | None  # None if parts of the former are held out for it
+
+    @property
+    def logs(self) -> list[Log]:
+        """All logs as they were recorded, those for the validation last."""
+        return [log for run in self if run is not None for log in run.parts]
+
+
+def one_run(axis: Axis, logs: Sequence[Log]) -> JoinedLogs:
+    """Join logs; where the axis leaves the zeros of encoders open, the logs get a common zero."""
     if axis.log_parameters and len(logs) > 1:
         signals, n_drives = signals_of(forward_dynamics(axis), logs[0]), len(axis.drives)
         orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
@@ -59,21 +83,21 @@ def one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
     return joined(logs, _common_signals(axis, logs))
 
 
-def as_runs(axis: Axis, logs: Sequence[Log], n_validation: int | None) -> Runs:
-    """Logs for identification, and for validation the last ones: as many as are given, else one of several.
+def logs_by_purpose(axis: Axis, logs: Sequence[Log], n_validation: int | None) -> LogsByPurpose:
+    """Divide logs: the last `n_validation` validate, or by default the last of several.
 
-    Unless they are given, all logs serve both purposes where the last one alone goes some way: of logs of one way
-    each, none shows what depends on the direction, nor a constant force beside friction.
+    If only the last log moves in one of the directions, all logs serve both purposes by default. Logs of one direction
+    each show neither a dependence on the direction nor a constant force beside friction.
     """
     n = min(1, len(logs) - 1) if n_validation is None else n_validation
     first, last = logs[: len(logs) - n], logs[len(logs) - n :]
     if n_validation is None and n and goes_elsewhere(axis, first, last):
         first, last = logs, []
-    return one_run(axis, first), one_run(axis, last) if last else None
+    return LogsByPurpose(one_run(axis, first), one_run(axis, last) if last else None)
 
 
 def goes_elsewhere(axis: Axis, logs: Sequence[Log], others: Sequence[Log]) -> bool:
-    """Whether a position moves a way in other logs that it does not in any of the logs."""
+    """Whether a position moves in a direction in `others` in which it does not move in `logs`."""
     orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
     positions = [name for name in _common_signals(axis, [*logs, *others]) if orders[name] == 0]
     known, new = (
@@ -89,7 +113,7 @@ def _common_signals(axis: Axis, logs: Sequence[Log]) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class Data:
-    """Data for the identification, and data on which the gap is measured."""
+    """The identification data, and the validation data, on which the gap is measured."""
 
     # record, validation: of the logs and of the validation logs; the same where there are none
     record: Record
@@ -99,21 +123,21 @@ class Data:
     held_out: BoolArray | None
 
 
-def data_of(axis: Axis, runs: Runs, recorded: Recorded) -> Data:
-    """Logs in the frequency domain, see `diagnose`."""
+def data_of(axis: Axis, logs: LogsByPurpose, recording: Recording) -> Data:
+    """Spectra of the logs for identification and validation."""
     dynamics = forward_dynamics(axis)
-    run, validation = runs
+    run, validation = logs
 
-    def recorded_as(log: Log, motion_hz: float | None) -> Record:
-        holds = recorded.holds(axis, log.sampling_period)
-        return record_of(dynamics, log, motion_hz, recorded.delays(axis), holds)
+    def spectra_of(log: Log, motion_hz: float | None) -> Record:
+        holds = recording.holds(axis, log.sampling_period)
+        return record_of(dynamics, log, motion_hz, recording.delays(axis), holds)
 
-    record = recorded_as(run.log, None)
+    record = spectra_of(run.log, None)
     inside = _within(record, run)
     if validation is None:
         training, held_out = training_and_held_out(record)
         return Data(record, record, training & inside, held_out & inside)
-    other = recorded_as(validation.log, record.motion_hz)
+    other = spectra_of(validation.log, record.motion_hz)
     return Data(record, other, inside, _within(other, validation))
 
 
@@ -132,7 +156,7 @@ def training_and_held_out(record: Record) -> tuple[BoolArray, BoolArray]:
     return ~held_out, held_out
 
 
-def _within(record: Record, run: Joined) -> BoolArray:
+def _within(record: Record, run: JoinedLogs) -> BoolArray:
     """Points of the fine grid that belong to a log."""
     at = np.rint(record.fine_time / run.log.sampling_period).astype(int)
     return np.asarray(run.recorded[np.minimum(at, run.recorded.size - 1)])

@@ -24,7 +24,7 @@ class HiddenMotion:
     free: FloatArray  # shape (n_bodies,): displacements of the bodies for a unit of the hidden coordinate
     # shape (n_bodies,): static displacements for a unit of the driven position, so that the hidden coordinate is a
     # pure deflection
-    carried: FloatArray
+    static: FloatArray
     # shape (n_bodies,): combination of the equations of motion without the drive force
     balance: FloatArray
 
@@ -32,11 +32,11 @@ class HiddenMotion:
 def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
     """The hidden coordinate of two bodies; `driven` is the sensor row of the driven position."""
     free, balance = _orthogonal_to(tuple(driven)), _orthogonal_to(tuple(plant.drive))
-    carried = driven / (driven @ driven)
+    static = driven / (driven @ driven)
     stiffness = balance @ plant.stiffness @ free
     if stiffness:
-        carried = carried - free * (balance @ plant.stiffness @ carried) / stiffness
-    return HiddenMotion(free, carried, balance)
+        static = static - free * (balance @ plant.stiffness @ static) / stiffness
+    return HiddenMotion(free, static, balance)
 
 
 @lru_cache(maxsize=_KEPT)
@@ -50,7 +50,7 @@ class Phase:
     """What moves the hidden coordinate before or after a change of a mass."""
 
     mass: float
-    pushed: FloatArray  # shape (n_fine,): force on the hidden coordinate without that of laws
+    known_force: FloatArray  # shape (n_fine,): force on the hidden coordinate without that of laws
     row: FloatArray  # shape (n_bodies,): combination of the equations, see `_drive_balance`
     by_state: FloatArray
     load: FloatArray  # shape (n_fine,): drive force without what the hidden coordinate and laws add
@@ -70,13 +70,13 @@ def phase_of(
     def balanced(row: FloatArray) -> FloatArray:
         """Course of a combination of the equations: forces less those of the motion without the hidden one."""
         force, matrices = acting @ row, (plant.stiffness, plant.damping, plant.mass)
-        of_motion = [row @ m @ hidden.carried for m in matrices] @ driven
+        of_motion = [row @ m @ hidden.static for m in matrices] @ driven
         return np.asarray(record.fine(force) - of_motion if force.any() else -of_motion)
 
     row, by_state = _drive_balance(plant, hidden)
-    pushed = balanced(hidden.balance)
-    load = -balanced(row) if loaded else np.zeros_like(pushed)
-    return Phase(float(hidden.balance @ plant.mass @ hidden.free), pushed, row, by_state, load)
+    known_force = balanced(hidden.balance)
+    load = -balanced(row) if loaded else np.zeros_like(known_force)
+    return Phase(float(hidden.balance @ plant.mass @ hidden.free), known_force, row, by_state, load)
 
 
 def by_phase(courses: Sequence[FloatArray], phase: IntArray) -> FloatArray:

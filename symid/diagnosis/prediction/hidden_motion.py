@@ -120,8 +120,8 @@ def integrated_motion(
         last = phase_of(record, *heavier, hidden, courses, loaded=loaded)
         phase, share = change.phases(step, record.n_fine)
         mass, part = in_the_step(share, first.mass, last.mass)
-        pushed = (1 - part) * first.pushed + part * last.pushed
-        phases += [replace(last, mass=mass, pushed=pushed), last]
+        known_force = (1 - part) * first.known_force + part * last.known_force
+        phases += [replace(last, mass=mass, known_force=known_force), last]
     damping, stiffness = (float(hidden.balance @ m @ hidden.free) for m in (plant.damping, plant.stiffness))
     load, by_state = by_phase([own.load for own in phases], phase), np.stack([own.by_state for own in phases])
     if loaded and changes is not None:
@@ -129,21 +129,21 @@ def integrated_motion(
     natural = math.sqrt(abs(stiffness / first.mass)) if follows else 0.0
     rest, gain = _observer(record, load, natural, float(first.by_state[0]), step)
     equation = equation_of([own.mass for own in phases], damping, stiffness, step)
-    ends = by_phase([own.pushed for own in phases], phase)
-    begins = by_phase([np.roll(own.pushed, 1) for own in phases], phase)
+    ends = by_phase([own.known_force for own in phases], phase)
+    begins = by_phase([np.roll(own.known_force, 1) for own in phases], phase)
     driven = _Driven(phase, begins, ends, load, by_state, q, v, rest, gain)
-    joints = np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d) for d, _ in laws])
+    joints = np.array([(d @ hidden.static, d @ hidden.free, hidden.balance @ d) for d, _ in laws])
     on_drive = np.array([[own.row @ d for d, _ in laws] for own in phases])
     acting_laws, n_log = [law for _, law in laws], math.ceil(record.duration / step)
     # Forces on the driven body alone change none of this: the motion is the last one.
-    arrays = (q, first.pushed, load, by_state, gain, joints, on_drive)
+    arrays = (q, first.known_force, load, by_state, gain, joints, on_drive)
     given = first.mass, damping, stiffness, *(x.tobytes() for x in arrays), change and change.key
     spectra = record.memory.of(
         "hidden motion",
         (*given, *(law.key for law in acting_laws)),
         lambda: record.from_grid(_periodic(equation, driven, joints, on_drive, acting_laws, n_log)),
     )
-    moved = [hidden.carried[:, None] * motion + hidden.free[:, None] * x for x in spectra[: -len(laws)]]
+    moved = [hidden.static[:, None] * motion + hidden.free[:, None] * x for x in spectra[: -len(laws)]]
     return moved[0], moved[-1], tuple(spectra[-len(laws) :])
 
 

@@ -28,7 +28,7 @@ _ENDS = 8  # samples from which the slope at an end follows
 
 
 @dataclass(frozen=True, eq=False)
-class Joined:
+class JoinedLogs:
     """Logs joined to one, with the rows that belong to each."""
 
     log: Log  # all of them, with smooth bridges in between
@@ -36,7 +36,7 @@ class Joined:
     parts: tuple[Log, ...]  # the logs as they were recorded
 
 
-def joined(logs: Sequence[Log], positions: Sequence[str] = ()) -> Joined:
+def joined(logs: Sequence[Log], positions: Sequence[str] = ()) -> JoinedLogs:
     """Join logs by smooth bridges, with the signals that all of them have; `positions` may have far to return.
 
     >>> one = Log.from_arrays({"q": np.zeros(100)}, sampling_period=0.01)
@@ -48,7 +48,7 @@ def joined(logs: Sequence[Log], positions: Sequence[str] = ()) -> Joined:
         raise LogError("no log was given: a diagnosis needs one")
     first = logs[0]
     if len(logs) == 1:
-        return Joined(first, np.ones(first.n_samples, dtype=bool), (first,))
+        return JoinedLogs(first, np.ones(first.n_samples, dtype=bool), (first,))
     for log in logs[1:]:
         if abs(log.sampling_period - first.sampling_period) > _SAME_CLOCK * first.sampling_period:
             raise LogError(
@@ -66,7 +66,7 @@ def joined(logs: Sequence[Log], positions: Sequence[str] = ()) -> Joined:
         [part for pair in zip(inside, [*transitions, transitions[0][:0]], strict=True) for part in pair]
     )
     source = ", ".join(log.source for log in logs)
-    return Joined(Log(source, first.start, first.sampling_period, signals), recorded, tuple(logs))
+    return JoinedLogs(Log(source, first.start, first.sampling_period, signals), recorded, tuple(logs))
 
 
 def ways(log: Log, positions: Sequence[str]) -> set[tuple[str, bool]]:

@@ -12,7 +12,7 @@ _BACK = 0.002
 """Largest way back, relative to the stroke, of a motion in one direction: encoders and rests show some."""
 
 
-def alike_in_one_way(
+def indistinct_constant_forces(
     axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None
 ) -> tuple[dict[str, float], tuple[str, ...]]:
     """Constant forces that logs do not tell from dry friction, with the values to take for them, and notes on that.
@@ -24,7 +24,7 @@ def alike_in_one_way(
     >>> laws = (CoulombFriction(table, "Fc"), OffsetForce(table, "OF"))
     >>> axis = Axis("slide", (table, *laws), Drive("F", table), (Position("q", table),))
     >>> log = Log.from_arrays({"q": np.arange(50.0) ** 2, "F": np.ones(50)}, sampling_period=0.1)
-    >>> alike_in_one_way(axis, [log], {"OF": 3.0})
+    >>> indistinct_constant_forces(axis, [log], {"OF": 3.0})
     ({'OF': 3.0}, ('q goes one way only, in which OF and Fc are one force: OF is taken as 3 N.',))
     """
     known, notes = dict[str, float](), list[str]()

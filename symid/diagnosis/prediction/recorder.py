@@ -20,21 +20,21 @@ from symid.identification.faults.smoothing import interpolated_from, updated_eve
 
 
 @dataclass(frozen=True)
-class Recovered:
+class Repaired:
     """Logs without the faults of their recorder."""
 
     logs: tuple[Log, ...]  # repaired
     notes: tuple[str, ...]  # the faults
-    thinned: int  # recorded samples for each one that is left
+    decimation: int  # recorded samples for each sample that is kept
 
 
-def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
+def repaired(axis: Axis, logs: Sequence[Log]) -> Repaired:
     """Logs of one machine without lost samples, at the rate of their slowest sensor.
 
     >>> from symid import load_axis
     >>> t = np.arange(4000) / 4000
     >>> slow = {"F": np.sin(20 * t), "q": np.repeat(np.sin(20 * t[::4]), 4)}
-    >>> found = recovered(load_axis("rigid_1m"), [Log.from_arrays(slow, sampling_period=2.5e-4)])
+    >>> found = repaired(load_axis("rigid_1m"), [Log.from_arrays(slow, sampling_period=2.5e-4)])
     >>> found.logs[0].n_samples, found.notes[0][:36]
     (1000, 'q is updated every 4th sample only: ')
     """
@@ -43,7 +43,7 @@ def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
     slowest = {sensor.signal: _slowest(whole, sensor.signal) for sensor in axis.sensors}
     n = max((spacing for spacing, _ in slowest.values()), default=1)
     if n == 1:
-        return Recovered(whole, tuple(dict.fromkeys(messages)), 1)
+        return Repaired(whole, tuple(dict.fromkeys(messages)), 1)
     rate = whole[0].sampling_frequency / n
     messages += [
         f"{name} is {how} every {_ordinal(spacing)} sample only: all was thinned to {rate:g} Hz"
@@ -58,7 +58,7 @@ def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
             f"{LEAST_SAMPLES}"
         )
     drives = {drive.signal for drive in axis.drives}
-    return Recovered(tuple(_thinned(log, n, drives) for log in whole), tuple(dict.fromkeys(messages)), n)
+    return Repaired(tuple(_decimated(log, n, drives) for log in whole), tuple(dict.fromkeys(messages)), n)
 
 
 def _ordinal(n: int) -> str:
@@ -85,7 +85,7 @@ def _slowest(logs: Sequence[Log], name: str) -> tuple[int, str]:
     return max(found)
 
 
-def _thinned(log: Log, n: int, forces: Collection[str]) -> Log:
+def _decimated(log: Log, n: int, forces: Collection[str]) -> Log:
     """Every n-th sample of a log; slow channels are interpolated between their own samples, forces are low-passed.
 
     The samples are the own ones of a slow channel if possible: the values of a coarse reading stay on its steps.

@@ -83,12 +83,12 @@ class Weighting:
         scaled[:, : self.record.n_bins] = self.density / (self.record.n_rows * self.record.n_extended)
         return scaled
 
-    def back(self, rows: FloatArray) -> ComplexArray:
+    def adjoint(self, rows: FloatArray) -> ComplexArray:
         """The adjoint of `rows`, up to a factor, applied to weighted rows of shape (n_outputs, n_rows)."""
         weighted = self.record.rows(self.record.from_grid(rows) * self.density)
         return self.record.from_grid(weighted * self.window) * self.record.taper
 
-    def known(self, rows: FloatArray, beginning: FloatArray) -> FloatArray:
+    def projected(self, rows: FloatArray, beginning: FloatArray) -> FloatArray:
         """Kept weighted rows, less what unknown initial states explain; from (..., n_outputs, n_rows) to (..., n).
 
         `beginning`, of shape (n_starts, n_outputs, n_rows), holds the contributions of a state at the start of the log.

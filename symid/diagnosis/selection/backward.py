@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from symid.diagnosis.effects import Effect, is_part
+from symid.diagnosis.effects import Effect, is_presliding_part
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import stable_with_effects
@@ -74,7 +74,7 @@ def _whole_before_part(order: Sequence[Member]) -> list[Member]:
     """The order with Coulomb friction moved before its presliding part."""
     found: list[Member] = []
     for member in order:
-        behind = (i for i, other in enumerate(found) if is_part(other.placed, member.placed))
+        behind = (i for i, other in enumerate(found) if is_presliding_part(other.placed, member.placed))
         found.insert(next(behind, len(found)), member)
     return found
 

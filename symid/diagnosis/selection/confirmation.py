@@ -124,9 +124,9 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
 def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
     """Whether a refinement of the best candidate that explains as much is more probable by prior knowledge."""
     of_position = (best.key, own.key) == ((_PERIODIC, best.key[1]), (_COGGING, best.key[1]))
-    if not (own.placed.contains(best.key) or of_position):
+    if not (own.placed.refines(best.key) or of_position):
         return False
-    doubt = temperature(best.penalised_gain) + THRESHOLDS.doubt * deviation(
+    doubt = temperature(best.penalised_gain) + THRESHOLDS.gain_deviations * deviation(
         best.squares, own.squares, before.n_rows
     )
     return own.log_prior_odds - best.log_prior_odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
@@ -138,7 +138,9 @@ def _is_certain(fit: Fit) -> bool:
     shapes = range(-len(item.shape), 0)
     deviations = standard_deviations(fit.released())  # what they are computed from is not kept
     names = item.effect.shape_names
-    return all(deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.in_doubt)
+    return all(
+        deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.may_be_undetermined
+    )
 
 
 def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
@@ -148,7 +150,7 @@ def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
     """
     for name, place in list(confirmed):
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
-        if plain is None or not more.placed.contains(plain.key):
+        if plain is None or not more.placed.refines(plain.key):
             continue
         doubt = deviation(plain.squares, more.squares, plain.fit.n_rows)
         least = THRESHOLDS.deviations * doubt

@@ -47,7 +47,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
         return False
     if not explains and _is_far_heavier(fit, found):
         return False
-    if isinstance(item.effect, LawEffect) and not explains and _turns_friction(fit, found, blocks):
+    if isinstance(item.effect, LawEffect) and not explains and _makes_friction_negative(fit, found, blocks):
         return False
     if item.effect.name in _CHANGES and friction_drives(found.state, item.at, beside):
         return False
@@ -73,7 +73,7 @@ def _makes_impossible(fit: Fit, found: Fit) -> bool:
     return any(i.key in possible and not i.effect.is_possible(after.prediction, i) for i in after.placed)
 
 
-def _turns_friction(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+def _makes_friction_negative(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     """Whether a Coulomb friction is clearly negative, and more so than without the last effect: the two cancel.
 
     On an axis that turns one way a constant force does so, or a Stribeck friction that falls over all of the speeds.
@@ -113,7 +113,7 @@ def force_share(fit: Fit) -> float:
 def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> bool:
     """Whether dry and viscous friction of a joint, as declared and found, would push it along for a part of its way.
 
-    Such friction imitates a constant force, a weight, or no friction at all. Dry friction that is declared in a joint
+    Such friction refines a constant force, a weight, or no friction at all. Dry friction that is declared in a joint
     that moves along counts as friction of this one.
     """
     joint = state.prediction.joints[at]
@@ -197,7 +197,7 @@ def is_determined(item: Placed, blocks: Blocks) -> bool:
     """Whether the log distinguishes the last effect from the others, and its values exceed their deviations."""
     if not item.n_free:
         return True
-    if blocks.least_seen(item.n_free) < THRESHOLDS.seen:
+    if blocks.least_independent_part(item.n_free) < THRESHOLDS.least_independent:
         return False
     return exceeds_deviations(item, blocks.covariance[-item.n_free :, -item.n_free :])
 
@@ -206,7 +206,9 @@ def exceeds_deviations(item: Placed, covariance: FloatArray) -> bool:
     """Whether amplitudes and shapes of an effect exceed their deviations, of the covariance of its free values."""
     n = item.n_free - len(item.shape)
     amplitudes, shape = np.array(item.amplitudes[:n]), np.array(item.shape)
-    matters = np.array([name not in item.effect.in_doubt for name in item.effect.shape_names], dtype=bool)
+    matters = np.array(
+        [name not in item.effect.may_be_undetermined for name in item.effect.shape_names], dtype=bool
+    )
     if np.any((np.sqrt(np.diag(covariance)[n:]) > np.abs(shape)) & matters):
         return False
     if not n:

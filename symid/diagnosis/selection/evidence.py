@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from symid.diagnosis.effects import Key, with_alike
+from symid.diagnosis.effects import Key, with_equivalents
 from symid.diagnosis.fitting.cross_validation import deviation
 from symid.diagnosis.selection.priors import is_of_new_friction, least_gain, temperature
 from symid.diagnosis.selection.step import SelectionStep, accepted_of
@@ -34,7 +34,7 @@ def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key
     whole model, are excluded.
     """
     chance = _of_candidates(step, beside)
-    present = with_alike(beside)
+    present = with_equivalents(beside)
     best = step.best.key if step.confirmed else None
     left = {key: p for key, p in chance.items() if key == best or key not in present}
     total = math.fsum(left.values())
@@ -47,13 +47,13 @@ def _of_candidates(step: SelectionStep, beside: Collection[Key]) -> dict[Key, fl
     gains = _penalised_gains(step)
     least = min(gains.values(), default=0.0)
     for candidate in step.screened:
-        put_aside = any(candidate.placed.contains(own.key) for own in step.confirmed)
+        put_aside = any(candidate.placed.refines(own.key) for own in step.confirmed)
         if not put_aside:  # a refinement that explains no more than the simpler effect is not a candidate
             gains.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
     if not gains:
         return {}
     best = max(gains.values())
-    doubt = _doubts(step)
+    doubt = _gain_deviations(step)
     likelier = {c.key: c.log_prior_odds for c in step.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
@@ -76,22 +76,22 @@ def _penalised_gains(step: SelectionStep) -> dict[Key, float]:
     gains = {c.key: c.penalised_gain for c in step.confirmed}
     for own in step.confirmed:
         for other in step.confirmed:
-            if not own.placed.shape and own.placed.contains(other.key):
+            if not own.placed.shape and own.placed.refines(other.key):
                 further = own.placed.n_free - other.placed.n_free
                 gains[own.key] = max(gains[own.key], other.penalised_gain - THRESHOLDS.penalty * further)
     return gains
 
 
-def _doubts(step: SelectionStep) -> dict[Key, float]:
+def _gain_deviations(step: SelectionStep) -> dict[Key, float]:
     """Standard deviation of the gain of each fitted candidate relative to the best, by the scatter of blocks."""
     if not step.confirmed:
         return {}
     best = max(step.confirmed, key=lambda c: c.penalised_gain)
     n = step.before.n_rows
-    return {c.key: THRESHOLDS.doubt * deviation(best.squares, c.squares, n) for c in step.confirmed}
+    return {c.key: THRESHOLDS.gain_deviations * deviation(best.squares, c.squares, n) for c in step.confirmed}
 
 
-def is_there(step: SelectionStep) -> float:
+def probability_of_presence(step: SelectionStep) -> float:
     """Probability that the best candidate of a step is more than noise."""
     if not step.confirmed:
         return 0.0
@@ -163,16 +163,18 @@ def outcome(steps: Sequence[SelectionStep], validated: int, errors: Errors) -> O
     """Probabilities of the verdicts; `validated` is the number of effects that hold on the validation data."""
     if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
-    there = is_there(steps[0]) if steps else 0.0
+    there = probability_of_presence(steps[0]) if steps else 0.0
     if not validated or errors.largest <= THRESHOLDS.noise_alone or not _is_likeliest(steps, validated):
         there = min(there, THRESHOLDS.unlikely)
     if errors.largest < THRESHOLDS.white and errors.relative < THRESHOLDS.negligible:
         # neither the noise nor the force shows more than the rounding of a model
         there = min(there, THRESHOLDS.unlikely)
     if errors.largest < _most_of_noise(errors):
-        there *= _covers(errors)  # some effect always explains a part of noise, or of errors at reversals
-    holds = there * (1 - _removes_too_little(errors))
-    causes = holds * _covers(errors) * (1 - _is_outdone(errors))
+        there *= _chance_of_cause(
+            errors
+        )  # some effect always explains a part of noise, or of errors at reversals
+    holds = there * (1 - _chance_of_too_little(errors))
+    causes = holds * _chance_of_cause(errors) * (1 - _chance_of_another_law(errors))
     good = 1.0
     if errors.nominal is not None:
         worse = errors.nominal / min(errors.reidentified, errors.nominal)
@@ -202,7 +204,7 @@ def _is_likeliest(steps: Sequence[SelectionStep], validated: int) -> bool:
     return probabilities(steps[0], others)[first] >= THRESHOLDS.indistinguishable
 
 
-def _covers(errors: Errors) -> float:
+def _chance_of_cause(errors: Errors) -> float:
     """Probability that an effect found is the true cause and does not stand in for another one."""
     if not np.isfinite(errors.left):
         return 1.0
@@ -213,14 +215,14 @@ def _covers(errors: Errors) -> float:
     return _logistic((1 - errors.left - THRESHOLDS.covered) / THRESHOLDS.covered_width)
 
 
-def _is_outdone(errors: Errors) -> float:
+def _chance_of_another_law(errors: Errors) -> float:
     """Probability that the first effect has not the shape of the true law, which the library then lacks."""
     share = max(errors.nonparametric, np.finfo(float).tiny)
     clearly = (math.log(THRESHOLDS.outdone) - math.log(share)) / THRESHOLDS.outdone_width
     return THRESHOLDS.outdone_at_most * _logistic(clearly)
 
 
-def _removes_too_little(errors: Errors) -> float:
+def _chance_of_too_little(errors: Errors) -> float:
     """Probability that an effect found is only similar to a cause of the gap: it removes too little."""
     if errors.explained <= THRESHOLDS.noise_alone or not np.isfinite(errors.left):
         return 0.02

@@ -171,8 +171,8 @@ def _continued(
 def _is_settled(step: SelectionStep, first: Fit) -> bool:
     """Whether the best candidate is justified and no law of hidden motion that leaves a clear gap."""
     best = step.best if step.confirmed else None
-    imitates = best is not None and best.placed.integrated and is_clear(best.fit)
-    return step.justifies_another(first) and not imitates
+    refines = best is not None and best.placed.integrated and is_clear(best.fit)
+    return step.justifies_another(first) and not refines
 
 
 def _selection_step(
@@ -187,7 +187,9 @@ def _selection_step(
         return SelectionStep(fit.released(), (), tuple(found))
     confirmed: dict[Key, Confirmed] = {}
     tried: dict[Key, Placed] = {}
-    starts = chain(stages(fit, found, library, nominal, confirmed, tried), [_outdone(earlier, fit)])
+    starts = chain(
+        stages(fit, found, library, nominal, confirmed, tried), [_rivals_of_earlier_steps(earlier, fit)]
+    )
     return _completed(fit, found, starts, confirmed, tried)
 
 
@@ -205,7 +207,7 @@ def _resumed(
     return replace(found, refused=(found.refused | step.refused) - confirmed.keys())
 
 
-def _outdone(steps: Sequence[SelectionStep], fit: Fit) -> Iterator[Start]:
+def _rivals_of_earlier_steps(steps: Sequence[SelectionStep], fit: Fit) -> Iterator[Start]:
     """Laws integrated with the motion of their joints that gained in earlier steps, from the values found there."""
     present = {item.key for item in fit.state.placed}
     hidden = (own for step in steps for own in step.confirmed if own.placed.integrated)
@@ -243,18 +245,18 @@ def _completed(
 
 
 def _confirm(
-    fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed], hopeless: float = THRESHOLDS.hopeless
+    fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed], give_up: float = THRESHOLDS.give_up
 ) -> dict[Key, Placed]:
     """Fit candidates, keep the best fit of each in `confirmed`, and return the candidates.
 
-    A fit is given up where it leaves `hopeless` times the least error. A simpler effect that a confirmed one refines is
+    A fit is given up where it leaves `give_up` times the least error. A simpler effect that a confirmed one refines is
     always fitted to the end, as the two are compared.
     """
     tried = {}
     for start in starts:
         tried[start.placed.key] = start.placed
-        refined = any(other.placed.contains(start.placed.key) for other in confirmed.values())
-        most = math.inf if refined or start.to_the_end else hopeless * least_left(confirmed)
+        refined = any(other.placed.refines(start.placed.key) for other in confirmed.values())
+        most = math.inf if refined or start.to_the_end else give_up * least_left(confirmed)
         own = confirmed_from(fit, start, most)
         # Motion that follows the force is freer than one that is predicted: it must explain far more.
         freed = start.state.prediction.follows and not fit.state.prediction.follows

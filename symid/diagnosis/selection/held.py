@@ -33,25 +33,26 @@ def shows_hold(fit: Fit) -> bool:
     return all(_is_half_a_sample(item, period) for item in fit.state.placed[n_before:])
 
 
-def nominal_shows_hold(begun: Fit, base: Fit) -> bool:
+def nominal_shows_hold(initial: Fit, reidentified: Fit) -> bool:
     """Whether nominal values leave as little as re-identified ones once every force acts half a sample late.
 
     Re-identified values may take up half a sample, the damping of a spring for instance. Where the nominal ones, of
     which none is fitted, need nothing but the hold, it is the hold. Where the hold takes little of what they leave,
     something else is missing too.
     """
-    if any(item.effect.name in LATE_FORCES for item in begun.state.placed):
+    if any(item.effect.name in LATE_FORCES for item in initial.state.placed):
         return False
-    prediction = begun.state.prediction
+    prediction = initial.state.prediction
     half = prediction.record.log.sampling_period / 2
     holds = (Placed(DelayEffect(), place, (half,), (1.0,)) for place in DelayEffect().places(prediction))
-    state = with_effects(begun.state, begun.weighting, (*begun.state.placed, *holds))
+    state = with_effects(initial.state, initial.weighting, (*initial.state.placed, *holds))
     good = (
-        THRESHOLDS.nominal_is_good**2 * Fit(base.state.weighted(begun.weighting), begun.weighting).mean_square
+        THRESHOLDS.nominal_is_good**2
+        * Fit(reidentified.state.weighted(initial.weighting), initial.weighting).mean_square
     )
-    left = Fit(state, begun.weighting).mean_square
-    explains = left - 1 < THRESHOLDS.far_less * (begun.mean_square - 1)
-    return explains and left < good < begun.mean_square
+    left = Fit(state, initial.weighting).mean_square
+    explains = left - 1 < THRESHOLDS.far_less * (initial.mean_square - 1)
+    return explains and left < good < initial.mean_square
 
 
 def is_held(fit: Fit) -> bool:

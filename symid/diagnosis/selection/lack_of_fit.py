@@ -57,7 +57,7 @@ def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
     known = len(first.state.placed)
     item = whole.state.placed[known]
     # A refinement of the effect would take its place, as presliding friction takes that of Coulomb friction.
-    others = tuple(x for x in whole.state.placed if x is not item and not x.contains(item.key))
+    others = tuple(x for x in whole.state.placed if x is not item and not x.refines(item.key))
     if item.effect.name in _FIRST_TERMS:
         return LackOfFit()
 
@@ -111,7 +111,7 @@ def _may_gain(law: Placed, whole: Fit) -> bool:
     weighting, prediction = whole.weighting, whole.state.prediction
     own = law.effect.columns(prediction, law.at, law.shape)
     columns = np.concatenate(
-        [whole.known_columns, weighting.known(weighting.rows(own), whole.state.beginning)]
+        [whole.projected_columns, weighting.projected(weighting.rows(own), whole.state.beginning)]
     )
     columns /= norms_or_one(columns, axis=1)[:, None]
     onto = columns @ whole.error

@@ -55,8 +55,8 @@ def prior(state: State, nominal: Mapping[str, float]) -> float:
     """
     item = state.placed[-1]
     if item.effect.name == _ASYMMETRY:
-        return _one_sidedness(state, item, nominal)
-    if item.effect.name == "periodic_disturbance" and _turns_steadily(state, item.at):
+        return _log_odds_of_asymmetry(state, item, nominal)
+    if item.effect.name == "periodic_disturbance" and _moves_steadily(state, item.at):
         return THRESHOLDS.of_motion
     return 0.0
 
@@ -68,14 +68,14 @@ def is_of_new_friction(prediction: Prediction, key: Key, others: Collection[Key]
     return name == _ASYMMETRY and found and place not in joints_with(prediction, CoulombFriction)
 
 
-def _turns_steadily(state: State, at: str) -> bool:
+def _moves_steadily(state: State, at: str) -> bool:
     """Whether a joint moves so steadily that a function of time is a function of the position."""
     record, q = state.prediction.record, state.prediction.joints[at].q
     inside = record.in_log
     return bool(abs(np.corrcoef(q[inside], record.fine_time[inside])[0, 1]) > THRESHOLDS.steady)
 
 
-def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
+def _log_odds_of_asymmetry(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
     """Log-likelihood ratio of the friction level: grown in one direction against unchanged.
 
     Friction that drifts has no level to compare.

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from symid.diagnosis.effects import Effect, Key, Placed, is_part, with_alike
+from symid.diagnosis.effects import Effect, Key, Placed, is_presliding_part, with_equivalents
 from symid.diagnosis.fitting.cross_validation import deviation
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
@@ -58,8 +58,8 @@ def reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> 
         if begun is None:
             return []
         own, before = begun.placed, fitted(begun.state, begun.weighting, _ITERATIONS).after(whole)
-        simpler = [member for member in dropped if own.contains(member.placed.key)]
-        sought = library if not any(is_part(item, own) for item in before.state.placed) else ()
+        simpler = [member for member in dropped if own.refines(member.placed.key)]
+        sought = library if not any(is_presliding_part(item, own) for item in before.state.placed) else ()
         found = _chosen(
             first, before, whole, begun, step, sought if i == 0 or is_clear(whole) else (), simpler
         )
@@ -105,14 +105,14 @@ def _chosen(
     """
     own, present = begun.placed, {item.key for item in before.state.placed}
     starts = [begun, *(Start.of(before, member.placed) for member in simpler)]
-    alike = with_alike([own.key])
+    alike = with_equivalents([own.key])
     near = [
         *(c.placed for c in step.screened),
         *(c.placed for c in step.confirmed),
     ]  # fitted values come last
-    others = {item.key: item for item in near if item.key in alike or own.contains(item.key)}
+    others = {item.key: item for item in near if item.key in alike or own.refines(item.key)}
     if is_clear(whole):
-        refined = (item for item in near if item.contains(own.key))
+        refined = (item for item in near if item.refines(own.key))
         others |= {item.key: replace(item, integrated=own.integrated) for item in refined}
     tried = {own.key, *present, *(member.placed.key for member in simpler)}
     starts += [replace(begun, placed=item) for key, item in others.items() if key not in tried]
@@ -130,8 +130,8 @@ def _chosen(
         same = item.key in found and found[item.key].effect is item.effect
         if same and not (item.shape or item.integrated):
             continue  # the error is linear in its values: it has one minimum
-        is_part_of_another = any(other.placed.contains(item.key) for other in found.values())
-        most = math.inf if is_part_of_another else THRESHOLDS.hopeless * least_left(found)
+        is_part_of_another = any(other.placed.refines(item.key) for other in found.values())
+        most = math.inf if is_part_of_another else THRESHOLDS.give_up * least_left(found)
         one = confirmed_from(before, start, most)
         if one is not None and (one.key not in found or one.gain > found[one.key].gain):
             found[one.key] = one
@@ -158,7 +158,7 @@ def _is_clearly_better(best: Confirmed, own: Confirmed) -> bool:
     it gains much more.
     """
     least = max(THRESHOLDS.least_penalised_gain, deviation(own.squares, best.squares, own.fit.n_rows))
-    if best.placed.contains(own.key):
+    if best.placed.refines(own.key):
         if best.log_prior_odds > own.log_prior_odds:
             return True
         least = max(least, THRESHOLDS.refined * own.penalised_gain)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, norms_or_one
-from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_alike
+from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_equivalents
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -46,13 +46,13 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
     base = fit.base
     projections = (_Projection(fit, base, plain), _Projection(fit, base, white))
     del base  # long after many rests, and not needed any more
-    wanted = fit.weighting.back(left)
+    wanted = fit.weighting.adjoint(left)
 
     def matched_filter(response: ComplexArray) -> FloatArray:
         return prediction.record.fine(np.sum(response.conj() * wanted, axis=0))
 
     laws: dict[Key, list[Candidate]] = {}
-    present = with_alike(item.key for item in fit.state.placed)
+    present = with_equivalents(item.key for item in fit.state.placed)
     for effect in library:
         for place in effect.places(prediction):
             if (effect.name, place) in present:
@@ -104,7 +104,7 @@ class _Projection:
         self.n_rows, self.square = left.size, float(left @ left)
         self._base_and_left = np.empty((len(unit) + 1, fit.state.rows.size)).T
         for column, row in zip(self._base_and_left.T, (*unit, left), strict=True):
-            column[:] = noise.back(row).ravel()
+            column[:] = noise.adjoint(row).ravel()
 
     def gains(self, rows: FloatArray, *, fixed: bool) -> list[tuple[float, FloatArray]]:
         """Gain and amplitudes for groups of columns of shape (n_groups, n_amplitudes, n_outputs, n_rows)."""

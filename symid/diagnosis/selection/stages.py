@@ -43,7 +43,7 @@ def stages(
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [*_of_all_laws(fit, promising[:3]), *of_changes(fit, library)]
     further = _distinct([*promising[3:6], *white[:3], *timing], promising[:3])
-    yield _of_all_laws(fit, [*further, *as_good(promising, [*promising[:3], *further])])
+    yield _of_all_laws(fit, [*further, *ties(promising, [*promising[:3], *further])])
     if not confirmed:  # the most promising candidates are not credible: others are tried
         yield [
             Start.of(fit, c.placed)
@@ -54,7 +54,7 @@ def stages(
         yield [Start.of(nominal, c.placed) for c in best_first(confirmed)[:_AGAIN]]
         # No frequency response describes a body that sticks at times, even where its motion is read.
         best, *others = best_first(confirmed)
-        alike = (best, *(c for c in others if best.placed.contains(c.key)))
+        alike = (best, *(c for c in others if best.placed.refines(c.key)))
         yield integrated([Start.of(nominal, c.placed) for c in alike], nominal, read=True)
     if _explains(fit, confirmed):
         return
@@ -85,10 +85,10 @@ def from_nominal(
     yield integrated(other, nominal, read=True)[:_INTEGRATED]
     yield islice(from_other_places(fit, [c.fit for c in best_first(confirmed)]), _OTHER_PLACES)
     if not _explains(fit, confirmed):
-        yield integrated(_astray(other, confirmed), nominal, read=True)
+        yield integrated(_relatives(other, confirmed), nominal, read=True)
 
 
-def _astray(starts: Sequence[Start], confirmed: Mapping[Key, Confirmed]) -> list[Start]:
+def _relatives(starts: Sequence[Start], confirmed: Mapping[Key, Confirmed]) -> list[Start]:
     """Starts of relatives of the best candidate that leave more than it, or were not fitted.
 
     Relatives refine the same simpler effect: one that leaves more may be at a wrong minimum.
@@ -96,16 +96,16 @@ def _astray(starts: Sequence[Start], confirmed: Mapping[Key, Confirmed]) -> list
     best = next(iter(best_first(confirmed)), None)
     if best is None:
         return []
-    plain = {best.key, *(s.placed.key for s in starts if best.placed.contains(s.placed.key))}
+    plain = {best.key, *(s.placed.key for s in starts if best.placed.refines(s.placed.key))}
     close = {key for key, own in confirmed.items() if own.fit.mean_square <= best.fit.mean_square}
-    related = (s for s in starts if s.placed.key not in close and any(map(s.placed.contains, plain)))
+    related = (s for s in starts if s.placed.key not in close and any(map(s.placed.refines, plain)))
     return [replace(s, to_the_end=True) for s in related]
 
 
 def _explains(fit: Fit, confirmed: Mapping[Key, Confirmed]) -> bool:
     """Whether a candidate takes away nearly all of the error.
 
-    Where motion is predicted it must leave little more than noise too: many a law imitates a spring that stiffens near
+    Where motion is predicted it must leave little more than noise too: many a law refines a spring that stiffens near
     a resonance down to a tenth of its error.
     """
     left = least_left(confirmed)
@@ -163,7 +163,7 @@ def least_left(confirmed: Mapping[Key, Confirmed]) -> float:
     return min((c.fit.mean_square for c in confirmed.values()), default=math.inf)
 
 
-def as_good(candidates: Sequence[Candidate], chosen: list[Candidate]) -> list[Candidate]:
+def ties(candidates: Sequence[Candidate], chosen: list[Candidate]) -> list[Candidate]:
     """Candidates that the log hardly distinguishes from chosen ones, such as friction and a constant force one way."""
     alike = [c for c in candidates if any(abs(c.gain - own.gain) < _TIE for own in chosen)]
     return _distinct(alike, chosen)
@@ -186,7 +186,7 @@ def simpler_effects(
     """
     for own in confirmed.values():
         item = own.placed
-        for placed in (c.placed for c in found if item.contains(c.placed.key)):
+        for placed in (c.placed for c in found if item.refines(c.placed.key)):
             plain = confirmed.get(placed.key)
             if plain is None or own.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square:
                 amplitudes = item.amplitudes[: len(placed.amplitudes)]
@@ -200,7 +200,7 @@ def refinements(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Co
     if best is None or not (best.placed.integrated and is_clear(best.fit)):
         return
     begun = Start.with_values_of(best.fit, fit, best.placed)
-    for placed in (c.placed for c in found if c.placed.contains(best.key)):
+    for placed in (c.placed for c in found if c.placed.refines(best.key)):
         own = confirmed.get(placed.key)
         if own is None or best.fit.mean_square < THRESHOLDS.far_less * own.fit.mean_square:
             amplitudes = best.placed.amplitudes + placed.amplitudes[len(best.placed.amplitudes) :]
@@ -215,7 +215,7 @@ def elsewhere(fit: Fit, found: Sequence[Candidate], confirmed: Mapping[Key, Conf
     best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
     if best is None:
         return
-    most = THRESHOLDS.hopeless * least_left(confirmed)
+    most = THRESHOLDS.give_up * least_left(confirmed)
     given_up = {
         key for key, own in confirmed.items() if key[0] == best.key[0] and own.fit.mean_square >= most
     }

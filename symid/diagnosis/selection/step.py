@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, is_part
+from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, is_presliding_part
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted_on
 from symid.diagnosis.fitting.start import from_other_moments
@@ -112,7 +112,9 @@ class SelectionStep:
         """
         if not self.accepts or self.best.fit.mean_square < THRESHOLDS.explained:
             return ()
-        return self._with_first(own for own in self.confirmed if is_part(self.best.placed, own.placed))
+        return self._with_first(
+            own for own in self.confirmed if is_presliding_part(self.best.placed, own.placed)
+        )
 
     def plain_before_refined(self) -> tuple[SelectionStep, ...]:
         """The step led by Coulomb friction in place of a friction that refines it and leaves a clear gap; else empty.
@@ -123,7 +125,7 @@ class SelectionStep:
         if not (self.accepts and is_clear(self.best.fit)):
             return ()
         plain = ("coulomb_friction", self.best.placed.at)
-        refines = self.best.placed.contains(plain)
+        refines = self.best.placed.refines(plain)
         return self._with_first(own for own in self.confirmed if refines and own.key == plain)
 
     def _with_first(self, others: Iterable[Confirmed]) -> tuple[SelectionStep, ...]:
