@@ -10,6 +10,7 @@ from symid import Axis, Log, OffsetForce, load_axis
 from symid.diagnosis import diagnose
 from symid.diagnosis.prediction.one_way import indistinct_constant_forces
 from symid.diagnosis.selection.screening import Candidate
+from symid.diagnosis.selection.stages import ties
 
 SPEED, PITCH = 1.5, 0.3
 
