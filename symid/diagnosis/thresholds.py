@@ -64,6 +64,9 @@ class Thresholds:
     # like play, friction or compliance (a robot's link encoder, real)
     timing_first: float = 0.6
     tie: float = 2.0  # gain by which the driven body goes first where places are indistinguishable
+    # difference of projected gains up to which effects are alike for a log, such as friction and a constant force in
+    # motion of one direction, and are all fitted
+    alike: float = 0.1
     spoiled: float = 1.5  # factor by which the mean square of an output grows where a candidate goes last
     # share of its gain by which what contains Coulomb friction must exceed it: robot joints without friction in
     # their model showed 2 % more for presliding friction, whose reach the log determined badly
@@ -191,6 +194,9 @@ class Thresholds:
     covered_width: float = 0.1
     # share of the gap that effects may leave and be taken for the causes without a look at laws of other shapes
     hardly_left: float = 0.02
+    # share of the error above the noise that a law of any shape leaves by projection beside all effects, up to which it
+    # is fitted
+    may_outdo: float = 0.9
     # outdone, outdone_width: share of the error above the noise that a law of any shape leaves in the place of the
     # first effect and is then as probable as it, and the width of that bound in its logarithm (drawn cases: right
     # effects 0.8 or more, laws that the library lacks 0.02 and 0.36)

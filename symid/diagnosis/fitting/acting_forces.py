@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import ComplexArray, add_outer, norms_or_one
+from symid.arrays import ComplexArray, FloatArray, add_outer, norms_or_one
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
 from symid.diagnosis.prediction.force_path import ForcePath
-from symid.diagnosis.prediction.hidden_motion import Pointwise
+from symid.diagnosis.prediction.hidden_motion import IntegratedEffects, Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.simulation.law_code import dry_level, not_below_zero
@@ -59,6 +59,8 @@ def next_prediction(
 
     For `nearby` values the frequency response is kept.
     """
+    # Three kinds of forces: of integrated laws, of linear effects as impedances, and all others as forces at the motion
+    # before. In the frequency response an impedance stands for each integrated law, unless motion is observed.
     record, forces, hidden = before.record, np.zeros_like(before.forces), before.record.hidden_terms
     impedances, integrated, linear = [], [], nearby or before.follows
     for item in placed:
@@ -85,9 +87,11 @@ def next_prediction(
             joint = before.along(direction)
             impedances.append((direction, _equivalent(term.parameter * before.laws[i][1][k], joint)))
     like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
-    implicit, heavier = any(item.effect.implicit for item in placed), _heavier(before, placed)
-    integrates, loads = bool(integrated), implicit or before.follows
-    misread = errors_of_positions(before, placed) if integrates else None
+    changes = None
+    if before.follows or any(
+        item.effect.implicit for item in placed
+    ):  # the drive force acts on the hidden motion
+        changes = changes_by_others(before, placed, integrates=bool(integrated))
     return prediction_of(
         record,
         parameters,
@@ -95,12 +99,26 @@ def next_prediction(
         like=like,
         forces=forces,
         impedances=impedances,
-        integrated=integrated,
-        mass_change=heavier.effect.mass_change(before, heavier) if heavier is not None else None,
-        integrated_terms=hidden,
+        integrated=_integrated_effects(before, placed, integrated, changes) if integrated else None,
         follows=before.follows,
-        changes=changes_by_others(before, placed, integrates=integrates) if loads else None,
+        changes=changes,
         path=_path(before, placed),
+    )
+
+
+def _integrated_effects(
+    prediction: Prediction,
+    placed: Sequence[Placed],
+    laws: Sequence[tuple[FloatArray, Pointwise]],
+    changes: ComplexArray | None,
+) -> IntegratedEffects:
+    """Laws on hidden motion, with the effects that change this motion."""
+    heavier, misread = _heavier(prediction, placed), errors_of_positions(prediction, placed)
+    return IntegratedEffects(
+        laws,
+        mass_change=heavier.effect.mass_change(prediction, heavier) if heavier is not None else None,
+        follows=prediction.follows,
+        force_change=None if changes is None else changes[0],
         misread=None if misread is None else misread[0],
     )
 

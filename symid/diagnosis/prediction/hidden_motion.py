@@ -1,14 +1,14 @@
 """Time integration of hidden motion under strong nonlinear laws, driven by the measured motion.
 
-An effect that stiffens or frees the spring of a hidden body, or holds the body, has a force that depends on the motion
-it causes, and no iteration of frequency responses converges. The hidden equation of motion is then integrated in time:
-its linear part exactly, with inputs and forces interpolated linearly between the points of the fine grid (Heun's rule
-for the force). There is one hidden coordinate: that of two bodies of which the driven one is measured.
+The force of a law that stiffens a hidden spring, leaves it play, or holds the body depends strongly on the motion that
+it causes: an iteration of frequency responses would not converge. The equation of the hidden coordinate is integrated
+in time instead: the linear part exactly, with inputs and forces interpolated linearly between the points of the fine
+grid (Heun's rule for the force). There is one hidden coordinate, of two bodies of which the driven one is measured.
 
-Friction that falls with the speed or holds a body at times, and play in which a body rattles, make motion that depends
-on its beginning for ever: two runs of the machine itself would differ. Such motion is not predicted but observed: the
-spring's deflection is drawn to the one that the measured drive force shows, and the laws act there. The outputs are the
-linear response to their forces, so that the force explains nothing by itself.
+Stick-slip, and play in which a body rattles, never forget their initial state: two runs of the same machine would
+differ. Such motion is observed instead of predicted. A Luenberger observer corrects the deflection of the spring by the
+measured drive force, and the laws are evaluated there. The outputs are the linear response to the forces of the laws,
+so that the measured force does not explain itself.
 """
 
 import math
@@ -72,6 +72,18 @@ class Pointwise:
         return _program(self.force, tuple(self.values))
 
 
+@dataclass(frozen=True, eq=False)
+class IntegratedEffects:
+    """Laws and effects with which hidden motion is integrated."""
+
+    laws: Sequence[tuple[FloatArray, Pointwise]]  # each with the direction of its joint over the bodies
+    mass_change: MassChange | None = None  # of a body
+    follows: bool = False  # whether the motion is observed, and not predicted
+    # shape (n_bins,) each: change of the drive force by other effects, and error of the driven position
+    force_change: ComplexArray | None = None
+    misread: ComplexArray | None = None
+
+
 @cache
 def _program(force: str, names: tuple[str, ...]) -> Program:
     return program(force, (*ARGUMENTS, *names))
@@ -92,24 +104,18 @@ def integrated_motion(
     record: Record,
     plant: Plant,
     acting: ComplexArray,
-    laws: Sequence[tuple[FloatArray, Pointwise]],
-    *,
-    change: MassChange | None = None,
-    follows: bool = False,
-    changes: ComplexArray | None = None,
-    misread: ComplexArray | None = None,
+    effects: IntegratedEffects,
 ) -> tuple[ComplexArray, ComplexArray, tuple[ComplexArray, ...]]:
     """Spectra of the displacements of two bodies as predicted and observed, (2, n_bins), and of the force of each law.
 
-    `acting` are other forces on the bodies, (n_bins, 2). Each law comes with the direction of its joint. A body may
-    `change` its mass. Motion that `follows` the measured force is observed, other motion is the predicted one. Other
-    effects make `changes` of the drive force, and the driven position is `misread` by an error, (n_bins,) each.
+    `acting` are other forces on the bodies, (n_bins, 2).
     """
+    laws, change, follows = effects.laws, effects.mass_change, effects.follows
     # The measured position fixes one combination of the two bodies; one coordinate is left. The measured motion enters
     # its equation as a known input, linear in courses that all models share: only this coordinate is integrated.
     step, motion, courses = record.period / record.n_fine, record.motion, record.driven_courses
-    if misread is not None:
-        motion, courses = motion - misread, courses - record.courses(misread)
+    if effects.misread is not None:
+        motion, courses = motion - effects.misread, courses - record.courses(effects.misread)
     q, v, _ = courses
     hidden = hidden_motion(plant, plant.sensors[record.signals[0]][0])
     loaded = follows or any(law.program.asks_for(ARGUMENTS.index("_load")) for _, law in laws)
@@ -124,8 +130,8 @@ def integrated_motion(
         phases += [replace(last, mass=mass, known_force=known_force), last]
     damping, stiffness = (float(hidden.balance @ m @ hidden.free) for m in (plant.damping, plant.stiffness))
     load, by_state = by_phase([own.load for own in phases], phase), np.stack([own.by_state for own in phases])
-    if loaded and changes is not None:
-        load = load + record.fine(changes)
+    if loaded and effects.force_change is not None:
+        load = load + record.fine(effects.force_change)
     natural = math.sqrt(abs(stiffness / first.mass)) if follows else 0.0
     rest, gain = _observer(record, load, natural, float(first.by_state[0]), step)
     equation = equation_of([own.mass for own in phases], damping, stiffness, step)

@@ -1,4 +1,4 @@
-"""The steps of a hidden motion, compiled; arguments are records of `hidden_motion`."""
+"""The steps of the integration of hidden motion, compiled; `hidden_motion` prepares their arguments."""
 
 import numpy as np
 
@@ -13,9 +13,9 @@ _SETTLED = 1e-6
 def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # compiled for records
     """Hidden coordinate as predicted and as observed, each (n,), and forces of laws, (n_laws, n), from rest at 0 on.
 
-    Laws act at the observed motion, which `gain` draws to the measured force; the predicted one is the response to
-    their forces alone. Both are the same without gain. Smooth forces follow Heun's rule; dry friction is constant over
-    each step, with its level at the mean speed of the step.
+    Laws act at the observed motion, which an observer of the given `gain` corrects by the measured force. The predicted
+    motion is the response to the forces of the laws alone, and equal to the observed one without gain. Smooth forces
+    follow Heun's rule. Dry friction is constant over each step, with its level at the mean speed of the step.
     """
     # Numba counts references at each access to a field: the fields are read once, here.
     transition, falling, rising, held = equation
@@ -61,9 +61,11 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             slowing = by_hidden[j] * held[p, 1] * on_hidden[j]  # of the joint in a step, for a unit of force
             arguments[j, 0] = 0.5 * (before[j] + place)
             stop = speed / slowing  # stops the joint in the step; it is at most the level of the law
-            held_before = abs(forces[j, i - 1]) if i else 0.0  # the level hardly changes from step to step
-            own = min(max(stop, -held_before), held_before)
-            for _ in range(rounds[j]):  # the level in the middle of the step may depend on the force
+            level_before = abs(forces[j, i - 1]) if i else 0.0
+            own = min(max(stop, -level_before), level_before)  # the level hardly changes from step to step
+            for _ in range(
+                rounds[j]
+            ):  # fixed point: the level depends on the mean speed, and this on the force
                 arguments[j, 1] = 0.5 * (speed_before[j] + (speed - slowing * own))
                 level = _value(j, operations, operands, ends, arguments, stack)
                 last, own = own, level if stop > level else -level if stop < -level else stop

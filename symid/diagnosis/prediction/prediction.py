@@ -11,8 +11,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray, add_outer
 from symid.diagnosis.prediction.axis_motion import AxisMotion
 from symid.diagnosis.prediction.force_path import ForcePath
-from symid.diagnosis.prediction.hidden_equation import MassChange
-from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
+from symid.diagnosis.prediction.hidden_motion import IntegratedEffects, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import Impedance, as_measured, noise_weights, response_of
@@ -150,66 +149,50 @@ def prediction_of(
     like: Prediction | None = None,
     forces: ComplexArray | None = None,
     impedances: Sequence[Impedance] = (),
-    integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
-    mass_change: MassChange | None = None,
-    integrated_terms: tuple[tuple[int, int], ...] = (),
+    integrated: IntegratedEffects | None = None,
     follows: bool = False,
     changes: ComplexArray | None = None,
     path: ForcePath | None = None,
-    misread: ComplexArray | None = None,
 ) -> Prediction:
     """The axis under a record at physical parameters, SI.
 
     The law forces of the prediction `before` move hidden joints; without it, only the linear part does. The response
-    and impedances of the prediction `like` are reused. Effects add `forces`, (n_bins, n_bodies), `impedances`, laws
-    `integrated` with the hidden motion by direction, and a `mass_change` in it; `integrated_terms` are the declared
-    terms among them. Their motion `follows` the measured force, or not, along the first driven position less its error
-    `misread`, (n_bins,). Other effects make `changes` of the outputs. The `path` has what drives do to their forces.
+    and impedances of the prediction `like` are reused. Effects add `forces`, (n_bins, n_bodies), and `impedances`; they
+    may be `integrated` with the hidden motion, which `follows` the measured force or not. Other effects make `changes`
+    of the outputs, or change the `path` of the forces.
     """
-    if before is not None and before.integrated_terms != integrated_terms:
-        before = replace(before, integrated_terms=integrated_terms)
-    levels = () if before is None else before.levels
+    declared_terms = record.hidden_terms if integrated else ()
+    if before is not None and before.integrated_terms != declared_terms:
+        before = replace(before, integrated_terms=declared_terms)
     if before is not None and before.parameters == parameters and not (impedances or before.impedances):
         like = before  # an implicit force iterates at the same parameters
     if like is not None:
         response, impedances = like.response, like.impedances
     else:
         response = response_of(record, parameters, impedances)
-    plant, of_integrated = response.plant, None
-    of_effects = np.zeros((record.n_bins, len(plant.bodies)), complex) if forces is None else forces
+    of_effects = np.zeros((record.n_bins, len(response.plant.bodies)), complex) if forces is None else forces
+    of_integrated, misread = None, None
     if integrated:
-        acting = of_effects if before is None else of_effects + before.law_forces_of(plant)
-        of_drive = None if changes is None else changes[0]
-        moved, observed, pushes = integrated_motion(
-            record,
-            plant,
-            acting,
-            integrated,
-            change=mass_change,
-            follows=follows,
-            changes=of_drive,
-            misread=misread,
-        )
-        observed = as_measured(record, response, observed, misread)
-        of_integrated = np.zeros_like(of_effects)
-        for push, (direction, _) in zip(pushes, integrated, strict=True):
-            add_outer(of_integrated, push, -direction)
+        acting = of_effects if before is None else of_effects + before.law_forces_of(response.plant)
+        moved, observed, law_forces = integrated_motion(record, response.plant, acting, integrated)
+        of_integrated, misread = np.zeros_like(of_effects), integrated.misread
+        for force, (direction, _) in zip(law_forces, integrated.laws, strict=True):
+            add_outer(of_integrated, force, -direction)
     else:
         acting = of_effects if before is None else of_effects + before.law_forces
-        moved = response.displacements(record.motions, acting)
-        observed = as_measured(record, response, moved)
+        moved = observed = response.displacements(record.motions, acting)
     return Prediction(
         record,
         parameters,
         response,
         displacements=moved,
-        observed=observed,
+        observed=as_measured(record, response, observed, misread),
         forces=of_effects,
         of_integrated=of_integrated,
         impedances=tuple(impedances),
-        levels=levels,
+        levels=() if before is None else before.levels,
         path=path,
-        integrated_terms=integrated_terms if integrated else (),
+        integrated_terms=declared_terms,
         follows=follows,
         changes=changes,
     )

@@ -1,11 +1,10 @@
-"""Lack-of-fit test of the effect found first: a law of any shape in its place must not explain clearly more.
+"""Lack-of-fit test of the effect found first, against a nonparametric law in its place.
 
-The library holds laws of a given shape: a friction that varies as a wave along the stroke, a gain that bends with the
-square of the force. A machine may have another law of the same quantity. The best effect of the library then takes away
-most of the gap and is still not the cause. It shows in a law without a shape, a piecewise linear function of the
-position, velocity or acceleration, in either direction of motion: in the place of the right effect it explains no
-more, in the place of a wrong one much more, on blocks that are left out of the fit (compare the classical lack-of-fit
-test against a saturated model, N. R. Draper and H. Smith, Applied Regression Analysis, 1998).
+A machine may have another law of the same quantity than the library: friction that varies along the stroke, but not as
+a sine. The best effect of the library then closes most of the gap without being the cause. A nonparametric law shows
+this: a piecewise linear function of position, velocity or acceleration in either direction of motion. In the place of
+the right effect it predicts blocks that are left out of the fit no better; in the place of a wrong one, far better
+(compare the lack-of-fit test against a saturated model, N. R. Draper and H. Smith, Applied Regression Analysis, 1998).
 """
 
 import math
@@ -26,9 +25,7 @@ from symid.errors import SettingError
 
 _ITERATIONS = 6
 _ROWS_PER_VALUE = 10.0
-"""Least number of independent rows for each value of a law without a shape."""
-_HOPELESS = 0.9
-"""Share of the error above the noise that a law leaves by projection, from which on it does not outdo the effect."""
+"""Least number of independent rows for each value of a nonparametric law."""
 _FIRST_TERMS = ("coulomb_friction", "viscous_friction", "offset_force")
 """Terms that any force of the motion has, whatever its shape: another shape is a second effect beside them."""
 _LAWS = tuple(NonparametricLaw(of) for of in ("position", "velocity", "acceleration"))
@@ -36,7 +33,7 @@ _LAWS = tuple(NonparametricLaw(of) for of in ("position", "velocity", "accelerat
 
 @dataclass(frozen=True)
 class LackOfFit:
-    """The best law without a shape in the place of the first effect."""
+    """The best nonparametric law in the place of the first effect."""
 
     of: str = ""  # quantity of which it is a law; empty if there is none
     # cross-validated mean square above the noise that the model leaves with it, relative to that with the effect; inf
@@ -50,63 +47,71 @@ class LackOfFit:
 
 
 def lack_of_fit(first: Fit, whole: Fit) -> LackOfFit:
-    """The best law without a shape that takes over what the first effect explains; none if rows are too few for one.
+    """The best nonparametric law in the place of the first effect; none if the rows are too few for one.
 
     `first` is the re-identified model, `whole` the one with all effects.
     """
-    known = len(first.state.placed)
-    item = whole.state.placed[known]
+    item = whole.state.placed[len(first.state.placed)]
     # A refinement of the effect would take its place, as presliding friction takes that of Coulomb friction.
     others = tuple(x for x in whole.state.placed if x is not item and not x.refines(item.key))
     if item.effect.name in _FIRST_TERMS:
         return LackOfFit()
-
-    def with_law(*placed: Placed) -> FloatArray | None:
-        """Squares of the blocks left out by the model with other effects, fitted from its values; None if that fails.
-
-        The fit itself is not kept: its columns are large.
-        """
-        try:
-            with np.errstate(over="ignore", invalid="ignore"):
-                state = with_effects(whole.state, whole.weighting, placed)
-                return fitted(state, whole.weighting, _ITERATIONS).blocks.squares
-        except (SettingError, np.linalg.LinAlgError, OverflowError):
-            return None
-
-    def predicted(squares: FloatArray) -> float:
-        return log_likelihood(squares, whole.n_rows)
-
-    def left(squares: FloatArray) -> float:
-        """Cross-validated mean square in multiples of the noise of the model, mean of the outputs."""
-        noise = whole.state.prediction.noise_through(whole.weighting.density)
-        return float(np.mean(squares.sum(axis=1) / int(whole.weighting.kept.sum()) / noise))
-
+    # 1. The law of position, velocity or acceleration that predicts the blocks best in the place of the effect.
     before = whole.blocks.squares
     law, found = item, before
-    for tried in (law for law in _laws(item, whole) if _may_gain(law, whole)):
-        squares = with_law(*others, tried)
-        if squares is not None and predicted(squares) > predicted(found):
-            law, found = tried, squares
-    doubt = deviation(before, found, whole.n_rows)
-    own, least = left(before), left(found)
-    gain = predicted(found) - predicted(before)
-    if gain <= max(THRESHOLDS.least_penalised_gain, doubt) or least >= own:
+    for candidate in (law for law in _laws(item, whole) if _may_gain(law, whole)):
+        squares = _squares_with(whole, *others, candidate)
+        if squares is not None and _predicted(squares, whole) > _predicted(found, whole):
+            law, found = candidate, squares
+    # 2. It must predict them clearly better than the effect.
+    own, least = _left(before, whole), _left(found, whole)
+    gain, spread = (
+        _predicted(found, whole) - _predicted(before, whole),
+        deviation(before, found, whole.n_rows),
+    )
+    if gain <= max(THRESHOLDS.least_penalised_gain, spread) or least >= own:
         return LackOfFit()
-    floor = min(1.0, least)  # what the law leaves is noise as far as it is below the stated level
-    without, both = with_law(*others), with_law(*whole.state.placed, law)
+    # 3. And it must replace the effect: where much else is missing, a law may explain more of that instead, and the
+    # effect then removes as much error beside the law as it does alone.
+    without, both = _squares_with(whole, *others), _squares_with(whole, *whole.state.placed, law)
     if without is None or both is None:
         return LackOfFit()
-    # Where much else is missing, a law may explain more of that. The effect is then as good beside the law.
-    kept, alone = least - left(both), max(left(without) - own, np.finfo(float).tiny)
-    share = (least - floor) / (own - floor)
+    beside_law, alone = least - _left(both, whole), max(_left(without, whole) - own, np.finfo(float).tiny)
+    if not beside_law < THRESHOLDS.stands_in * alone:
+        return LackOfFit()
+    floor = min(1.0, least)  # the law may leave less than the stated level of the noise, which is then lower
     assert isinstance(law.effect, NonparametricLaw)
-    return LackOfFit(law.effect.of, share) if kept < THRESHOLDS.stands_in * alone else LackOfFit()
+    return LackOfFit(law.effect.of, (least - floor) / (own - floor))
+
+
+def _squares_with(whole: Fit, *placed: Placed) -> FloatArray | None:
+    """Squared errors of the blocks left out, with other effects fitted from the values of a model; None if that fails.
+
+    The fit itself is not kept: its columns are large.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            state = with_effects(whole.state, whole.weighting, placed)
+            return fitted(state, whole.weighting, _ITERATIONS).blocks.squares
+    except (SettingError, np.linalg.LinAlgError, OverflowError):
+        return None
+
+
+def _predicted(squares: FloatArray, whole: Fit) -> float:
+    """Cross-validated log-likelihood from the squares of the blocks."""
+    return log_likelihood(squares, whole.n_rows)
+
+
+def _left(squares: FloatArray, whole: Fit) -> float:
+    """Cross-validated mean square from the squares of the blocks, relative to noise, mean of the outputs."""
+    noise = whole.state.prediction.noise_through(whole.weighting.density)
+    return float(np.mean(squares.sum(axis=1) / int(whole.weighting.kept.sum()) / noise))
 
 
 def _may_gain(law: Placed, whole: Fit) -> bool:
-    """Whether a law beside all effects may outdo the first, by projection.
+    """Whether a law beside all effects may fit better than the first effect, by projection.
 
-    It must gain more than as many free values do in noise, and leave clearly less above the noise than the effects.
+    Its gain must exceed that of as many free values in noise, and its error above the noise be clearly smaller.
     """
     weighting, prediction = whole.weighting, whole.state.prediction
     own = law.effect.columns(prediction, law.at, law.shape)
@@ -118,13 +123,13 @@ def _may_gain(law: Placed, whole: Fit) -> bool:
     closed = float(onto @ np.linalg.pinv(columns @ columns.T, rcond=RANK, hermitian=True) @ onto) / whole.cost
     gain = -0.5 * whole.n_rows * len(whole.state.rows) * math.log1p(-min(closed, 1 - RANK))
     above = whole.mean_square - 1
-    if whole.mean_square * (1 - closed) - 1 > _HOPELESS * above > 0:
+    if whole.mean_square * (1 - closed) - 1 > THRESHOLDS.may_outdo * above > 0:
         return False
     return gain > THRESHOLDS.least_penalised_gain + len(law.amplitudes) / 2
 
 
 def _laws(item: Placed, fit: Fit) -> Iterator[Placed]:
-    """Laws without a shape at the place of an effect, or at the drives for one elsewhere, as far as rows suffice."""
+    """Nonparametric laws at the place of an effect, or at the drives for one elsewhere, as far as rows suffice."""
     prediction = fit.state.prediction
     places = [item.at] if item.at in prediction.joints else sorted(prediction.record.driven_bodies)
     for place in places:

@@ -1,6 +1,6 @@
-"""Effects of a model selected again, each beside all others.
+"""Reselection: each effect of a model is selected again beside all others.
 
-Forward selection never reconsiders an effect, but the first one also stood in for those found later.
+Forward selection never reconsiders an effect, although the first one also took over the error of those found later.
 """
 
 import math
@@ -99,44 +99,11 @@ def _chosen(
 ) -> SelectionStep | None:
     """The step of an effect beside all others; None if no candidate is justified.
 
-    Fits begin with the values of the whole model: without a large effect, small ones would go astray. A `simpler`
-    effect that was dropped because this one contains it competes again. So do others that it contains, and a lag with
-    a delay: which of them is enough may not show before all other effects are in the model.
+    A `simpler` effect that was dropped because this one refines it competes again.
     """
-    own, present = begun.placed, {item.key for item in before.state.placed}
-    starts = [begun, *(Start.of(before, member.placed) for member in simpler)]
-    alike = with_equivalents([own.key])
-    near = [
-        *(c.placed for c in step.screened),
-        *(c.placed for c in step.confirmed),
-    ]  # fitted values come last
-    others = {item.key: item for item in near if item.key in alike or own.refines(item.key)}
-    if is_clear(whole):
-        refined = (item for item in near if item.refines(own.key))
-        others |= {item.key: replace(item, integrated=own.integrated) for item in refined}
-    tried = {own.key, *present, *(member.placed.key for member in simpler)}
-    starts += [replace(begun, placed=item) for key, item in others.items() if key not in tried]
-    laws = (item for c in step.screened if c.placed.key == own.key for item in (c.placed, *c.others))
-    starts += [replace(begun, placed=item) for item in laws if item.effect is not own.effect]
-    if library:
-        rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS] if c.key not in present}
-        # the same effect elsewhere may do as well, with the values of the whole model
-        starts += [replace(begun, placed=item) for (name, _), item in rivals.items() if name == own.key[0]]
-        rivals |= {c.placed.key: c.placed for c in screened(before, library)[:_RIVALS]}
-        starts += [Start.of(before, item) for item in rivals.values()]
-    found: dict[Key, Confirmed] = {}
-    for start in starts:
-        item = start.placed
-        same = item.key in found and found[item.key].effect is item.effect
-        if same and not (item.shape or item.integrated):
-            continue  # the error is linear in its values: it has one minimum
-        is_part_of_another = any(other.placed.refines(item.key) for other in found.values())
-        most = math.inf if is_part_of_another else THRESHOLDS.give_up * least_left(found)
-        one = confirmed_from(before, start, most)
-        if one is not None and (one.key not in found or one.gain > found[one.key].gain):
-            found[one.key] = one
-    refused = step.refused | {start.placed.key for start in starts}
-    refused -= found.keys()
+    own, starts = begun.placed, _starts(before, whole, begun, step, library, simpler)
+    found = _best_fits(before, starts)
+    refused = (step.refused | {start.placed.key for start in starts}) - found.keys()
     prefer_coulomb(found)
     best = ranked(found.values(), before)
     kept = next((c for c in best if c.key == own.key), found.get(own.key))
@@ -149,6 +116,59 @@ def _chosen(
         return chosen
     steps = {member.placed.key: member.step for member in simpler}
     return in_place_of(steps.get(best[0].key, step), before, best[0])
+
+
+def _starts(
+    before: Fit,
+    whole: Fit,
+    begun: Start,
+    step: SelectionStep,
+    library: Sequence[Effect],
+    simpler: Sequence[Member],
+) -> list[Start]:
+    """Starts of the candidates that compete with an effect beside all others.
+
+    Fits begin with the values of the whole model: without a large effect, small ones would go astray. Effects that this
+    one refines compete, and a lag with a delay: only beside all other effects it may show which of them is enough.
+    """
+    own, present = begun.placed, {item.key for item in before.state.placed}
+    # the effect itself, and simpler ones that it replaced
+    starts = [begun, *(Start.of(before, member.placed) for member in simpler)]
+    # its relatives: equivalents, simpler effects, and where a clear gap stays, refinements; fitted values come last
+    near = [*(c.placed for c in step.screened), *(c.placed for c in step.confirmed)]
+    equivalents = with_equivalents([own.key])
+    others = {item.key: item for item in near if item.key in equivalents or own.refines(item.key)}
+    if is_clear(whole):
+        refined = (item for item in near if item.refines(own.key))
+        others |= {item.key: replace(item, integrated=own.integrated) for item in refined}
+    tried = {own.key, *present, *(member.placed.key for member in simpler)}
+    starts += [replace(begun, placed=item) for key, item in others.items() if key not in tried]
+    # other laws of the same effect
+    laws = (item for c in step.screened if c.placed.key == own.key for item in (c.placed, *c.others))
+    starts += [replace(begun, placed=item) for item in laws if item.effect is not own.effect]
+    # rivals when it was found, also the same effect elsewhere from the values of the whole model; and new ones
+    if library:
+        rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS] if c.key not in present}
+        starts += [replace(begun, placed=item) for (name, _), item in rivals.items() if name == own.key[0]]
+        rivals |= {c.placed.key: c.placed for c in screened(before, library)[:_RIVALS]}
+        starts += [Start.of(before, item) for item in rivals.values()]
+    return starts
+
+
+def _best_fits(before: Fit, starts: Sequence[Start]) -> dict[Key, Confirmed]:
+    """The best credible fit of each candidate."""
+    found: dict[Key, Confirmed] = {}
+    for start in starts:
+        item = start.placed
+        same = item.key in found and found[item.key].effect is item.effect
+        if same and not (item.shape or item.integrated):
+            continue  # the error is linear in its values: it has one minimum
+        is_simpler = any(other.placed.refines(item.key) for other in found.values())
+        most = math.inf if is_simpler else THRESHOLDS.give_up * least_left(found)
+        one = confirmed_from(before, start, most)
+        if one is not None and (one.key not in found or one.gain > found[one.key].gain):
+            found[one.key] = one
+    return found
 
 
 def _is_clearly_better(best: Confirmed, own: Confirmed) -> bool:

@@ -20,8 +20,6 @@ _OTHER_PLACES = 3
 _FOLLOWING = 3
 _AGAIN = 3
 """Candidates that are fitted from the nominal values too if they explain nearly all."""
-_TIE = 0.1
-"""Difference of projected gains, as logarithms of the likelihood, up to which effects are fitted alike."""
 _ALWAYS = 3
 """Candidates that are fitted where there is a gap, whatever their projected gain."""
 
@@ -165,7 +163,7 @@ def least_left(confirmed: Mapping[Key, Confirmed]) -> float:
 
 def ties(candidates: Sequence[Candidate], chosen: list[Candidate]) -> list[Candidate]:
     """Candidates that the log hardly distinguishes from chosen ones, such as friction and a constant force one way."""
-    alike = [c for c in candidates if any(abs(c.gain - own.gain) < _TIE for own in chosen)]
+    alike = [c for c in candidates if any(abs(c.gain - own.gain) < THRESHOLDS.alike for own in chosen)]
     return _distinct(alike, chosen)
 
 
