@@ -1,8 +1,9 @@
 """Why a simulation and a machine differ: the gap, where it lies, which effect causes it, how far it shrinks.
 
-`diagnose` is the table of contents. `prediction` evaluates the axis on a log, `effects` is the library of what may be
-missing, `fitting` fits an axis with effects, `selection` finds those that explain the gap, `findings` makes the result,
-`in_motion` simulates it under the controller, and `experiment` designs the next experiment.
+Read `diagnose.py` first, which calls the packages in this order. `prediction` evaluates the axis on a log. `effects` is
+the library of effects that a model may lack. `fitting` estimates parameters and effects by least squares. `selection`
+chooses effects by forward selection. `findings` concludes the result. `in_motion` simulates the model found under the
+controller. `experiment` designs the next experiment. All thresholds are in `thresholds`.
 """
 
 from symid.diagnosis.against import diagnose_against

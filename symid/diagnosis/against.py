@@ -1,11 +1,12 @@
-"""Why a machine and the user's own simulator differ: logs of both under the same reference, seen by the same axis.
+"""Diagnosis of a machine against the user's own simulator, from logs of both under the same reference.
 
-The simulator's log is diagnosed first: values of the axis's parameters, and effects that the simulator has beyond the
-axis. That model, under the machine's log, is the nominal one. It is then identified from the machine's log, and its
-effects are kept where that log needs them; the machine does not have the others. The error of this model is searched
-as in any diagnosis: effects found now are those that the simulator lacks.
+1. The axis is fitted to the simulator's log, with the effects that the simulator has beyond the axis.
+2. This model is the nominal one. It is fitted to the machine's log without the effects that this log does not need: the
+   simulator has them, and the machine does not.
+3. Effects are selected that explain the remaining error: the machine has them, and the simulator lacks them.
 
-So that small errors of a simulator without noise do not count as effects, its readings get the noise of the machine's.
+The noise of the machine's readings is added to the simulator's log, so that small numerical errors of a simulator
+without noise do not count as effects.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,7 +29,6 @@ from symid.diagnosis.findings.found_effects import EffectParameter, ParameterCha
 from symid.diagnosis.findings.parameter_changes import effect_values
 from symid.diagnosis.findings.wording import sentence_against
 from symid.diagnosis.fitting.applied import applied
-from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import ITERATIONS, converged, fitted
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
@@ -60,16 +60,16 @@ def diagnose_against(
     library: Sequence[Effect | str] = LIBRARY,
     controller: Cascade | Sequence[Cascade] | None = None,
 ) -> Diagnosis:
-    """Why a machine and a simulator of it differ.
+    """Diagnose why a machine and a simulator of it differ.
 
     Parameters
     ----------
     axis : Axis
-        The declared axis, in whose terms both are explained.
+        The declared axis, whose parameters and effects describe both.
     log : Log
         A log of the machine.
     simulated : Log
-        A log of the simulator, best under the same reference, with the same signals.
+        A log of the simulator with the same signals, if possible under the same reference.
     validation, late, held, library, controller
         As for `diagnose`; signals of both logs are taken as recorded alike.
 
@@ -131,7 +131,7 @@ def diagnose_against(
 
 
 def as_noisy(log: Log, like: Record) -> Log:
-    """A log whose signals have at least the noise of a record, white and as dense: both are then weighed alike."""
+    """A log with white noise added up to the density of the noise of a record, so that both get equal weights."""
     own = record_of(like.dynamics, log)
     rate = log.sampling_frequency / like.log.sampling_frequency
     levels = dict(zip(_signals(like), like.noise * np.sqrt(rate), strict=True))
@@ -148,7 +148,7 @@ def _signals(record: Record) -> tuple[str, ...]:
 
 
 def _simulator(record: Record, library: Sequence[Effect]) -> Fit:
-    """The axis with the effects that the simulator has."""
+    """The axis with the effects that the simulator has, fitted to its log."""
     model = fitted_axis(*first_state(record, starting_parameters(record.dynamics.axis, record)))
     for step in forward_selection(model, library):
         if step.accepts:
@@ -157,7 +157,7 @@ def _simulator(record: Record, library: Sequence[Effect]) -> Fit:
 
 
 def _machine(state: State, weighting: Weighting) -> Fit:
-    """The simulator's model identified from the machine's log, without the effects that this log does not ask for."""
+    """The simulator's model fitted to the machine's log, without the effects that this log does not need."""
     model = converged(state, weighting)
     for item in model.state.placed[len(declared_effects(state.prediction)) :]:
         others = tuple(other for other in model.state.placed if other.key != item.key)
@@ -175,7 +175,7 @@ def _shared_effects(state: State, fit: Fit) -> tuple[Placed, ...]:
 
 
 def _described(model: Fit, machine: Fit, changes: Sequence[ParameterChange], source: str) -> Simulator:
-    stds = dict(zip(model.parameters, standard_deviations(model), strict=False))
+    stds = dict(zip(model.parameters, model.standard_deviations, strict=False))
     of_machine = dict(zip((p.key for p in machine.state.placed), effect_values(machine), strict=True))
     effects = [
         _effect_beside(item, values, of_machine.get(item.key))
@@ -188,15 +188,15 @@ def _described(model: Fit, machine: Fit, changes: Sequence[ParameterChange], sou
 def _effect_beside(
     item: Placed, simulated: Mapping[str, EffectParameter], machine: Mapping[str, EffectParameter] | None
 ) -> SimulatedEffect:
-    """An effect of the simulator beside that of the machine; what belongs to a log, such as a phase, may differ."""
+    """An effect of the simulator and of the machine; values that belong to a log, such as a phase, may differ."""
     both = [] if machine is None or item.effect.per_log else [(simulated[x], machine[x]) for x in simulated]
     differs = any(_differs(a.value, a.std, b.value, b.std) for a, b in both)
     return SimulatedEffect(*item.key, simulated, machine, differs)
 
 
 def _differs(value: float, std: float, other: float, other_std: float) -> bool:
-    doubt = _DIFFERS_DEVIATIONS * np.hypot(std, other_std)
-    return bool(abs(other - value) > max(doubt, _DIFFERS_SHARE * abs(value)))
+    deviation = _DIFFERS_DEVIATIONS * np.hypot(std, other_std)
+    return bool(abs(other - value) > max(deviation, _DIFFERS_SHARE * abs(value)))
 
 
 def _beside(change: ParameterChange, std: float) -> SimulatedParameter:
@@ -213,6 +213,6 @@ def _beside(change: ParameterChange, std: float) -> SimulatedParameter:
 
 def _assumption(simulator: Simulator) -> str:
     return (
-        f"The simulator is what the axis makes of {simulator.log}: nominal values and effects are identified from it, "
-        f"which leaves {simulator.error:.2g} times the machine's noise."
+        f"The axis with values and effects identified from {simulator.log} represents the simulator, which leaves "
+        f"{simulator.error:.2g} times the machine's noise."
     )

@@ -1,4 +1,4 @@
-"""Every number that decides on an effect, a probability or a verdict, with its unit, its reason and what fixed it."""
+"""Thresholds that decide on effects, probabilities and verdicts: units, reasons, and the data that fixed them."""
 
 from dataclasses import dataclass
 
@@ -26,21 +26,21 @@ class Thresholds:
     least_share: float = 0.006
     # share of draws of the blocks in which it must predict better: two sides of a test at 10 %
     least_certainty: float = 0.95
-    # the same for an effect that is followed to the end, as others may explain the rest (a drawn pair: 0.935, and the
+    # the same for an effect that is accepted tentatively, as others may explain the rest (a drawn pair: 0.935, and the
     # third effect of a drawn slide: 0.94)
     least_tentative: float = 0.8
     # least_power, least_of_first: mean square, and share of the first model's, that a further effect must take
     # away (second effects in drawn cases with one)
     least_power: float = 0.06
     least_of_first: float = 0.006
-    # share of what is clearly left that an effect must take away where it takes less than that of the first model: a
-    # gap of a hundred floors would hide one of several floors (drawn worldly cases; what wanders lost 0.2)
+    # share of a clear remaining error that an effect must take away where it takes less than `least_of_first`: a gap of
+    # a hundred floors would hide one of several floors (drawn worldly cases; wandering forces lost 0.2)
     least_of_rest: float = 0.3
     # mean square below which no effect takes a model: the level of the noise is known to some percent
     noise: float = 0.8
     most_effects: int = 4  # effects sought: a worldly case has four
     explained: float = 1.4  # mean square at which no further starts are tried
-    # share of the mean square; with more of it left, no candidate has explained it, and dearer starts are tried
+    # share of the mean square above which no candidate has explained it, and costlier starts are tried
     hardly: float = 0.05
     # share of the best candidate's gain by projection from which on another is fitted
     promising: float = 0.15
@@ -48,7 +48,7 @@ class Thresholds:
     clear_gap: float = 9.0
     # mean square from which on a search that would end goes on from the nominal values (a drawn pair: 7.8)
     resumed: float = 4.0
-    # multiple of the least mean square beyond which another candidate is not fitted to the end
+    # multiple of the least mean square beyond which the fit of another candidate is given up
     give_up: float = 4.0
     # share of the best gain from which on another candidate is accepted in its place, where it is not certain
     beside_best: float = 0.2
@@ -68,11 +68,11 @@ class Thresholds:
     # motion of one direction, and are all fitted
     alike: float = 0.1
     spoiled: float = 1.5  # factor by which the mean square of an output grows where a candidate goes last
-    # share of its gain by which what contains Coulomb friction must exceed it: robot joints without friction in
+    # share of the gain of Coulomb friction by which its refinement must exceed it: robot joints without friction in
     # their model showed 2 % more for presliding friction, whose reach the log determined badly
     hardly_more: float = 0.03
-    # mean square of a fit, relative to that of another of the same effect or of a simpler one, below which it is better
-    # whatever it gains in cross-validation (search)
+    # mean square of a fit, relative to that of another fit of the same effect or of a simpler one, below which it is
+    # better whatever its cross-validated gain
     far_less: float = 0.5
     # Stribeck velocity, relative to the top speed, beyond which Stribeck friction without Coulomb friction is
     # that (machines without Coulomb friction in their model: 0.4 to 0.9; where drawn cases have it, below 0.2)
@@ -89,20 +89,20 @@ class Thresholds:
     # share of the gap by which another order may leave more of it (a drawn worldly case: 0.0006, which was a quarter of
     # the noise left); the error of the other log limits the order too
     hardly_more_left: float = 0.002
-    # share of the error that separate parameters of a span must explain to be named as what to look at: two machines in
+    # share of the error that separate parameters of a span must explain for the span to be reported: two machines in
     # one log took 0.85, a gain halved in a fifth of it 0.92, laws that the library lacks 0.6
     changed_span: float = 0.7
     # factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost
     # (friction by the load explained servo motors away)
     least_inertia: float = 2.0
     # factor by which it may grow beside any effect that does not explain all: a mode of the motor bench hid 9 tenths
-    # of the inertia (9.0), one at 1.2 Hz that refines cogging makes a motor 560 times as heavy (both real)
+    # of the inertia (9.0), one at 1.2 Hz that imitates cogging makes a motor 560 times as heavy (both real)
     heavier: float = 30.0
     least_independent: float = 1e-8  # share of a column, squared, that the others must leave of it
-    deviations: float = 2.0  # standard deviations of nothing within which a value does not count as found
+    deviations: float = 2.0  # standard deviations from 0 within which a value does not count as found
     # rms of a missing force relative to the largest of the drive: a spring that holds it may carry more
     largest_force: float = 5.0
-    spring_ran_away: float = 1e4  # factor by which a stiffness is beyond what any effect had hidden of it
+    spring_ran_away: float = 1e4  # factor on a stiffness beyond which an effect has made the spring rigid
     # pushes, pushed: force along the motion, relative to the rms of all friction, and share of the motion with
     # it, from which on a friction that differs by direction or place would push the axis (weight of robot joints,
     # real; drawn cases of a force of position times velocity)
@@ -113,14 +113,14 @@ class Thresholds:
     steady_fall: float = 0.2
     # share of the logged force that must act on the axis: with less, the drive has been explained away
     least_acting: float = 0.5
-    # share of what a limit or a bent gain makes of the force that must differ from the course of the force: of a
-    # sine cut to a fifth it is 0.016, of a force of two levels 0 (relay test of a cart, real)
+    # share of the change of a force by a limit or a bent gain that must not be in proportion to the force: of a sine
+    # cut to a fifth it is 0.016, of a force of two levels 0 (relay test of a cart, real)
     own_course: float = 0.01
-    # share of its stiffness that a spring loses within its play, at least: a smaller one refines what else bends
+    # least share of its stiffness that a spring loses within its play: a smaller play imitates other nonlinearities
     # (a spring of MuJoCo whose damping the model lacked, 0.08)
     least_play: float = 0.2
-    # share of the mean square above that of noise up to which what is left speaks for an unusual size: a gain that
-    # bends by most of it, a command that an integrator winds up to many times a limit
+    # share of the excess mean square that an effect may leave and have an unusual size: a gain that bends by most of
+    # it, a command that an integrator winds up to many times a limit
     explains_all: float = 0.01
     fit_of_noise: float = 1.5  # mean square of a fit that leaves noise alone
     # share of the mean square up to which a fit from another stiffness is the better one: it found the resonance
@@ -143,9 +143,9 @@ class Thresholds:
         100.0  # band of the force by whose error effects are ranked, Hz: drives are controlled in it
     )
     no_excess: float = 0.05  # mean square above 1 below which there is nothing to explain
-    # tempered_share, doubt: gains are divided by 1 + `tempered_share` times the largest, and by `doubt`
-    # deviations of their difference over the blocks: laws differ a little from those of a real axis (reliability
-    # of drawn cases)
+    # tempered_share, gain_deviations: gains are divided by 1 + `tempered_share` times the largest, plus
+    # `gain_deviations` standard deviations of their difference over the blocks: laws differ a little from those of a
+    # real axis (reliability of drawn cases)
     tempered_share: float = 0.006
     gain_deviations: float = 1.0
     # level_spread, level_elsewhere: relative deviation of a friction level from its nominal value, and
@@ -160,7 +160,7 @@ class Thresholds:
     # the same of a body whose friction was found too, for an asymmetry of friction (three drawn screws whose load has
     # friction in one direction: asymmetric friction of the motor, and Coulomb friction of the load)
     friction_there: float = 1.0
-    # logarithm of the odds of what no machine can be with the values found: its fit may have gone astray
+    # logarithm of the odds of a candidate with values that no machine has: its fit may have gone astray
     refused: float = -2.0
     # probability from which on a candidate counts as indistinguishable from the best
     indistinguishable: float = 0.15
@@ -188,7 +188,7 @@ class Thresholds:
     # that bound
     least_removed: float = 0.1
     removed_width: float = 0.02
-    # covered, covered_width: the same for it to be what it is called, and to stand for nothing else (reliability of
+    # covered, covered_width: the same for it to be the true cause and not a substitute for another one (reliability of
     # drawn cases: effects that took a third of the gap were right more often than not)
     covered: float = 0.3
     covered_width: float = 0.1
@@ -213,7 +213,7 @@ class Thresholds:
     # leaves to them (11 drawn worldly cases: 0.07 with that of parts of a log, -0.12 to 0.09)
     taken_over: float = 0.05
     all_of_it: float = 0.1  # share of the gap that may stay where effects explain it and not a part of it
-    # most probability of an effect beside others: it may stand in for what they leave of each other (of 17 drawn ones
+    # largest probability of an effect beside others, as it may explain what they leave of each other (of 17 drawn ones
     # with 0.9 and more, 1.00 among them, 13 to 15 were there)
     further_effect: float = 0.95
     # other_order, order_off: factor on the probability of an effect that repeats an integer number of times in a pitch

@@ -20,7 +20,7 @@ class Autoregression:
     usable: BoolArray  # shape (n_rows,): rows whose past is kept too
 
     def apply(self, rows: FloatArray) -> FloatArray:
-        """White rows, of shape (..., n_outputs * n_usable), from weighted ones of shape (..., n_outputs, n_rows)."""
+        """Whiten rows of shape (..., n_outputs, n_rows); the result has shape (..., n_outputs * n_usable)."""
         if not self.coefficients.any():  # the rows as they are, see `unweighted`
             return rows[..., self.usable].reshape(*rows.shape[:-2], -1)
         from symid.estimation.white_rows import white_rows  # numba takes 0.3 s

@@ -58,4 +58,4 @@ def test_a_force_of_the_other_sign_is_distinguished_from_an_axis_that_lacks_some
     log = closed_loop(np.sin(2 * np.pi * 0.7 * time) + 0.4 * np.sin(2 * np.pi * 1.9 * time))
     turned = Log.from_arrays({"q": log["q"], "u": -log["u"]}, sampling_period=STEP, source="turned")
     nominal = {"J": 0.08, "Fv": 0.2, "Fc": 0.3}
-    assert "opposite to what the motion asks for" in diagnose(AXIS, turned, nominal=nominal).faults[0]
+    assert "opposite to the force that the motion needs" in diagnose(AXIS, turned, nominal=nominal).faults[0]

@@ -191,7 +191,7 @@ def test_the_constant_of_a_drive_is_taken_as_given_and_effects_are_in_its_force(
     assert found.effects[0].parameters["F0"].value == pytest.approx(12.0, rel=0.05)
     assert "Kt of iq is taken as 50 N/A." in found.assumptions
     assert all(np.isfinite(parameter.reidentified_std) for parameter in found.parameters)
-    with pytest.raises(SettingError, match=r"does not determine Kt: give what is known"):
+    with pytest.raises(SettingError, match=r"does not determine Kt: give the known ones"):
         diagnose(axis, log)
 
 

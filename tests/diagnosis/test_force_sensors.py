@@ -65,7 +65,7 @@ def test_a_delay_of_the_drive_is_one_of_the_drive_and_not_of_its_transducer() ->
 
 def test_a_gain_that_the_log_does_not_determine_is_asked_for() -> None:
     axis = celled((Position("qm", MOTOR, gain="cq", noise=1e-8),))
-    with pytest.raises(SettingError, match="the log does not determine cq: give what is known"):
+    with pytest.raises(SettingError, match="the log does not determine cq: give the known ones"):
         diagnosed(axis, cq=1.02)
 
 

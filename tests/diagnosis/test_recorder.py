@@ -137,7 +137,7 @@ def test_a_sound_log_is_left_as_it_is() -> None:
     log = with_drag()
     found = repaired(load_axis("rigid_1m"), [log])
     assert found.logs[0] is log
-    assert (found.notes, found.thinned) == ((), 1)
+    assert (found.notes, found.decimation) == ((), 1)
 
 
 def test_a_slow_encoder_of_few_lines_is_updated_whenever_its_motion_says() -> None:
@@ -195,5 +195,5 @@ def test_a_short_log_shows_a_slow_channel_by_steps_that_no_encoder_makes() -> No
     assert updated_every(held(spun_up)) == (4, 0)
     assert updated_every(spun_up) == updated_every(np.arange(120) // 4 * step) == (1, 0)
     log = Log.from_arrays({"F": np.sin(60 * t), "q": held(spun_up)}, sampling_period=1e-3)
-    with pytest.raises(LogError, match="30 samples of its own, as q is updated every 4th sample only"):
+    with pytest.raises(LogError, match="30 independent samples, as q is updated every 4th sample only"):
         repaired(load_axis("rigid_1m"), [log])

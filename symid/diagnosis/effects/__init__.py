@@ -1,4 +1,9 @@
-"""The library of effects that a diagnosis considers."""
+"""The library of effects that a model may lack.
+
+`effect` defines the interface of an effect. `from_law` makes effects of the force laws of an axis; the other modules
+hold effects with memory, in time, in a drive or in a reading. `declared_imperfections` relates effects to elements of
+an axis.
+"""
 
 from collections.abc import Sequence
 from itertools import chain
@@ -85,7 +90,7 @@ LIBRARY: tuple[Effect, ...] = (
 
 
 def effects_named(library: Sequence[Effect | str]) -> tuple[Effect, ...]:
-    """Effects of a library, of which some are given by name: all those that the name has.
+    """Effects of a library; a name stands for all effects of that name.
 
     Raises
     ------

@@ -13,15 +13,15 @@ from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _WIDTHS, _LEVELS = (0.02, 0.05, 0.1, 0.3, 1.0), (0.1, 1.0)
-"""Widths of a play in which a body rattles relative to its largest deflection, and stiffnesses that are missing there
-relative to that of the spring, with which a fit may begin."""
+"""Initial widths of a play in which a body rattles, relative to its largest deflection, and initial losses of stiffness
+in the play, relative to that of the spring."""
 
 
 class BacklashEffect(LawEffect):
     """Play within which a spring is much softer."""
 
     def rattling_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
-        """Shapes and amplitudes of a play in which the body on a spring of that stiffness rattles."""
+        """Initial shapes and amplitudes of a play in which the body on a spring of that stiffness rattles."""
         largest = max(map(abs, spring.range))
         return [((width * largest,), (level * stiffness,)) for width, level in product(_WIDTHS, _LEVELS)]
 

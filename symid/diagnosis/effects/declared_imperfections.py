@@ -1,4 +1,4 @@
-"""Imperfections that an axis declares, and the effects that they are: either follows from the other."""
+"""Effects as imperfections of an axis, and declared imperfections as effects."""
 
 from collections.abc import Iterable
 

@@ -27,7 +27,7 @@ Change = tuple[Mapping[str, float], Sequence[Shape]]
 """Parameters before an effect begins that changes them during a log, and shapes that lead to the same values."""
 
 FreeForce = tuple[FloatArray, ComplexArray]
-"""Direction over the bodies, and spectrum of a force along it for a pulse that sets hidden motion going."""
+"""Direction over the bodies, and spectrum of a force along it for a pulse that excites hidden motion."""
 
 MatchedFilter = Callable[[ComplexArray], FloatArray]
 """Correlation of a signal with the residual over time, on the fine grid, from the response of the outputs to it
@@ -37,7 +37,7 @@ ACTUATOR = "actuator"
 
 
 class Effect(ABC):
-    """An effect that may be missing from a model. It adds amplitudes times columns to the predicted outputs."""
+    """An effect that a model may lack. It adds amplitudes times columns to the predicted outputs."""
 
     name: str
     """Name of the effect, see `symid.diagnosis.effects`."""
@@ -58,7 +58,7 @@ class Effect(ABC):
     per_log: ClassVar[bool] = False
     """Whether its amplitudes are properties of a log, for instance because time starts at 0 in each."""
     refines: tuple[str, ...] = ()
-    """Names of simpler effects that may explain the same gap."""
+    """Names of simpler effects that it contains as a special case, and that may explain the same gap."""
 
     @property
     def may_be_undetermined(self) -> frozenset[str]:
@@ -74,7 +74,7 @@ class Effect(ABC):
         return True
 
     def recurs(self, found: Placed, here: Placed) -> bool:
-        """Whether values fitted to another log, `here`, are those found, beyond coincidence; not by default."""
+        """Whether the values `here`, fitted to another log, agree with those found; by default not."""
         return False
 
     @abstractmethod
@@ -86,15 +86,15 @@ class Effect(ABC):
         return ((),)
 
     def mass_change(self, prediction: Prediction, placed: Placed) -> MassChange | None:
-        """The change of a mass that moves otherwise where hidden motion is integrated; None without, as by default."""
+        """The change of a mass for the integration of hidden motion; None by default."""
         return None
 
     def free_forces(self, prediction: Prediction, placed: Placed) -> tuple[FreeForce, ...]:
-        """Forces on bodies for pulses that set hidden motion of the effect going; none by default."""
+        """Forces on bodies for pulses that excite hidden motion of the effect; none by default."""
         return ()
 
     def elsewhere(self, prediction: Prediction, placed: Placed) -> Iterable[Placed]:
-        """The effect at places where linear screening does not find it, with values to begin with; none by default."""
+        """The effect at places where linear screening does not find it, with initial values; none by default."""
         return ()
 
     def changes_to(self, prediction: Prediction, place: str) -> Iterable[Change]:
@@ -106,7 +106,7 @@ class Effect(ABC):
         return ()
 
     def close_shapes(self, prediction: Prediction, placed: Placed, reach: float) -> Iterable[Shape]:
-        """Shapes so close to each other that one of them fits a log if any does, where those of the log do not.
+        """Shapes on a grid so fine that it resolves the minimum of the error, if `shapes_of_log` does not.
 
         Their moments are at most `reach` from that of the effect, relative to the log.
         """
@@ -130,7 +130,7 @@ class Effect(ABC):
         return False
 
     def varies_with_parameters(self, prediction: Prediction, place: str) -> bool:
-        """Whether its change of the outputs depends strongly on the physical parameters, other than through a force."""
+        """Whether its change of the outputs depends on the physical parameters strongly, and not only by a force."""
         return False
 
     def passed_on(self, prediction: Prediction, placed: Placed, outputs: ComplexArray) -> ComplexArray | None:

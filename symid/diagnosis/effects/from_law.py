@@ -1,4 +1,4 @@
-"""A force law of an axis as an effect that a model may lack: forces, units and elements follow from its formula."""
+"""Force laws as effects that a model may lack: forces, units and elements follow from the formula of the law."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ _STRONG = (0.3, 1.0, 2.5, 5.0)
 HOLDING = (0.03, 0.1, 0.3, 1.0)
 """Levels of dry friction, relative to the same."""
 _HIDDEN_SHAPES = (0.2, 1.0)
-"""Shapes of dry friction that holds a hidden joint, relative to what they are compared with."""
+"""Shapes of dry friction that holds a hidden joint, relative to the size of its motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def functions_of(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFunc
 
 
 class LawEffect(JointEffect):
-    """A law, and those that come with it, where a model lacks them.
+    """A force law that a model lacks, together with the laws that its hypothesis adds.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ _UNSETTLED = 12
 
 
 class PayloadChangeEffect(Effect):
-    """The mass of a body, and its weight, is larger by dm from the time t0 on; before and after, the axis is linear."""
+    """The mass of a body and its weight grow by dm at the time t0; before and after it the axis is linear."""
 
     name = "payload_change"
     amplitudes = ("share",)
@@ -104,7 +104,7 @@ class PayloadChangeEffect(Effect):
             yield values | {name: before}, changes
 
     def varies_with_parameters(self, prediction: Prediction, place: str) -> bool:
-        """A hidden body resonates otherwise from the change on: what it does before must not count after it."""
+        """A hidden body has another resonance after the change."""
         return prediction.record.is_predicted(prediction.loaded[place].direction)
 
     def shapes_of_log(self, prediction: Prediction, placed: Placed) -> Iterable[Shape]:
@@ -166,7 +166,7 @@ class _FreeMotion:
         time, margin = self.record.fine_time, _UNSETTLED * self.record.fine_time[1]
         first, last = np.searchsorted(time, (moment - margin, self.record.duration + margin))
         forces, change = self.forces, self.record.fine(changed[0])
-        # Normal equations: what differs so little between pulses that these lose it changes the outputs as little.
+        # Normal equations suffice: a difference of pulses below their resolution changes the outputs as little.
         before, after = slice(first), slice(last, None)
         normal = forces[:, before] @ forces[:, before].T + forces[:, after] @ forces[:, after].T
         onto = forces[:, before] @ change[before] + forces[:, after] @ change[after]
@@ -211,10 +211,10 @@ def _later(record: Record, moment: float, points: int = 1) -> FloatArray:
 
 
 def _with_sharp_jump(prediction: Prediction, body: Joint, shape: Shape) -> FloatArray:
-    """The load of a driven body with what the band of the log leaves out of its jump, on the fine grid.
+    """The load of a driven body with the part of its jump beyond the band of the log, on the fine grid.
 
-    The forces on the body go on, so that a(-) + g falls to (a(-) + g) m/(m + dm). The measured acceleration passes the
-    jump half-way at its moment, in the time that the band allows.
+    The forces on the body do not jump, so that a(-) + g falls to (a(-) + g) m/(m + dm). The measured acceleration is
+    limited to the band and is half-way through the jump at its moment.
     """
     record, (change, moment) = prediction.record, shape
     mass = 1 / float(body.direction @ np.linalg.pinv(prediction.response.plant.mass) @ body.direction)

@@ -1,4 +1,4 @@
-"""The effect of a sinusoidal force, told apart from lines of the motion and from vibration modes."""
+"""The effect of a sinusoidal force, and its distinction from lines of the motion and from vibration modes."""
 
 import math
 from collections.abc import Iterable

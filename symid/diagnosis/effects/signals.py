@@ -163,7 +163,7 @@ class RecordedLagEffect(TimeEffect, DriveEffect):
     name = "actuator_lag"
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
-        """Recorders filter over milliseconds or some samples, not over what slow friction asks for."""
+        """Recorders filter over milliseconds or some samples; a longer time stands for slow friction."""
         longest = max(_LONGEST_FILTER[0], _LONGEST_FILTER[1] * prediction.record.log.sampling_period)
         return -longest < placed.shape[0] < 0.0
 

@@ -1,1 +1,5 @@
-"""The next experiment: candidate motions, their discrimination between rival causes, and their simulation."""
+"""Design of the next experiment, which discriminates between two rival causes.
+
+`candidates` lists motions, `discrimination` ranks them by the expected odds, `simulated` simulates the best with its
+controller, and `design` chooses.
+"""

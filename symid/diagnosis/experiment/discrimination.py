@@ -1,10 +1,10 @@
-"""Discrimination between two causes: the readings expected with either, and how well a motion distinguishes them.
+"""Discrimination between two causes: the expected log-odds of a motion for the true one.
 
 For each motion, the axis with one cause predicts the readings; the other cause, with free values, is fitted to them.
 The expected gain is that of the log-likelihood of the true cause over the other. A first estimate linearises the other
 prediction in its values: half the square of the difference that its columns cannot explain. For the best few motions,
-both causes are fitted to readings with the noise of the log. Gains are tempered as in `evidence`, and the less
-favourable of the two cases counts.
+both causes are fitted to readings with the noise of the log. Gains are tempered as in `evidence`, and the smaller of
+those with either cause as the true one counts.
 """
 
 import math
@@ -82,7 +82,7 @@ class CandidateExperiment:
 def candidate_experiments(
     rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]
 ) -> list[CandidateExperiment]:
-    """Motions within the limits of the forces, reduced if necessary, the most promising first."""
+    """Motions within the limits of the forces, reduced if necessary, the largest expected log-odds first."""
     found: dict[int, CandidateExperiment] = {}
     for share in _GENTLER:
         for i, trajectory in enumerate(candidate_motions(envelope.gentler(share))):

@@ -58,7 +58,7 @@ def words_of_further(further: Mapping[Key, float]) -> str:
         f"{spoken(*key)} ({'cannot be simulated' if math.isnan(p) else _per_cent(p)})"
         for key, p in further.items()
     ]
-    return f" Against what else remains: {', '.join(against)}." if against else ""
+    return f" Against the other remaining causes: {', '.join(against)}." if against else ""
 
 
 def _per_cent(probability: float) -> str:

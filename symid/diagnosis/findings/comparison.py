@@ -1,4 +1,4 @@
-"""Comparison of models on data that took no part in any choice."""
+"""Comparison of models on held-out data, which took no part in the fits and the selection."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from symid.diagnosis.findings.strength import FixedBand
 from symid.diagnosis.fitting.applied import applied, applied_or_none, errors_of, fitted_to_log
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.corners import SLOW, near_reversals
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.signal_processing.density import power_density
@@ -51,7 +51,7 @@ class Comparison:
         return replace(self, states=self.states[: 2 + n], errors=self.errors[: 2 + n])
 
     def fitted_to_log(self) -> Comparison:
-        """The comparison with phases and moments fitted to this log; so far only the errors account for them."""
+        """The comparison with phases and moments of its models fitted to this log, as in the errors."""
         own = (None if state is None else fitted_to_log(state, self.weighting) for state in self.states)
         return replace(self, states=tuple(own))
 
@@ -77,7 +77,7 @@ class Comparison:
 
     @property
     def validated(self) -> int:
-        """Number of effects that hold on these data; further ones increase the error, or may do so."""
+        """Number of effects that lower the error on these data; further ones do not surely lower it."""
         errors = [self._relative_error(model) for model in range(1, len(self.states))]
         held = [n for n in range(1, len(errors)) if errors[n] <= THRESHOLDS.falls * min(errors[:n])]
         last = max(held, default=0)
@@ -86,7 +86,7 @@ class Comparison:
         return last
 
     def _surely_better(self, model: int) -> bool:
-        """Whether a model surely errs less than the one before it, by as much as a further effect must take away."""
+        """Whether a model surely has a smaller error than the one before, by the least of a further effect."""
         output = self.output_of(model)
         least = self.excess(model - 1, output) - THRESHOLDS.least_power * float(self.floors[output]) ** 2
         falls = self.excess(model, output) < least
@@ -225,7 +225,7 @@ class Comparison:
         base, last = self.states[1], self.states[-1]
         if base is None or last is None:
             return None
-        away = ~near(self.turns, self.row_rate, _REVERSAL)[self.weighting.kept]
+        away = ~near_reversals(self.turns, self.row_rate, _REVERSAL)[self.weighting.kept]
         if away.sum() < ENOUGH:  # an axis that does little but turn
             away = np.ones(away.size, dtype=bool)
         return FixedBand.of(last, self.weighting, away, len(base.placed))
@@ -237,10 +237,10 @@ class Comparison:
         return np.zeros(len(self.states) - 2) if band is None else band.strengths()
 
     def removed_in_any_model(self, model: int) -> Removed:
-        """What the last effect of a model removes, see `removed`, with an interval that allows for the other models.
+        """Share that the last effect of a model removes, see `removed`, with an interval for all models.
 
-        The share depends on the values, which take over a part of what others do that are not in the model, and on the
-        weights of the frequencies: the interval holds the share in a fixed band with the values beside all others too.
+        The share depends on the weights of the frequencies and on the values, which absorb a part of the effects that
+        are not in the model. The interval also holds the share in a fixed band with the values beside all others.
         """
         own, output, shares = self.removed(model - 1, model), self.output_of(model), []
         if len(self.states) > 3 and output < self.record.n_drives and self.in_fixed_band is not None:
@@ -268,10 +268,10 @@ class Comparison:
 def compared(
     record: Record, nominal: State | None, fits: Sequence[Fit], allowed: BoolArray | None
 ) -> Comparison:
-    """Apply models to a validation record; only values that belong to a log, such as its initial state, are fitted.
+    """Evaluate models on a validation record; only values that belong to a log, such as its initial state, are fitted.
 
-    All errors have the same weights: those of the first fit, the re-identified model.
-    `allowed`, of shape (n_fine,), are the parts of the record that may be used.
+    All errors have the weights of the first fit, the re-identified model. `allowed`, of shape (n_fine,), are the parts
+    of the record that may be used.
     """
     base, weighting = applied(fits[0].state, record, allowed)
     models = [nominal, *(fit.state for fit in fits[1:])]

@@ -1,4 +1,4 @@
-"""The conclusion from a search: verdict, effects with their values, alternatives, parameters."""
+"""The conclusion from a selection: verdict, effects with their values, alternatives, parameters."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -43,7 +43,7 @@ def concluded(
     logs: tuple[Log, Log | None],
     recording: RecordingFaults = NO_FAULTS,
 ) -> Diagnosis:
-    """The diagnosis that follows from a search, without its sentence and the gap in the motion.
+    """The diagnosis that follows from a selection, without its sentence and the gap in the motion.
 
     `fits` are the re-identified model and those with the accepted effects, one more in each; `comparison` has them and
     the nominal model on the validation data. `logs` are the identification log and the validation log, if there is one.
@@ -99,9 +99,9 @@ def concluded(
 def _beside(
     axis: Axis, parameters: Sequence[ParameterChange], accepted: Sequence[SelectionStep], chances: Outcome
 ) -> Outcome:
-    """Probabilities of the outcomes beside the values found.
+    """Probabilities of the outcomes, lower if the values found are impossible.
 
-    Effects beside values that no machine has are hardly causes. Where masses or stiffnesses are lost, a mode may be one
+    Effects beside values that no machine has are hardly causes. If masses or stiffnesses are lost, a mode may be one
     that the axis declares.
     """
     is_impossible = any(
@@ -127,9 +127,9 @@ def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
 
 
 def _nonparametric_fit(gaps: Sequence[Gap], fits: Sequence[Fit]) -> LackOfFit:
-    """The best law of any shape in the place of the first effect; none without an effect.
+    """The best nonparametric law in the place of the first effect; none without an effect.
 
-    None either where the motion repeats: what repeats with it is then a law of the position, whatever it is.
+    If the motion repeats, none is sought: any force that repeats with it is then a function of the position.
     """
     repeats = any(gap.not_repeated is not None for gap in gaps)
     return lack_of_fit(fits[0], fits[-1]) if len(fits) > 1 and not repeats else LackOfFit()
@@ -181,7 +181,7 @@ def _effects(
     last, known, axis = fits[-1], len(fits[0].state.placed), comparison.record.dynamics.axis
     values = effect_values(last)[known:]
     named = {item.key for item in last.state.placed[known:]}
-    # An effect that explains the gap alone has taken over nothing.
+    # An effect that explains the gap alone has absorbed nothing of others.
     alone = len(accepted) == 1 and not comparison.unexplained_of_all > THRESHOLDS.hardly_left
     found = []
     for i, step in enumerate(accepted):
@@ -192,7 +192,7 @@ def _effects(
         there = chances.effect if i == 0 else THRESHOLDS.further_effect * probability_of_presence(step)
         if _may_be_an_order(item, last.state.placed):
             there *= THRESHOLDS.other_order
-        # An effect in the joint of an outdone first one makes up for the wrong shape of that.
+        # In the joint of a first effect of the wrong shape, a further effect corrects that shape.
         if nonparametric.outdoes and joint_at(axis, item.at) == joint_at(axis, last.state.placed[known].at):
             there = min(there, chances.effect)
         felt = comparison.showing(i + 2)
@@ -236,7 +236,7 @@ def _alternatives(comparison: Comparison, step: SelectionStep, chances: Outcome)
             level = Comparison(fit.weighting, (fit.state,), (fit.left,), comparison.drive).level(0)
         gain = gains[key] if own is None else own.gain
         found.append(Alternative(key[0], key[1], chances.effect * probability, gain, level))
-    # Of those that are as good as excluded, the largest gain first.
+    # Practically excluded candidates are sorted by gain.
     return tuple(
         sorted(found, key=lambda a: (-a.probability if a.probability >= 0.005 else 0.0, -a.log_likelihood))
     )
@@ -261,7 +261,7 @@ def _shares(
 
 def _assumptions(comparison: Comparison, gap: Gap, validation: Log | None) -> tuple[str, ...]:
     record = comparison.record
-    new = "not of what a repetition of the log would"
+    new = "not of the error between repetitions of the log"
     if gap.not_repeated is not None:
         new = (
             f"while {gap.not_repeated.level.rms:.3g} {gap.unit} of the error are new each time that the motion "
@@ -270,7 +270,7 @@ def _assumptions(comparison: Comparison, gap: Gap, validation: Log | None) -> tu
     return (
         "Each sample is the value at its time; the force is compared as it is recorded.",
         f"Noise is white, at the level of the readings beyond their motion, which ends at {record.motion_hz:.0f} Hz; "
-        f"it is the floor of what the sensors alone leave, {new}.",
+        f"it is the floor of the error that sensors alone leave, {new}.",
         "Rests and some milliseconds around them are left out: no model determines friction at rest. Reversals count.",
         "The gap is measured on "
         + (
@@ -278,7 +278,7 @@ def _assumptions(comparison: Comparison, gap: Gap, validation: Log | None) -> tu
             if validation is None
             else f"{validation.source}, which took no part in the identification."
         )
-        + " What belongs to a log (phases of disturbances in time, moments of changes) is fitted to it.",
+        + " Values that belong to a log (phases of disturbances in time, moments of changes) are fitted to it.",
         *_declared(comparison),
     )
 

@@ -166,7 +166,7 @@ class Diagnosis(Shown):
     measured : tuple of str
         Sensors used.
     logs : tuple of str
-        Sources: what was identified from, and the validation log if there is one.
+        Sources of the identification log, and of the validation log if there is one.
     verdict : str
         "no_gap", "parameters", "effect", "partly", "unexplained" or "recording".
     sentence : str

@@ -1,4 +1,4 @@
-"""Faults of the recording, which are checked before physical effects."""
+"""Faults of the recording, which are examined before physical effects."""
 
 from __future__ import annotations
 

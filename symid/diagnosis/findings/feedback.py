@@ -1,9 +1,9 @@
-"""Detection of logs whose force takes energy out of the motion, which no friction does.
+"""Detection of logs in which friction would be negative: a feedback law, or a wrong sign.
 
 While the reference stands still, the force of a controller depends on position and speed only: u = c - Kp q - Kd v. A
-model with friction and a spring of opposite sign has the same form and explains the log without error, whatever the
-machine is. Where no such law explains the force and the friction of an axis comes out negative as a whole, the sign of
-the force or of a position is wrong; slow motion shows that by friction only, not by an inertia.
+model with friction and a spring of opposite sign has the same form and explains the log whatever the machine is. If no
+such law explains the force and the friction of the axis as a whole is negative, the sign of the force or of a position
+is wrong. In slow motion only the friction shows this, not the inertia.
 """
 
 import numpy as np

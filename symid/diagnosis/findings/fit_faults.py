@@ -115,8 +115,8 @@ _LEAST = 0.005
 _REST = 0.1
 """Most mean square that the rest of the log leaves, relative to that of the whole: else the model lacks more."""
 _BEYOND, _VARIES = 5.0, 3.0
-"""Least mean and spread of what the prediction has beyond the limit, relative to its error in the rest of the log, and
-to the spread of the record."""
+"""Least mean excess of the prediction over the limit, relative to its error in the rest of the log, and least spread of
+the prediction, relative to that of the record."""
 
 
 def cut_force(found: Fit, drive: int) -> str:

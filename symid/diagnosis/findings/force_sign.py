@@ -1,4 +1,4 @@
-"""The sign of a recorded force: opposite to what the motion asks for, or lost in an absolute value."""
+"""The sign of a recorded force: opposite to that of the predicted force, or lost in an absolute value."""
 
 from dataclasses import replace
 
@@ -38,7 +38,9 @@ def wrong_sign(initial: Fit, reidentified: Fit, last: Fit, drive: int) -> str:
     opposite = float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE
     best = min(reidentified, last, key=lambda fit: fit.mean_square)
     if opposite and _fits_mirrored(initial, best, force):
-        return f"{force} is opposite to what the motion asks for: its sign or that of a position is wrong"
+        return (
+            f"{force} is opposite to the force that the motion needs: its sign or that of a position is wrong"
+        )
     logged = record.log[force]
     seen, asked = (
         record.rows(spectrum * record.taper)[weighting.kept]
@@ -59,7 +61,7 @@ def wrong_sign(initial: Fit, reidentified: Fit, last: Fit, drive: int) -> str:
 def _fits_mirrored(initial: Fit, best: Fit, force: str) -> bool:
     """Whether the axis fits the force of opposite sign far better than the best model fits the recorded one.
 
-    A weight or a spring that the axis lacks asks for a force against the acceleration where it outweighs the inertia.
+    A weight or spring that the axis lacks and that exceeds the inertia also makes a force against the acceleration.
     """
     fit = _with_force(initial, force, -initial.state.prediction.record.log[force])
     return fit.mean_square < _MIRRORED * best.mean_square
@@ -105,8 +107,8 @@ def _with_force(initial: Fit, force: str, values: FloatArray) -> Fit:
 def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
     """Whether a record follows the absolute value of the predicted force rather than the force, each plus a constant.
 
-    The predicted force has both signs. A weight that is not in the model can keep a force on one side, too, and a force
-    that is constant follows neither.
+    The predicted force must have both signs: a weight that the model lacks can keep a force on one side too. A constant
+    force follows neither.
     """
     if min(float(np.mean(asked > 0)), float(np.mean(asked < 0))) < _BOTH_SIGNS:
         return False

@@ -9,7 +9,7 @@ from symid.arrays import BoolArray, FloatArray
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.gap import Gap, NotRepeated, Reversal
 from symid.diagnosis.findings.shares import closed_fraction, closed_interval
-from symid.diagnosis.prediction.reversal import near
+from symid.diagnosis.prediction.corners import near_reversals
 
 _FEW = 8
 """Least number of rows near reversals that show the level of their errors."""
@@ -46,7 +46,7 @@ def gap_of(comparison: Comparison) -> Gap:
 
 def _reversal(comparison: Comparison) -> Reversal | None:
     """Force error near reversals; None where the log has none."""
-    turning = near(comparison.turns, comparison.row_rate)[comparison.weighting.kept]
+    turning = near_reversals(comparison.turns, comparison.row_rate)[comparison.weighting.kept]
     if turning.sum() < _FEW:
         return None
     re, explained = (

@@ -185,7 +185,7 @@ def _narrowest(bands: tuple[MapCell, ...]) -> tuple[float, float]:
 
 
 def is_stationary(comparison: Comparison) -> bool:
-    """Whether the error of the re-identified model is independent of the motion, as noise of any colour is.
+    """Whether the error of the re-identified model is independent of the motion, as coloured noise is.
 
     Rows are split at the median speed, and at the median acceleration, of the driven joint, and the errors of both
     halves are compared. False with too few rows.
@@ -206,8 +206,8 @@ def is_stationary(comparison: Comparison) -> bool:
 def momentary(comparison: Comparison, last: Fit) -> str:
     """Sentence if most of the error that the last model leaves belongs to a moment of the log; otherwise empty.
 
-    A collision, an end stop or a drive that was switched off is not an effect of the whole log, and spoils the error of
-    all models, be it in the part on which they are compared or in that on which the last one was fitted.
+    A collision, an end stop or a drive that was switched off is not an effect of the whole log, and distorts the errors
+    of all models, in the part on which they are compared or in that on which the last one was fitted.
     """
     training = Comparison(last.weighting, (last.state,), (last.left,), comparison.drive)
     return _moment_of(comparison) or _moment_of(training)

@@ -8,7 +8,6 @@ from dataclasses import replace
 from symid.axis import Axis
 from symid.diagnosis.effects import declared_effects, with_presliding_parts
 from symid.diagnosis.findings.found_effects import EffectParameter, ParameterChange
-from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit, masses_and_stiffnesses
 from symid.diagnosis.fitting.moments import moment_deviation
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -23,7 +22,7 @@ def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
     parts = with_presliding_parts(fit.state.placed)
     if parts != fit.state.placed:  # otherwise the cached derivatives stay valid
         fit = replace(fit, state=replace(fit.state, placed=parts))
-    deviations = standard_deviations(fit)
+    deviations = fit.standard_deviations
     anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
     found = list[dict[str, EffectParameter]]()
     for at, (item, places) in enumerate(zip(fit.state.placed, fit.state.values_of, strict=True)):
@@ -43,7 +42,7 @@ def parameter_changes(
 ) -> tuple[ParameterChange, ...]:
     """Parameters, and values of declared imperfections as `effect.value`; `effect_2.value` for a second one."""
     base, last = fits[0], fits[-1]
-    before, after = standard_deviations(base), standard_deviations(last)
+    before, after = base.standard_deviations, last.standard_deviations
     units = base.state.prediction.axis.physical_parameters
     changes = [
         _change(
@@ -84,6 +83,6 @@ def _change(
 
 
 def lost(axis: Axis, parameters: Sequence[ParameterChange]) -> list[ParameterChange]:
-    """Masses and stiffnesses that the logs do not show beside the effects, or that are at their least."""
+    """Masses and stiffnesses that the logs do not determine beside the effects, or that are at their lower bounds."""
     masses = masses_and_stiffnesses(axis)
     return [own for own in parameters if own.at_bound or (own.name in masses and not own.is_shown)]

@@ -27,7 +27,7 @@ def _drawn(squares: FloatArray) -> FloatArray:
 def surely_decreases(before: FloatArray, after: FloatArray) -> bool:
     """Whether squares are smaller after than before in 97.5 % of resampled blocks of rows.
 
-    Unlike the share of the excess, the difference says so too where the excess is in a few blocks that are not drawn.
+    The difference shows this even if the excess is in a few blocks that some draws do not contain.
 
     >>> ramp = np.linspace(1.0, 2.0, 240)
     >>> surely_decreases(ramp, 0.9 * ramp), surely_decreases(ramp, ramp[::-1])

@@ -1,10 +1,9 @@
-"""How strong each effect of a model is: the error of the force that the effect alone would leave.
+"""Strength of the effects of a model: the force error that each alone would leave.
 
-A gap is weighted by noise, so that at high frequencies, where the noise of the position hides much, it hardly counts;
-and near a reversal a late force or friction errs for some milliseconds only, but by much. Shares of the gap thus
-depend on the encoder and on how often the axis turns. The strength does not: it is the rms of the force, in one fixed
-band and away from reversals, by which the prediction changes if the effect is left out and the parameters are fitted
-to what remains.
+Shares of the gap depend on the encoder, whose noise weights frequencies, and on the number of reversals, at which a
+late force or friction makes large errors for some milliseconds. The strength does not. It is the rms change of the
+predicted force, in a fixed band and away from reversals, if the effect is left out and the parameters are fitted to the
+remaining error.
 """
 
 from __future__ import annotations
@@ -47,10 +46,10 @@ class FixedBand:
         return np.array([self._strength(at) for at in range(self.n_declared, len(self.state.placed))])
 
     def removed(self, output: int) -> FloatArray:
-        """Share that each effect has in what all remove of the error of an output, 0 if nothing; shape (n_effects,).
+        """Share of each effect in the error of an output that all remove, 0 if nothing; shape (n_effects,).
 
-        Each is added, with its value beside all others, to those before it, and the parameters are fitted to what is
-        then left.
+        Each is added, with its value beside all others, to those before it, and the parameters are fitted to the
+        remaining error.
         """
         placed, counts = self.state.placed, range(self.n_declared, len(self.state.placed) + 1)
         left = [float(np.mean(self._left(self._errors(placed[:n])[[output]], [output]) ** 2)) for n in counts]
@@ -68,7 +67,7 @@ class FixedBand:
         return unexplained_by(columns.T, errors.ravel(), RANK).reshape(len(outputs), -1)
 
     def _strength(self, at: int) -> float:
-        """Strength of one effect; 0 where motion without it grows beyond what was measured, so that it has none."""
+        """Strength of one effect; 0 if the motion without it diverges."""
         placed, record = self.state.placed, self.state.prediction.record
         try:
             change = self._errors((*placed[:at], *placed[at + 1 :])) - self._errors(placed)

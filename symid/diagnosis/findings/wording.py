@@ -77,7 +77,7 @@ def sentence(found: Diagnosis) -> str:
 
 
 def of_doubtful_values(found: Diagnosis) -> str:
-    """Sentences on negative friction and the like, on masses at their least or that the log does not show; or empty."""
+    """Sentences on values that are impossible, at their bounds, or not determined by the log; or empty."""
     signed = found.axis.signed_parameters
     negative = [p for p in found.parameters if p.is_negative and p.name not in signed]
     least = [p for p in found.parameters if p.at_bound]
@@ -135,7 +135,7 @@ def of_motion(found: Diagnosis) -> str:
 
 
 def rejection(found: Diagnosis) -> str:
-    """Sentence on effects that would close the gap of the force, but against which the simulated motion speaks."""
+    """Sentence on effects that would close the gap of the force, but that the simulated motion contradicts."""
     named = listed([spoken(effect.effect, effect.at) for effect in found.effects])
     share = 100 * (1 - found.gap.unexplained_share)
     return f"Rejected: {named} would remove {share:.0f} % of the excess of the force.{of_motion(found)}"

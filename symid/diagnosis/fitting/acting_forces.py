@@ -1,8 +1,8 @@
-"""Forces of effects and laws on the motion of a model: taken from the motion before, or integrated with it.
+"""The next prediction of a model: the forces of effects and laws on its motion.
 
-A force of moderate strength on hidden motion is taken from the motion before (fixed-point iteration). A strong one is
-integrated in time, and the frequency response has an equivalent impedance in its place, unless the motion is observed:
-the outputs are then the linear response.
+A moderate force on hidden motion is evaluated at the motion of the prediction before (fixed-point iteration). A strong
+one is integrated in time, and an equivalent impedance replaces it in the frequency response. Where the motion is
+observed, the response stays linear.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,10 +12,10 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, add_outer, norms_or_one
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
-from symid.diagnosis.prediction.force_path import ForcePath
 from symid.diagnosis.prediction.hidden_motion import IntegratedEffects, Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
+from symid.diagnosis.prediction.response import ForcePath
 from symid.simulation.law_code import dry_level, not_below_zero
 from symid.simulation.plant import ScaledLaw
 
@@ -37,7 +37,7 @@ def changes_by_others(prediction: Prediction, placed: Sequence[Placed], *, integ
 
 
 def changes_outputs(item: Placed) -> bool:
-    """Whether an effect changes the outputs by itself: it is no force in a joint, and does not act on the command."""
+    """Whether an effect changes the outputs directly, and not by a force in a joint or by the command of a drive."""
     return not (item.effect.is_of_command or isinstance(item.effect, JointEffect | TransferEffect))
 
 

@@ -1,4 +1,4 @@
-"""A model with its values under another record."""
+"""A fitted model on another record: its errors there, and the values that belong to a log."""
 
 from collections.abc import Sequence
 
@@ -20,7 +20,7 @@ _SETTLING = 4  # rounds in which effects that depend on each other's motion sett
 def applied(
     model: State, record: Record, allowed: BoolArray | None = None, placed: Sequence[Placed] | None = None
 ) -> tuple[State, Weighting]:
-    """A model with its values, and its effects or others, under another record; and the weighting there."""
+    """A model with its values on another record, with its own or other effects, and the weighting there."""
     effects = model.placed if placed is None else tuple(placed)
     state, weighting = first_state(
         record, model.prediction.parameters, allowed, held_out=True, follows=model.prediction.follows
@@ -56,7 +56,7 @@ def _levels_on(record: Record, model: State) -> list[float]:
 
 
 def errors_of(state: State, weighting: Weighting) -> FloatArray:
-    """Weighted errors less the part that unknown initial states and values of the log explain; nan in rows not kept."""
+    """Weighted errors without the part of unknown initial states and values of the log; nan in rows not kept."""
     error = weighting.projected(state.rows, state.beginning)
     of_log = belongs_to_log(state)
     if of_log.any():

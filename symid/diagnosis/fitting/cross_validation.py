@@ -93,7 +93,7 @@ class Blocks:
         return np.asarray(inverse @ meat @ inverse / np.outer(self.scale, self.scale))
 
     def segments(self, times: FloatArray) -> tuple[tuple[Segment, ...], FloatArray]:
-        """Blocks as segments of an estimate of all columns, and what takes its coordinates to the values.
+        """Blocks as segments of an estimate of all columns, and the transformation of its coordinates to the values.
 
         `times`, shape (n_kept,), are those of the rows.
         """

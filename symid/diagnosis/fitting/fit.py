@@ -9,15 +9,22 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import ComplexArray, FloatArray, norms_or_one
 from symid.axis import Axis, Spring
 from symid.diagnosis.fitting.cross_validation import Blocks, cross_validation_blocks, log_likelihood
 from symid.diagnosis.fitting.sensitivity import initial_motion_jacobian, prediction_jacobian
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
+from symid.estimation.autoregression import autoregression
 
 _ALLOWED_ERROR = 0.1
 """Share of the remaining error that the weights allow for as error of the model."""
+AR_ORDER = 6
+"""Order of the autoregressive model of the errors that a fit leaves."""
+_NULL = 1e-13
+"""Relative eigenvalue of the normal matrix of unit columns below which it counts as 0."""
+_TAKES_PART = 1e-3
+"""Least component with which a value takes part in an undetermined combination."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +117,28 @@ class Fit:
     def predicted(self) -> float:
         """Log-likelihood of the blocks when they are left out, up to a constant."""
         return log_likelihood(self.blocks.squares, self.n_rows)
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Standard deviations of parameters and values of effects, in their units, of shape (n_columns,).
+
+        The larger of two estimates counts: that for noise, with the errors as an autoregressive process, and that for
+        errors of the model with any correlation, from the scatter of the gradients of blocks. A value is undetermined,
+        and its deviation infinite, if it takes part in a combination that leaves the prediction unchanged, such as a
+        mass and the force constant of its drive.
+        """
+        noise = autoregression(self.left, self.weighting.kept, AR_ORDER)
+        columns = noise.apply(self.base)
+        scale = norms_or_one(columns, axis=1)
+        unit = columns / scale[:, None]
+        # Variances from the eigenvectors that the rows determine; the null space marks the undetermined values.
+        squares, directions = np.linalg.eigh(unit @ unit.T)
+        seen = squares > _NULL * squares[-1]
+        variances = directions[:, seen] ** 2 @ (1 / squares[seen])
+        undetermined = (directions[:, ~seen] ** 2).sum(axis=1) > _TAKES_PART**2
+        of_noise = np.where(undetermined, np.inf, np.sqrt(variances) / scale)[: len(self.columns)]
+        of_blocks = np.sqrt(np.maximum(np.diag(self.blocks.covariance), 0.0))
+        return np.asarray(np.maximum(of_noise, of_blocks))
 
     @property
     def base(self) -> FloatArray:

@@ -81,9 +81,9 @@ def converged(state: State, weighting: Weighting) -> Fit:
 
 
 def fitted_on(fit: Fit) -> Fit:
-    """A fit continued with its own weights until the error hardly falls, from the best moments of changes on.
+    """A fit continued with its own weights until the error hardly falls, from the best moments of changes.
 
-    The search itself stops fitting a model as soon as it can choose.
+    The selection stops fitting a model as soon as it can choose.
     """
     fit = with_best_moments(fit)
     for _ in range(_MOST_FITS):
@@ -106,13 +106,13 @@ def settled(fit: Fit) -> Fit:
     return fit.with_weights(state.weighted(weighting), weighting)
 
 
-def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
+def keeps_inertia(found: State, *plain: float, tolerance: float = 0.0) -> bool:
     """Whether the inertia that the drive moves is within a factor of two of the range `plain` of other models.
 
-    `doubt` is a further relative deviation, allowed where the log does not determine the inertia.
+    `tolerance` is a further relative deviation, allowed where the log does not determine the inertia.
     """
     low, high = min(plain) / THRESHOLDS.least_inertia, max(plain) * THRESHOLDS.least_inertia
-    return low / (1 + doubt) < found.inertia < high * (1 + doubt)
+    return low / (1 + tolerance) < found.inertia < high * (1 + tolerance)
 
 
 def _step_within_bounds(fit: Fit, free: BoolArray | None) -> Fit | None:
@@ -157,7 +157,7 @@ def _stepped(fit: Fit, free: BoolArray | None) -> Fit | None:
         undamped = np.linalg.lstsq(flat.T, error, rcond=RANK)[0] / scale
     except np.linalg.LinAlgError:
         undamped = np.zeros(len(flat))
-    # The Gauss-Newton step predicts by how much the cost can fall at best.
+    # The undamped step predicts the largest possible decrease of the cost.
     if (gradient * scale) @ undamped < _SETTLED * fit.cost:
         return None
     for damping in _DAMPINGS:

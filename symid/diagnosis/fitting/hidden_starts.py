@@ -1,8 +1,8 @@
 """Initial values of a fit whose effect acts on hidden motion.
 
-Hidden motion follows from the model and the effect together, so the error has many minima. Two kinds of start lead to
-the right one: the values of the same effect at a measured joint, and the best points of a grid over the stiffness and
-mass of the hidden body and the strength of the effect, each integrated once.
+Hidden motion depends on the model and the effect together, so that the error has many minima. A fit begins with the
+values of the same effect at a measured joint, and at the best points of a grid over the stiffness and mass of the
+hidden body and the size of the effect, each integrated once.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ _MASSES = (0.9, 1.1)
 _SHARES = (1.0, 0.3, 0.1, 0.03)
 """Shares of the projected amplitudes with which a fit may begin."""
 _MULTIPLES = (30.0, 10.0, 3.0)
-"""Multiples of them with which a fit of integrated motion may begin too: a projection that knows nothing of the motion
-that the effect changes may be far too small as well."""
-_FELT = 0.97
-"""Multiple of the sum of squares below which a change during the log must begin."""
+"""Multiples of them with which a fit of integrated motion may begin too: a projection does not contain the change of
+the motion by the effect and may be far too small."""
+_LOWERED = 0.97
+"""Ratio of the sums of squares below which a change during the log is a start."""
 _KEPT = 2
 """Number of starts of the grid that are fitted for each effect at each place."""
 
@@ -68,11 +68,11 @@ class Start:
     def best_state(self) -> State | None:
         """The model with the effect at the size to begin with; None if no size gives finite errors.
 
-        The initial amplitudes come from a projection. They may be many times too large where the effect changes the
-        motion, or where the parameters are far off without it, and many times too small where the effect holds hidden
-        motion; a fit does not recover from there. The largest size that lowers the error is taken, and that with the
-        least error where the motion is integrated. A weak effect has a shape that the first steps take anywhere, so
-        amplitudes and parameters are fitted to the initial one.
+        The amplitudes of a projection may be many times too large where the effect changes the motion or where the
+        parameters are far off without it, and many times too small where the effect holds hidden motion; a fit does not
+        recover from that. The largest size that lowers the error is taken; where the motion is integrated, the one with
+        the least error. The first steps would change the shape of a small effect arbitrarily: its amplitudes and the
+        parameters are first fitted with the shape held.
         """
         item, plain = self.placed, Fit(self.state, self.weighting).cost
         free = (1.0,) if item.effect.fixed else _SHARES
@@ -122,7 +122,7 @@ def of_changes(fit: Fit, library: Sequence[Effect]) -> Iterator[Start]:
         for place in (at for at in own.places(prediction) if (own.name, at) not in present):
             tried = (_after(fit, own, place, *change) for change in own.changes_to(prediction, place))
             cost, start = min(chain.from_iterable(tried), key=lambda one: one[0], default=(math.inf, None))
-            if start is None or not cost < _FELT * fit.cost:
+            if start is None or not cost < _LOWERED * fit.cost:
                 continue
             close = own.close_shapes(start.state.prediction, start.placed, NEAR)
             closely = _after(fit, own, place, start.state.prediction.parameters, close)

@@ -1,8 +1,7 @@
-"""Moments of changes in a log, such as that of a payload.
+"""Search for the moments of changes in a log, such as that of a payload.
 
-The error is nowhere linear in a moment: it is flat, but for noise, while the axis rests or moves at constant speed, and
-has a valley as narrow as the band allows where it accelerates. A moment is therefore found by trials, not by
-derivatives.
+The error is flat in a moment, apart from noise, while the axis rests or moves at constant speed, and has a valley as
+narrow as the band allows where it accelerates. Derivatives do not lead there: a moment is found by trials.
 """
 
 import math
@@ -123,7 +122,7 @@ def _adds_to_outputs(state: State, at: int) -> bool:
 
 
 def _best_addition(state: State, weighting: Weighting, at: int, shapes: Iterable[Shape]) -> list[Shape]:
-    """The shape of such an effect that leaves least, if there is one; what other effects do is computed once."""
+    """The best shape of such an effect, or none of no shapes; the contribution of other effects is computed once."""
     item, beside = state.placed[at], with_effects(state, weighting, state.placed)
     prediction = beside.prediction
 

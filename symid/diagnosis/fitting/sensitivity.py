@@ -60,7 +60,7 @@ def initial_motion_jacobian(state: State) -> ComplexArray | None:
 
 @dataclass(frozen=True)
 class _InitialMotion:
-    """Motion that pulses of force of given spectra, (n_free, n_bins), set going, see `free_forces`."""
+    """Motion after pulses of force of given spectra, (n_free, n_bins), see `free_forces`."""
 
     prediction: Prediction
     pulses: ComplexArray
@@ -162,7 +162,7 @@ def _moves_hidden(prediction: Prediction, placed: Sequence[Placed], item: Placed
 
 
 def _loads(placed: Sequence[Placed]) -> bool:
-    """Whether friction that is proportional to the drive force makes all that changes this force move hidden bodies."""
+    """Whether friction is proportional to the drive force, so that all changes of this force move hidden bodies."""
     return any(item.effect.implicit for item in placed)
 
 

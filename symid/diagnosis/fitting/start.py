@@ -1,4 +1,4 @@
-"""The declared axis fitted to a record: initial values, and restarts from others."""
+"""The declared axis fitted to a record: initial values, and restarts from other values."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -27,9 +27,9 @@ _SAMPLES = 4000
 def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
     """Physical parameters by weighted least squares on the minimal regressor, or else by the output error.
 
-    A regressor with high derivatives may lose a spring in the noise of a coarse encoder: its stiffness or a mass comes
-    out negative. Where the output error finds none either, a negative mass, from a force of the wrong sign or one that
-    hardly accelerates the axis, is replaced by its absolute value; the fit from there shows the fault.
+    The noise of a coarse encoder may hide a spring from a regressor with high derivatives, whose stiffness or mass is
+    then negative. If the output error finds a negative mass too, from a force of the wrong sign or one that hardly
+    accelerates the axis, its absolute value is taken; the fit from there shows the fault.
     """
     model = model_of(axis, record.signals)
     try:

@@ -1,7 +1,7 @@
-"""A model with values under a record: physical parameters, effects, and the errors that they leave.
+"""A model with values on a record: physical parameters, effects, and the errors that they leave.
 
-Hidden motion follows from the measured motion and from the forces of the previous state: a law in a joint without a
-sensor is evaluated at the motion that the model itself implies.
+A law in a joint without a sensor is evaluated at the hidden motion of the model. This motion follows from the measured
+motion and the forces of the previous state.
 """
 
 from __future__ import annotations
@@ -71,9 +71,10 @@ class State:
         return bool(self.prediction.integrated_terms) or any(item.integrated for item in self.placed)
 
     def following(self) -> State:
-        """The state whose hidden motion is drawn to the measured force from the next evaluation on.
+        """The state whose hidden motion is observed with the measured force from the next evaluation on.
 
-        No damping may then be negative: with it, much weaker friction oscillates as much, and fits end there.
+        Dampings are then bounded at 0: with a negative one, much weaker friction oscillates as much, and fits end
+        there.
         """
         names = self.prediction.record.dynamics.parameters_of("damping")
         bounds = dict(self.bounds) | dict.fromkeys(names, (0.0, math.inf))
@@ -114,7 +115,7 @@ class State:
 
 
 def free_forces(prediction: Prediction, placed: Iterable[Placed]) -> tuple[FreeForce, ...]:
-    """Forces that set hidden motion going, that of effects too: directions over the bodies, and spectra."""
+    """Forces that excite hidden motion, of effects too: directions over the bodies, and spectra."""
     unit = np.ones(prediction.record.n_bins, dtype=complex)
     of_effects = (item.effect.free_forces(prediction, item) for item in placed)
     return (

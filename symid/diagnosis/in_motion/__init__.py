@@ -1,1 +1,6 @@
-"""The gap as its user sees it: the explained axis simulated along the log."""
+"""The gap in the motion: the axis with the effects found, simulated along the log.
+
+`declared` makes effects elements of the axis, `replayed` simulates it under the controller of the log, `motion`
+compares the motion, and `corrected` corrects values for the bias of the fit. `identified_motion` does the same for an
+identified axis.
+"""

@@ -1,4 +1,4 @@
-"""An axis with the effects found as elements, which can be derived, generated and identified like any other."""
+"""The axis with the effects found as elements, which can be derived, generated and identified like any other."""
 
 import math
 from dataclasses import dataclass, replace

@@ -51,7 +51,7 @@ def with_motion(
 ) -> Diagnosis:
     """A diagnosis with the gap in the motion next to each drive.
 
-    An effect becomes unlikely if the axis moves less like the machine with it.
+    An effect becomes unlikely if the simulated motion with it is farther from that of the machine.
     """
     models = comparison.with_effects(len(found.effects))
     if runs.validation is not None:  # phases and moments differ in the validation log
@@ -90,22 +90,21 @@ def is_contradicted(found: Diagnosis) -> bool:
 def _against(found: Diagnosis, motion: SimulatedMotion) -> list[bool]:
     """Whether the simulated motion speaks against each effect found.
 
-    A model that cannot be simulated is judged by the last one. A force that repeats along the stroke is not judged
-    where the axis without it is off by a quarter of the pitch: it acts there with another phase than on the machine.
-    A mode is judged more strictly: it has a motion of its own, from which it explains any force in a swing or two.
+    A model that cannot be simulated is judged by the last one. A force that repeats along the stroke is not judged if
+    the axis without it is off by a quarter of the pitch: it acts with another phase there than on the machine. A mode
+    is judged more strictly, as its additional motion can explain any force in a swing or two.
     """
     errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
     numbers = (effect.parameters for effect in found.effects)
     farthest = (_PHASE * abs(own["pitch"].value) if "pitch" in own else math.inf for own in numbers)
+    worst = (
+        THRESHOLDS.worse_with_mode if own.effect == FlexibleModeEffect.name else THRESHOLDS.worse_motion
+        for own in found.effects
+    )
     return [
-        before <= far and bool(np.fmin(after, errors[-1]) > _most(own.effect) * before)
-        for own, before, after, far in zip(found.effects, errors[:-1], errors[1:], farthest, strict=True)
+        before <= far and bool(np.fmin(after, errors[-1]) > most * before)
+        for most, before, after, far in zip(worst, errors[:-1], errors[1:], farthest, strict=True)
     ]
-
-
-def _most(effect: str) -> float:
-    """Factor on the error of the simulated motion from which on it speaks against an effect."""
-    return THRESHOLDS.worse_with_mode if effect == FlexibleModeEffect.name else THRESHOLDS.worse_motion
 
 
 def motions_of(
@@ -149,7 +148,7 @@ def motions_of(
 def drivers_of(
     record: Record, whole: Sequence[Part], models: Sequence[State], controller: Controllers = None
 ) -> list[Driver]:
-    """What drives the simulated axis beside the measured force of each drive: as given, or read from whole logs."""
+    """The controller or observer of each drive, as given, or identified from whole logs."""
     given: Sequence[Cascade | None] = [None] * record.n_drives
     if controller is not None:
         given = (controller,) * record.n_drives if isinstance(controller, Cascade) else tuple(controller)

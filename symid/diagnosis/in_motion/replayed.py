@@ -1,13 +1,13 @@
-"""Replay of logs through simulated axes: the samples that count, the drive forces, and the resulting motion.
+"""Simulation of an axis along a log, with the measured force and the controller of the machine.
 
-A controller responds to the position. Had the machine moved as the simulated axis does, its controller would have
-sent
+If the machine moved as the simulated axis does, its controller would send
 
     F = F measured + C (q measured - q simulated),
 
-where C is its law from position to force. The measured force already contains its response to the reference, to
-feed-forwards and to external signals, so only C must be known; this is then the closed loop along the log's reference.
-Where the log does not determine C, a slow cascade replaces it: an observer, which keeps the axis from drifting away.
+where C is its law from position to force. The measured force already contains the response to the reference, to
+feed-forwards and to external signals, so that only C must be known: this is the closed loop along the log's reference.
+If the log does not determine C, an observer, which is a slow cascade, keeps the simulated axis near the measured
+motion.
 """
 
 import math
@@ -22,9 +22,9 @@ import scipy
 from symid.arrays import BoolArray, FloatArray
 from symid.data import REFERENCE, Log
 from symid.diagnosis.in_motion.declared import ExplainedAxis
+from symid.diagnosis.prediction.corners import SLOW, near_reversals
 from symid.diagnosis.prediction.joined_logs import JoinedLogs
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.errors import SettingError
 from symid.instrumental.recorded_gains import cascade_of_log
 from symid.signal_processing import LowPass, derivatives
@@ -105,7 +105,7 @@ class Part:
         """Samples near a moment at which the axis stops, starts or reverses."""
         course = self.speed_of(self.reference) if self.has_reference else self.speed
         direction = np.where(np.abs(course) < SLOW * np.abs(course).max(), 0.0, np.sign(course))
-        return near(np.diff(direction, prepend=direction[0]) != 0, self.log.sampling_frequency)
+        return near_reversals(np.diff(direction, prepend=direction[0]) != 0, self.log.sampling_frequency)
 
     @cached_property
     def factor(self) -> int:
@@ -181,8 +181,8 @@ def driver_of(
 ) -> Driver:
     """The controller given, or read from the log, or an observer for an inertia; parts are of one drive.
 
-    An observer is stiffer than the axis is `falling`: otherwise the simulated axis would tip over where the machine was
-    balanced, and fall the other way after the least error.
+    An observer is stiffer than the negative stiffness `falling` of the axis, which would otherwise tip over in
+    simulation where the machine was balanced.
     """
     position = parts[0].signal
     if given is not None:

@@ -1,6 +1,7 @@
-"""Corners of a velocity at its reversals, where dry friction changes sides and the acceleration jumps.
+"""Reversals of a velocity, with the corners that it has there, and the samples near them.
 
-Motion up to a frequency rounds them, and its velocity crosses zero late at every reversal.
+Dry friction changes its sign at a reversal, so that the acceleration jumps and the velocity has a corner. In a limited
+band the corner is rounded, and the velocity crosses zero late at every reversal.
 """
 
 from typing import NamedTuple
@@ -20,6 +21,11 @@ _SURE = 4.0
 _FEWEST = 4
 _RESOLVED = 0.2
 """Change of the acceleration within a span, relative to the jump, up to which the jump stands out of the motion."""
+
+SLOW = 0.002
+"""Speed, relative to the highest, below which an axis counts as standing."""
+_NEAR = 0.05
+"""Seconds before and after a reversal that count as near."""
 
 
 class Reversals(NamedTuple):
@@ -41,9 +47,9 @@ def with_corners(velocity: FloatArray, highest: float, moving: BoolArray) -> Rev
 
     `moving` are the points with more than noise; where the axis rests between two motions, it does not reverse.
 
-    The jump of acceleration J, the same in size at all reversals and against the motion that begins, is the mean
+    The jump of acceleration J has the same size at all reversals, against the motion that begins: it is the mean
     difference of the accelerations behind and before them. A corner |t| J/2 that is cut off at w is too high by
-    J/pi r(w t)/w with r(x) = cos x - x (pi/2 - Si x): that is what the velocity is off at the reversal.
+    J/pi r(w t)/w with r(x) = cos x - x (pi/2 - Si x), which is the error of the velocity near the reversal.
     """
     rounded = reversals_of(velocity)
     period = 2 * np.pi / highest
@@ -110,3 +116,14 @@ def _jumps(velocity: FloatArray, before: IntArray, period: float) -> tuple[Float
 def _rounding(x: FloatArray) -> FloatArray:
     """r of `with_corners`."""
     return np.asarray(np.cos(x) - x * (np.pi / 2 - scipy.special.sici(x)[0]))
+
+
+def near_reversals(turns: BoolArray, rate: float, around: float = _NEAR) -> BoolArray:
+    """Samples within some time, s, of those at which the axis turns or stands; `rate` in Hz.
+
+    >>> near_reversals(np.array([True, False, False, False]), 20.0).tolist()
+    [True, True, False, False]
+    """
+    if not turns.any():
+        return np.zeros(turns.size, dtype=bool)
+    return np.asarray(scipy.ndimage.distance_transform_edt(~turns) / rate <= around)

@@ -1,4 +1,4 @@
-"""The linear equation of a hidden coordinate, stepped exactly, and a mass in it that changes at a moment."""
+"""The linear equation of motion of a hidden coordinate, discretised exactly, and a mass that changes at a moment."""
 
 import math
 from collections.abc import Sequence
@@ -47,13 +47,13 @@ def _orthogonal_to(row: tuple[float, ...]) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """What moves the hidden coordinate before or after a change of a mass."""
+    """Known forces and coefficients of the hidden coordinate before or after a change of a mass."""
 
     mass: float
     known_force: FloatArray  # shape (n_fine,): force on the hidden coordinate without that of laws
     row: FloatArray  # shape (n_bodies,): combination of the equations, see `_drive_balance`
     by_state: FloatArray
-    load: FloatArray  # shape (n_fine,): drive force without what the hidden coordinate and laws add
+    load: FloatArray  # shape (n_fine,): drive force without the parts of the hidden coordinate and of laws
 
 
 def phase_of(
@@ -112,7 +112,7 @@ class Equation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MassChange:
-    """A body that is heavier from a moment on; the forces on it and its speed go on."""
+    """A body that is heavier from a moment on; its speed and the forces on it do not jump."""
 
     body: FloatArray  # shape (n_bodies,): 1 for the body
     mass: float  # kg or kg m^2 more
@@ -121,7 +121,7 @@ class MassChange:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What the motion depends on, to be compared."""
+        """The values that the motion depends on, to be compared."""
         return self.body.tobytes(), self.mass, self.gravity, self.moment
 
     def after(self, plant: Plant, acting: ComplexArray, extended: int) -> tuple[Plant, ComplexArray]:

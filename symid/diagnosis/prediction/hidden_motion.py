@@ -62,7 +62,7 @@ class Pointwise:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What the force depends on, to be compared."""
+        """The values that the force depends on, to be compared."""
         course = None if self.course is None else self.course.tobytes()
         return self.force, tuple(self.values.items()), course, self.reach, self.dry
 
@@ -175,7 +175,7 @@ class _Driven(NamedTuple):
     phase: IntArray  # entry of the equation for the step that ends at each point
     begins: FloatArray  # force on the hidden coordinate without that of laws, at the beginning of the step
     ends: FloatArray  # at its end
-    load: FloatArray  # drive force without what the hidden coordinate and laws add
+    load: FloatArray  # drive force without the parts of the hidden coordinate and of laws
     # shape (n_phases, 2): shares of the hidden coordinate and its rate in the drive force
     by_state: FloatArray
     q: FloatArray  # driven position
@@ -226,7 +226,7 @@ def _periodic(
 def _stepped(
     equation: Equation, driven: _Driven, joints: FloatArray, on_drive: FloatArray, laws: Sequence[Pointwise]
 ) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
-    """The same on the fine grid, from rest on."""
+    """As `_periodic`, on the fine grid from rest on."""
     from symid.diagnosis.prediction.hidden_steps import (
         integrate_steps,  # numba takes 0.3 s, and most axes need none
     )

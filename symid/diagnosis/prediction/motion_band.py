@@ -10,7 +10,7 @@ from symid.signal_processing.density import NOISE_FROM, incoherent_density, powe
 WIDEST = 0.3
 """Share of the sampling frequency up to which motion may reach."""
 _HIGHEST = 0.4
-"""Share of the sampling frequency up to which the spectrum is looked at: differences and means take what is beyond."""
+"""Share of the sampling frequency up to which spectra are examined: differences and means distort them beyond."""
 _ABOVE_NOISE = 3.0
 _RISES = 3.0
 _WIDTH_OF_LINES = 9

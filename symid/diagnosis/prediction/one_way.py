@@ -1,4 +1,4 @@
-"""Logs of one direction of motion: dry friction and a constant force in a joint are one force there."""
+"""Logs with one direction of motion, which do not separate dry friction from a constant force in the same joint."""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,9 +15,10 @@ _BACK = 0.002
 def indistinct_constant_forces(
     axis: Axis, logs: Sequence[Log], nominal: Mapping[str, float] | None
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Constant forces that logs do not tell from dry friction, with the values to take for them, and notes on that.
+    """Constant forces that logs do not distinguish from dry friction, with the values to take, and notes.
 
-    Free, both would grow without bound, with opposite signs. A constant force then has its nominal value, or is 0.
+    If both were free, they would grow without bound with opposite signs. The constant force is given its nominal value,
+    or 0.
 
     >>> from symid import Drive, Position
     >>> table = Body("table", mass="M")

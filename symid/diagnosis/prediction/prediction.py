@@ -10,11 +10,10 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, add_outer
 from symid.diagnosis.prediction.axis_motion import AxisMotion
-from symid.diagnosis.prediction.force_path import ForcePath
 from symid.diagnosis.prediction.hidden_motion import IntegratedEffects, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.prediction.response import Impedance, as_measured, noise_weights, response_of
+from symid.diagnosis.prediction.response import ForcePath, Impedance, as_measured, noise_weights, response_of
 from symid.simulation import Plant
 
 
@@ -32,7 +31,7 @@ class Prediction(AxisMotion):
     path: ForcePath | None = None  # of the logged forces, with effects of drives
     # entries of `Record.hidden_terms` that are integrated with the hidden motion
     integrated_terms: tuple[tuple[int, int], ...] = ()
-    # whether the motion at which integrated laws act is drawn to the measured force, see `hidden_motion`
+    # whether the motion at which integrated laws act is observed with the measured force, see `hidden_motion`
     follows: bool = False
     # shape (n_outputs, n_bins): changes of the outputs by misreadings and other masses, which load the bearings too
     changes: ComplexArray | None = None

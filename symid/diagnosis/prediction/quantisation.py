@@ -1,4 +1,4 @@
-"""Noise of coarse readings: the rounding error is not white.
+"""Noise of coarse readings, whose rounding error is not white.
 
 At constant speed, the error of a reading in steps is a sawtooth of frequency speed / step; near a reversal it changes
 slowly. Its spectrum follows from rounding the motion itself, with zero at several points between two steps.
@@ -75,7 +75,7 @@ def rounding_error(x: FloatArray) -> FloatArray | None:
     moving = np.diff(x) != 0.0
     fast = np.concatenate([[False], moving]) & np.concatenate([moving, [False]])
     even = np.random.default_rng(0).uniform(-step / 2, step / 2, x.size)
-    # Values that hardly come again show noise of the sensor not by steps back, but by what no motion does.
+    # Noise of the sensor shows by steps back, or if values hardly recur, by third differences that no motion has.
     roughness = float(np.sqrt(np.mean(np.diff(x, 3) ** 2)))
     if np.unique(x).size > _FINE * x.size and roughness > _BLURRED * step * _ROUGHNESS:
         return None

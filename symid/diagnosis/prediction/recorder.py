@@ -1,4 +1,4 @@
-"""Repair of recorder faults before a prediction: lost samples, and channels slower than the log.
+"""Repair of logs before the diagnosis: lost samples, and channels that are slower than the log.
 
 A channel that is updated only at every n-th sample, or interpolated in between, has no further information. The whole
 log is then decimated to that rate, forces by a zero-phase low-pass filter, and each channel keeps its clock.
@@ -54,7 +54,7 @@ def repaired(axis: Axis, logs: Sequence[Log]) -> Repaired:
     if shortest.n_samples < n * LEAST_SAMPLES:
         left, reason = shortest.n_samples // n, messages[-1].split(":")[0]
         raise LogError(
-            f"log {shortest.source!r} has {left} samples of its own, as {reason}: a diagnosis needs at least "
+            f"log {shortest.source!r} has {left} independent samples, as {reason}: a diagnosis needs at least "
             f"{LEAST_SAMPLES}"
         )
     drives = {drive.signal for drive in axis.drives}
@@ -86,9 +86,9 @@ def _slowest(logs: Sequence[Log], name: str) -> tuple[int, str]:
 
 
 def _decimated(log: Log, n: int, forces: Collection[str]) -> Log:
-    """Every n-th sample of a log; slow channels are interpolated between their own samples, forces are low-passed.
+    """Decimate a log; slow channels are interpolated between their own samples, forces are low-passed first.
 
-    The samples are the own ones of a slow channel if possible: the values of a coarse reading stay on its steps.
+    If possible, the samples that are kept are those of a slow channel, so that a coarse reading stays on its steps.
     """
     own = {name: _own_samples(x) for name, x in log.signals.items()}
     begin = next((first for spacing, first in own.values() if spacing > 1 and n % spacing == 0), 0)

@@ -19,7 +19,6 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.prediction.force_path import ForcePath
 from symid.diagnosis.prediction.record import Record
 from symid.last_values import LastValues
 from symid.simulation import Plant
@@ -160,6 +159,27 @@ def _inverse(matrix: ComplexArray) -> ComplexArray:
             inverse[j, i] = cofactor
     inverse /= sum(matrix[0, j] * inverse[j, 0] for j in range(3))
     return inverse
+
+
+@dataclass(frozen=True, eq=False)
+class ForcePath:
+    """The path from the logged forces to the acting ones: gains and limits, then delays and lags.
+
+    An output is predicted as response * p + withheld, where p is the prediction without these effects: for a force,
+    the one that acts. Late readings have a response too. The arrays have shape (n_outputs, n_bins).
+    """
+
+    response: ComplexArray  # of delays and lags
+    withheld: ComplexArray  # part of the logged forces that gains and limits withhold
+
+    def acting(self, measured: ComplexArray) -> ComplexArray:
+        """Outputs at the end of the path from the measured ones.
+
+        >>> path = ForcePath(np.array([[2 + 0j]]), np.array([[1 + 0j]]))
+        >>> path.acting(np.array([[7 + 0j]]))
+        array([[3.+0.j]])
+        """
+        return np.asarray((measured - self.withheld) / self.response)
 
 
 def noise_weights(

@@ -1,6 +1,7 @@
-"""Gains of sensors and drives that are parameters: taken as known, and logs of sensors converted to quantities.
+"""Conversion of logs of sensors and drives whose gains are parameters of the axis.
 
-With a free constant of the drive, all masses, frictions and effects of an axis could grow together.
+The gains are determined before the diagnosis. With a free constant of the drive, all masses, frictions and effects
+could grow together.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +22,7 @@ _CONTRADICTS = 5.0
 
 
 class Unscaled(NamedTuple):
-    """An axis and its logs after `with_quantities`."""
+    """An axis and its logs in physical units."""
 
     axis: Axis
     logs: list[Log]
@@ -37,8 +38,8 @@ def with_quantities(
 ) -> Unscaled:
     """The axis with known constants of its drives, and quantities in place of the signals of scaled sensors.
 
-    Constants, gains and offsets come from `nominal`, or else are identified from the first log, of which the
-    preparation states what is held or late; SettingError if it does not determine them.
+    Constants, gains and offsets come from `nominal`, or are identified from the first log with the holds and delays of
+    the preparation; SettingError if it does not determine them.
 
     >>> from symid import Body, Drive, Position
     >>> table = Body("table", mass="M")
@@ -94,7 +95,7 @@ def _values(
     values = given | (_of_log(axis, measured, log, names, given, preparation) if is_open else {})
     if lacking := [name for name in names if not np.isfinite(values.get(name, np.nan))]:
         raise SettingError(
-            f"the log does not determine {', '.join(lacking)}: give what is known with `fixed`, or `nominal`"
+            f"the log does not determine {', '.join(lacking)}: give the known ones with `fixed`, or `nominal`"
         )
     return values
 

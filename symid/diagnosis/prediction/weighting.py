@@ -3,7 +3,7 @@
 The error of an output contains its own noise and the noise of the driven position, passed through the frequency
 response G of the axis: S = sigma^2 + |G|^2 sigma_q^2. Division by sqrt(S) whitens the errors: noise alone leaves rows
 of unit variance. A smooth window first removes rests and the ends of the log, because no model predicts friction at
-rest; reversals stay.
+rest; reversals stay. Unknown states of hidden motion, at the beginning and after each rest, are projected out.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class Weighting:
         return self.record.from_grid(weighted * self.window) * self.record.taper
 
     def projected(self, rows: FloatArray, beginning: FloatArray) -> FloatArray:
-        """Kept weighted rows, less what unknown initial states explain; from (..., n_outputs, n_rows) to (..., n).
+        """Kept weighted rows orthogonal to unknown initial states; from (..., n_outputs, n_rows) to (..., n).
 
         `beginning`, of shape (n_starts, n_outputs, n_rows), holds the contributions of a state at the start of the log.
         """

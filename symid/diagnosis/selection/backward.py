@@ -1,11 +1,10 @@
-"""Backward elimination: effects found one at a time are judged together.
+"""Backward elimination: effects that were found one at a time are judged together.
 
-Forward selection never reconsiders an effect, but the first one also stood in for those found later. With all others in
-the model, the first effect is therefore selected again among all candidates, where a clear gap stays each effect is,
-and an effect that then explains nothing is dropped (stepwise regression with replacement and backward elimination). The
-remaining effects are sorted by the error that the model has without each, and fitted again in this order, so that the
-steps of the gap add up. If an effect explains nothing at its position, the order of their gains when found is tried,
-then the order in which they were found.
+Forward selection never reconsiders an effect, although the first one also took over the error of those found later. The
+first effect is therefore selected again beside all others, and each effect where a clear gap stays. An effect that then
+explains nothing is dropped (stepwise regression with replacement and backward elimination). The remaining effects are
+sorted by the error of the model without each, and fitted again in this order, so that the steps of the gap add up. If
+an effect explains nothing at its position, they are sorted by their gains when found, then in the order of selection.
 """
 
 import math
@@ -33,21 +32,21 @@ def backward_elimination(
     steps = accepted = _determined(accepted_of(steps))
     members = reselected(accepted, library)
     if not members:
-        tentative = accepted[0].beside_others  # not certain alone, and not beside the others
+        tentative = accepted[0].beside_others  # uncertain both alone and beside the others
         return (replace(accepted[0], beside_others=False),) if tentative else tuple(steps)
     first, whole = accepted[0].before, members[-1].step.best.fit
     by_loss = sorted(members, key=lambda member: (not member.is_timing, -member.lost))
     by_gain = sorted(members, key=lambda member: -member.taken)
     orders = tuple(dict.fromkeys(map(tuple, (by_loss, by_gain, members))))  # two of them are often the same
     # Effects are fitted one by one in each order. The first order counts in which each is justified at its position and
-    # the last model is as good as the whole one. Fits from the model without effects may end in other minima: at last
-    # the values of the whole model are tried.
+    # the last model is as good as the whole one. Fits that begin without effects may end in other minima: the last
+    # attempt begins with the values of the whole model.
     most = THRESHOLDS.as_good * whole.mean_square
     tried = (*((order, None) for order in orders), (orders[0], whole))
     chains = (_chain(_whole_before_part(order), first, most, whole=begun) for order, begun in tried)
     found = next((chain for chain in chains if chain is not None), None)
     if found is None and whole.mean_square < THRESHOLDS.far_less * accepted[-1].best.fit.mean_square:
-        # None is justified without the others, which lead it astray: their evidence is that beside each other.
+        # Without the others each effect is distorted and not justified: they are judged beside each other.
         found = _chain(orders[0], first, most, justified=True, whole=whole)
     return found or _beside_others(accepted, members)
 
@@ -55,7 +54,7 @@ def backward_elimination(
 def _determined(steps: Sequence[SelectionStep]) -> Sequence[SelectionStep]:
     """Steps without effects whose values are within their deviations beside all others, if the rest explains as much.
 
-    They stood in for an effect that was found later. Each may be needed beside the others, which have adapted to it.
+    Such an effect took the place of one that was found later. It is kept if the others, fitted again, need it.
     """
     first, whole = steps[0].before, steps[-1].best.fit
     covariance, end = whole.blocks.covariance, len(whole.columns)
@@ -80,10 +79,10 @@ def _whole_before_part(order: Sequence[Member]) -> list[Member]:
 
 
 def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member]) -> tuple[SelectionStep, ...]:
-    """The steps in their old order, with the lead over rivals that their effects have beside all others.
+    """The steps in their old order, with the gains over rivals that their effects have beside all others.
 
-    Models after a step that accepts nothing there hold its effect: without it the others are fitted again, and where
-    they do not explain as much, it counts.
+    If an effect is not accepted beside the others, these are fitted again without it; it is kept if they then explain
+    less.
     """
     chosen = {member.placed.key: member.step for member in members}
     own = ((step, chosen.get(step.best.key, step)) for step in accepted)
@@ -101,7 +100,7 @@ def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member])
 def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
     """Steps without one effect, the others fitted again, as far as each then explains something.
 
-    Unchanged if the first of the others explains nothing.
+    The steps are returned unchanged if the first of the others explains nothing.
     """
     members = _members(steps)
     rest = [*members[:at], *members[at + 1 :]]
@@ -128,7 +127,7 @@ def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionSte
 def most_probable(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
     """Steps in which each effect is replaced by its rival if that is more probable beside all others, fitted again.
 
-    An effect is chosen by its gain. Prior knowledge, such as the level of a friction, decides only now, when the other
+    Effects are selected by gain. Prior knowledge, such as the level of a friction, counts only here, where the other
     effects are known. All steps accept their effects.
     """
     for at in range(len(steps)):

@@ -1,4 +1,4 @@
-"""Candidates fitted with all parameters free, checked and ranked."""
+"""Confirmation of screened candidates: fits with all parameters free, their cross-validated gains and their ranking."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,7 +10,6 @@ import numpy as np
 from symid.diagnosis.effects import Key, LawEffect, Placed
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.cross_validation import certainty, deviation, log_likelihood
-from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import continued, fitted, refitted
 from symid.diagnosis.fitting.hidden_starts import Start
@@ -25,7 +24,7 @@ from symid.errors import SettingError
 _COULOMB, _COGGING, _PERIODIC = "coulomb_friction", "cogging", "periodic_disturbance"
 _DIRECT = (4, 4, 3)
 _INTEGRATION = (4, 8, 8)
-"""Most iterations: before a hopeless fit is given up, after that, and with the weights of the values found."""
+"""Most iterations: until a fit may be given up, after that, and with the weights of the values found."""
 _FURTHER = 12
 """Most further iterations of the leading candidates."""
 
@@ -126,17 +125,17 @@ def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
     of_position = (best.key, own.key) == ((_PERIODIC, best.key[1]), (_COGGING, best.key[1]))
     if not (own.placed.refines(best.key) or of_position):
         return False
-    doubt = temperature(best.penalised_gain) + THRESHOLDS.gain_deviations * deviation(
+    width = temperature(best.penalised_gain) + THRESHOLDS.gain_deviations * deviation(
         best.squares, own.squares, before.n_rows
     )
-    return own.log_prior_odds - best.log_prior_odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
+    return own.log_prior_odds - best.log_prior_odds + (own.penalised_gain - best.penalised_gain) / width > 0
 
 
 def _is_certain(fit: Fit) -> bool:
     """Whether each shape of the last effect exceeds its standard deviation."""
     item = fit.state.placed[-1]
     shapes = range(-len(item.shape), 0)
-    deviations = standard_deviations(fit.released())  # what they are computed from is not kept
+    deviations = fit.released().standard_deviations  # their arrays are not kept
     names = item.effect.shape_names
     return all(
         deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.may_be_undetermined
@@ -146,23 +145,23 @@ def _is_certain(fit: Fit) -> bool:
 def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
     """Drop refinements that explain hardly more than the Coulomb friction in them: the next step finds the rest.
 
-    So does one with a size that the log cannot show, such as a reach below the steps of the encoder.
+    Refinements with a size that the log cannot show are dropped too, such as a reach below the steps of the encoder.
     """
     for name, place in list(confirmed):
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
         if plain is None or not more.placed.refines(plain.key):
             continue
-        doubt = deviation(plain.squares, more.squares, plain.fit.n_rows)
-        least = THRESHOLDS.deviations * doubt
-        if plain.fit.mean_square > THRESHOLDS.explained:  # what else is missing may favour it
-            least = max(THRESHOLDS.hardly_more * plain.penalised_gain, doubt)
+        spread = deviation(plain.squares, more.squares, plain.fit.n_rows)
+        least = THRESHOLDS.deviations * spread
+        if plain.fit.mean_square > THRESHOLDS.explained:  # further missing effects may favour it
+            least = max(THRESHOLDS.hardly_more * plain.penalised_gain, spread)
         clearly = more.penalised_gain - plain.penalised_gain > least
         clearly = clearly and more.fit.mean_square < plain.fit.mean_square
         prediction = more.fit.state.prediction
         # In integrated motion the instants of jumps are exact: a reach within a sample may explain most of the rest.
         far_less = more.fit.mean_square < THRESHOLDS.far_less * plain.fit.mean_square
         shown = (more.placed.integrated and far_less) or more.effect.is_plausible(prediction, more.placed)
-        # A level that explains hardly anything by itself is no level that varies.
+        # A level that explains hardly anything by itself is not the mean of one that varies.
         explains = plain.penalised_gain > THRESHOLDS.level_first * more.penalised_gain
         if not (clearly and shown) or (explains and _is_nearly_constant(prediction, more.placed)):
             del confirmed[name, place]

@@ -1,4 +1,4 @@
-"""Credibility of a fitted effect: inertia, force, deviations, plausible sizes."""
+"""Credibility of a fitted effect: whether a machine can have its values, and whether the log determines them."""
 
 import math
 from collections.abc import Sequence
@@ -59,7 +59,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
 
 
 def _explains_all(fit: Fit, found: Fit) -> bool:
-    """Whether an effect takes away nearly all that exceeds noise, of an error of more than noise."""
+    """Whether an effect removes nearly all of the excess error."""
     # By the noise of the model before: a heavier axis passes more noise on and would seem to leave less.
     left = float(np.mean(found.squares_as_weighted_by(fit)))
     before = fit.mean_square
@@ -67,17 +67,17 @@ def _explains_all(fit: Fit, found: Fit) -> bool:
 
 
 def _makes_impossible(fit: Fit, found: Fit) -> bool:
-    """Whether an effect found earlier gets values that no machine has, as a mode heavier than its body."""
+    """Whether an effect found earlier takes values that no machine has, such as a mode heavier than its body."""
     before, after = fit.state, found.state
     possible = {i.key for i in before.placed if i.effect.is_possible(before.prediction, i)}
     return any(i.key in possible and not i.effect.is_possible(after.prediction, i) for i in after.placed)
 
 
 def _makes_friction_negative(fit: Fit, found: Fit, blocks: Blocks) -> bool:
-    """Whether a Coulomb friction is clearly negative, and more so than without the last effect: the two cancel.
+    """Whether the last effect makes a Coulomb friction clearly more negative, so that the two cancel.
 
-    On an axis that turns one way a constant force does so, or a Stribeck friction that falls over all of the speeds.
-    Where a joint moves both ways, a constant force cannot: a drag that is missing too makes the friction negative.
+    In motion of one direction a constant force does so, or a Stribeck friction that falls over all of the speeds. In
+    motion of both directions a constant force cannot: the friction is then negative because a drag is missing too.
     """
     item, prediction = found.state.placed[-1], found.state.prediction
     if item.effect.name in _OF_DIRECTION and prediction.joints[item.at].moves_both_ways:
@@ -113,7 +113,7 @@ def force_share(fit: Fit) -> float:
 def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> bool:
     """Whether dry and viscous friction of a joint, as declared and found, would push it along for a part of its way.
 
-    Such friction refines a constant force, a weight, or no friction at all. Dry friction that is declared in a joint
+    Such friction imitates a constant force or a weight. Dry friction that is declared in a joint
     that moves along counts as friction of this one.
     """
     joint = state.prediction.joints[at]
@@ -145,7 +145,7 @@ def _is_ringing(fit: Fit, found: Fit, blocks: Blocks) -> bool:
 
 
 def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
-    """Whether Stribeck friction hardly falls with speed and so stands in for Coulomb friction missing in its joint."""
+    """Whether Stribeck friction hardly falls with speed and thus replaces missing Coulomb friction of its joint."""
     *others, item = state.placed
     if item.effect.name != "stribeck_friction":
         return False
@@ -158,19 +158,18 @@ def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks, explains: bool) -> bool:
     """Whether the drive moves about the inertia of the model without the effect, or the initial one.
 
-    Inertia hidden in an error many times its force is not determined: where an effect lets the log determine it, it
-    may be larger, within the deviation of the model without the effect. A log that does not determine it gives no
-    evidence. Where the effect explains all, any larger inertia passes: one that swings slowly takes over most of a
-    weight or spring, with the opposite sign.
+    An error many times the force of inertia leaves the inertia undetermined. It may grow within the deviation that it
+    has without the effect; if the log does not determine it at all, the check passes. If the effect explains all, any
+    larger inertia passes: in a slow swing, inertia takes over most of a weight or spring with the opposite sign.
     """
     plain = _inertias_before(fit)
     before, after = (
         THRESHOLDS.deviations * _deviation_of_mass(own, of)
         for own, of in ((fit, fit.blocks), (found, blocks))
     )
-    doubt = min(after / max(plain), 1.0)
+    tolerance = min(after / max(plain), 1.0)
     most = max(fit.state.inertia + before, found.state.inertia if explains else 0.0)
-    return before > max(plain) or keeps_inertia(found.state, *plain, most, doubt=doubt)
+    return before > max(plain) or keeps_inertia(found.state, *plain, most, tolerance=tolerance)
 
 
 def _is_far_heavier(fit: Fit, found: Fit) -> bool:

@@ -1,9 +1,9 @@
 """Probabilities of the candidates, and the verdict.
 
-The gain of a candidate in log-likelihood would be the logarithm of its odds if the model were exact except for noise.
-It is not: the laws of a real axis, and of another simulator, differ a little from the model. Gains are therefore
-divided by a temperature that grows with the largest one: candidates that explain nearly the same are nearly as
-probable.
+If the model were exact except for noise, the gain of a candidate in log-likelihood would be the logarithm of its odds.
+The laws of a real axis, and of another simulator, differ a little from the model. Gains are therefore divided by a
+temperature that grows with the largest gain (tempered likelihood): candidates that explain nearly the same are nearly
+equally probable.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "re
 def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key, float]:
     """Probability of each candidate of a step, given that one of them is right; the most probable first.
 
-    Among indistinguishable places, a driven body is a little more probable. For an asymmetry of friction, a body is so
-    whose friction the model lacks and was found too. Candidates equal or similar to `beside`, the other effects of the
-    whole model, are excluded.
+    Among indistinguishable places a driven body is a little more probable, and for an asymmetry of friction a body
+    whose missing friction was found too. Candidates equal or equivalent to `beside`, the other effects of the whole
+    model, are excluded.
     """
     chance = _of_candidates(step, beside)
     present = with_equivalents(beside)
@@ -53,10 +53,10 @@ def _of_candidates(step: SelectionStep, beside: Collection[Key]) -> dict[Key, fl
     if not gains:
         return {}
     best = max(gains.values())
-    doubt = _gain_deviations(step)
+    deviations = _gain_deviations(step)
     likelier = {c.key: c.log_prior_odds for c in step.confirmed}
     logits = {
-        key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
+        key: (value - best) / (temperature(best) + deviations.get(key, 0.0))
         + THRESHOLDS.driven_bonus * (key[1] in prediction.record.driven_bodies)
         + THRESHOLDS.friction_there * is_of_new_friction(prediction, key, beside)
         + likelier.get(key, 0.0)
@@ -108,12 +108,12 @@ class Outcome:
     parameters: float
     effect: float
     unexplained: float
-    # whether the effects found are more than noise and remove a considerable share of the gap. They may still stand in
-    # for an effect that is not in the library, the more probably the less they remove
+    # whether the effects found are more than noise and remove a considerable share of the gap. They may still replace
+    # an effect that the library lacks, the more probably the less they remove
     holds: bool = False
 
     def at_most(self, effect: float) -> Outcome:
-        """The same with no higher a probability of the effects found; what they lose is unexplained."""
+        """The outcome with a limited probability of the effects found; the difference is unexplained."""
         least = min(self.effect, effect)
         return replace(self, effect=least, unexplained=self.unexplained + self.effect - least)
 
@@ -167,7 +167,7 @@ def outcome(steps: Sequence[SelectionStep], validated: int, errors: Errors) -> O
     if not validated or errors.largest <= THRESHOLDS.noise_alone or not _is_likeliest(steps, validated):
         there = min(there, THRESHOLDS.unlikely)
     if errors.largest < THRESHOLDS.white and errors.relative < THRESHOLDS.negligible:
-        # neither the noise nor the force shows more than the rounding of a model
+        # the error is small relative to both the noise and the force
         there = min(there, THRESHOLDS.unlikely)
     if errors.largest < _most_of_noise(errors):
         there *= _chance_of_cause(
@@ -193,7 +193,7 @@ def outcome(steps: Sequence[SelectionStep], validated: int, errors: Errors) -> O
 
 
 def _most_of_noise(errors: Errors) -> float:
-    """Error that noise of the colour that it may have here leaves."""
+    """Largest error that noise leaves, which may be coloured if it is independent of the motion."""
     coloured = errors.stationary and errors.relative < THRESHOLDS.coloured_share
     return THRESHOLDS.coloured if coloured else THRESHOLDS.white
 
@@ -216,7 +216,7 @@ def _chance_of_cause(errors: Errors) -> float:
 
 
 def _chance_of_another_law(errors: Errors) -> float:
-    """Probability that the first effect has not the shape of the true law, which the library then lacks."""
+    """Probability that the true law has another shape than the first effect, and that the library lacks it."""
     share = max(errors.nonparametric, np.finfo(float).tiny)
     clearly = (math.log(THRESHOLDS.outdone) - math.log(share)) / THRESHOLDS.outdone_width
     return THRESHOLDS.outdone_at_most * _logistic(clearly)

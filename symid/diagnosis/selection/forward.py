@@ -41,22 +41,23 @@ _LEADING = 2
 def forward_selection(
     fit: Fit, library: Sequence[Effect], nominal: Fit | None = None
 ) -> tuple[SelectionStep, ...]:
-    """Steps of the search: the first, and those that accept their best candidate after it.
+    """Steps of the selection: the first, and the further ones that accept their best candidate.
 
-    The model before re-identification, `nominal`, is another start where unmodelled effects led the parameters astray.
+    Fits also begin at the model before re-identification, `nominal`, if unmodelled effects distorted the parameters.
     """
     fit, nominal = _with_least_inertia(fit, nominal)
     first = _selection_step(fit, library, nominal).with_acceptable()
     if nominal is not None and (better := _restarted(first)) is not None:
-        # Once only: each restart weights the errors again, and two solutions might replace each other for ever.
+        # Only once: each restart changes the weights, and two solutions might alternate for ever.
         fit, nominal = _with_least_inertia(better, nominal)
         first = _selection_step(fit, library, nominal).with_acceptable()
-    # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and
-    # presliding friction may be all friction or a part of it. Where one of them comes first, the search is also run to
-    # its end from the other one, and the better prediction of blocks left out decides. The other timing is then first
-    # put in the place of the one found: where it predicts worse there, its search is not run. Where a clear gap stays,
-    # so does Coulomb friction in place of what refines it, and a search from a candidate that was as probable as the
-    # first effect counts if it leaves hardly anything.
+    # The selection is greedy, except where the first choice cannot be decided alone. Branches are then continued to
+    # their ends, and the best prediction of blocks left out decides:
+    # - a delay and a lag are nearly the same until further effects are in the model (the other one is first fitted in
+    #   the place of the first in the final model, and its branch dropped if it predicts worse there);
+    # - presliding friction may be all of the friction or a part of it;
+    # - if a clear gap stays, Coulomb friction in the place of its refinement.
+    # If a clear gap still stays, branches of equally probable candidates count if they leave hardly anything.
     if not first.accepts:
         return _together(fit, first, library, nominal)
     timings = first.other_timing()
@@ -129,7 +130,7 @@ def _with_least_inertia(fit: Fit, nominal: Fit | None) -> tuple[Fit, Fit | None]
 def _restarted(step: SelectionStep) -> Fit | None:
     """The model of a step fitted from the values found with the best candidate; None if the error is hardly lower.
 
-    If the first fit went astray, any effect that corrects its values would be taken for the cause.
+    If the first fit ended in a wrong minimum, any effect that leads out of it would look like the cause.
     """
     if not step.accepts:
         return None
@@ -148,8 +149,9 @@ def _continued(
 ) -> tuple[SelectionStep, ...]:
     """A first step, and the steps after it that accept their best candidate.
 
-    A law of a joint whose motion is predicted may show from the nominal values only, as the fitted ones have taken over
-    a part of it: they are tried, with the effects found, before a search ends with a gap, or goes on with an imitation.
+    A law in a joint whose motion is predicted may be found from the nominal values only, as the fitted ones have taken
+    over a part of it. They are tried, with the effects found, before the selection ends with a gap or accepts a law
+    that imitates another.
     """
     steps, last = [first], first
     while last.accepts and len(steps) < THRESHOLDS.most_effects:
@@ -171,16 +173,16 @@ def _continued(
 def _is_settled(step: SelectionStep, first: Fit) -> bool:
     """Whether the best candidate is justified and no law of hidden motion that leaves a clear gap."""
     best = step.best if step.confirmed else None
-    refines = best is not None and best.placed.integrated and is_clear(best.fit)
-    return step.justifies_another(first) and not refines
+    imitates = best is not None and best.placed.integrated and is_clear(best.fit)
+    return step.justifies_another(first) and not imitates
 
 
 def _selection_step(
     fit: Fit, library: Sequence[Effect], nominal: Fit | None, earlier: Sequence[SelectionStep] = ()
 ) -> SelectionStep:
-    """Fit the best candidates, and more of them at higher cost as long as none explains the error.
+    """Fit the best candidates, then more of them at higher cost as long as none explains the error.
 
-    Where every output errs less than its noise, none is fitted: there is nothing to explain.
+    None is fitted if the error of every output is below its noise.
     """
     found = screened(fit, library)
     if float(fit.squares.max()) < THRESHOLDS.noise:
@@ -196,7 +198,7 @@ def _selection_step(
 def _resumed(
     step: SelectionStep, first: Fit, fit: Fit, library: Sequence[Effect], nominal: Fit
 ) -> SelectionStep:
-    """A step that goes on with starts from the nominal values, unless it is justified before and not after that."""
+    """A step continued with starts from the nominal values, unless it is justified without these and not with them."""
     state = stable_with_effects(nominal.state, nominal.weighting, fit.state.placed)
     if state is None:
         return step
@@ -208,7 +210,7 @@ def _resumed(
 
 
 def _rivals_of_earlier_steps(steps: Sequence[SelectionStep], fit: Fit) -> Iterator[Start]:
-    """Laws integrated with the motion of their joints that gained in earlier steps, from the values found there."""
+    """Integrated laws that were rivals in earlier steps, from the values found there."""
     present = {item.key for item in fit.state.placed}
     hidden = (own for step in steps for own in step.confirmed if own.placed.integrated)
     found = {own.key: own for own in hidden if own.penalised_gain > 0 and own.key not in present}
@@ -228,7 +230,7 @@ def _completed(
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < THRESHOLDS.explained:
             break
-    # A law of a hidden joint that is evaluated at a motion without it is good near its values only.
+    # A law of a hidden joint that was evaluated at a motion without it is accurate near its values only.
     best_found = [Start.of(fit, own.placed) for own in best_first(confirmed)[:1] if not own.placed.integrated]
     tried |= _confirm(fit, integrated(best_found, fit), confirmed)
     # A refinement may imitate its simpler effect, as presliding does Coulomb friction, and a lag is nearly a delay:
@@ -277,7 +279,7 @@ def _converge(fit: Fit, confirmed: dict[Key, Confirmed]) -> None:
 
 
 def _is_better(own: Confirmed, other: Confirmed) -> bool:
-    """Whether one fit of an effect is better than another: it leaves far less, or predicts blocks left out better."""
+    """Whether one fit of an effect is better than another: far less error, or better prediction of blocks left out."""
     left, of_other = own.fit.mean_square, other.fit.mean_square
     return left < THRESHOLDS.far_less * of_other or (
         own.gain > other.gain and not of_other < THRESHOLDS.far_less * left

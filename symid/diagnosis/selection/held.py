@@ -34,11 +34,10 @@ def shows_hold(fit: Fit) -> bool:
 
 
 def nominal_shows_hold(initial: Fit, reidentified: Fit) -> bool:
-    """Whether nominal values leave as little as re-identified ones once every force acts half a sample late.
+    """Whether nominal values leave as little error as re-identified ones once every force acts half a sample late.
 
-    Re-identified values may take up half a sample, the damping of a spring for instance. Where the nominal ones, of
-    which none is fitted, need nothing but the hold, it is the hold. Where the hold takes little of what they leave,
-    something else is missing too.
+    Re-identified values may absorb half a sample, such as the damping of a spring. The nominal values are not fitted:
+    if they need only the hold, the force is held. If the hold removes little of their error, another effect is missing.
     """
     if any(item.effect.name in LATE_FORCES for item in initial.state.placed):
         return False

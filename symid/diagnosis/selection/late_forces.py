@@ -1,8 +1,7 @@
-"""A delay and a lag of one drive, compared where they differ.
+"""Comparison of a delay with a lag of the same drive, in the band in which noise does not decide.
 
-A lag predicts a larger force at high frequencies, and with it more of the noise that the position leaves in the
-predicted force; one of the recorder predicts less of it. Beyond the band in which the force has more noise than the
-position leaves in it, this noise would decide between a lag and a delay, which changes no amplitude.
+A lag amplifies the noise of the position in the predicted force at high frequencies, a lag of the recorder attenuates
+it, and a delay changes no amplitude. Frequencies at which this noise exceeds that of the force are left out.
 """
 
 from collections.abc import Iterable, Sequence
@@ -35,7 +34,7 @@ def in_band_of_forces(fit: Fit) -> Weighting:
 
 
 def other_predicts_better(step: SelectionStep, steps: Sequence[SelectionStep], weighting: Weighting) -> bool:
-    """Whether the timing that leads a step predicts better than that of a search, with what this one found besides."""
+    """Whether the timing that leads a step predicts better than the selected one beside the same further effects."""
     last = steps[-1].best.fit
     placed = [step.best.placed if item.key == steps[0].best.key else item for item in last.state.placed]
     try:
@@ -47,7 +46,7 @@ def other_predicts_better(step: SelectionStep, steps: Sequence[SelectionStep], w
 
 
 def compared_in_band(candidates: Sequence[Confirmed], before: Fit) -> list[Confirmed]:
-    """Candidates in which the delay and the lag of a drive differ by what they leave in its band."""
+    """Candidates in which the gains of delay and lag of a drive differ by their errors in its band."""
     found = list(candidates)
     late = [own for own in found if own.effect.name in LATE_FORCES]
     for place in {own.placed.at for own in late}:
@@ -58,7 +57,7 @@ def compared_in_band(candidates: Sequence[Confirmed], before: Fit) -> list[Confi
 
 
 def _in_band(pair: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
-    """The better one in the band with the larger gain of both, the other one behind it by their distance there."""
+    """The better one in the band with the larger gain of both, and the other one with their difference in the band."""
     weighting, n = in_band_of_forces(before), before.n_rows
     squares = {
         own: fitted(own.fit.state.weighted(weighting), weighting, _ITERATIONS).blocks.squares for own in pair

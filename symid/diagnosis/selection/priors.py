@@ -1,9 +1,8 @@
 """Prior odds: knowledge that favours one effect over another, besides the fit.
 
-A constant force and an asymmetric friction are the same force while an axis moves. Friction that grew in one direction,
-however, also raised the mean friction level by its asymmetry, and a constant force did not: the level relative to its
-nominal value distinguishes the two. While an axis turns steadily, a periodic force of the position, which every motor
-has, looks like a periodic force of time.
+A constant force and an asymmetric friction are the same force while an axis moves. But friction that has grown in one
+direction also has a higher mean level, so that the level relative to its nominal value distinguishes the two. In steady
+rotation, a periodic force of the position, which every motor has, looks like a periodic force of time.
 """
 
 import math

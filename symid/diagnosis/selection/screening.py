@@ -1,4 +1,7 @@
-"""Screening: the error of the fitted model is projected on every effect at every place, over its shapes."""
+"""Screening: projection of the error of a fitted model on every effect at every place, for each of its shapes.
+
+A projection is linear and cheap. It ranks the candidates for the nonlinear fits of the confirmation.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,8 +10,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_equivalents
-from symid.diagnosis.fitting.deviations import AR_ORDER
-from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.fit import AR_ORDER, Fit
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.estimation.autoregression import Autoregression, autoregression, unweighted
 
@@ -45,7 +47,7 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
     white = autoregression(left, fit.weighting.kept, AR_ORDER)
     base = fit.base
     projections = (_Projection(fit, base, plain), _Projection(fit, base, white))
-    del base  # long after many rests, and not needed any more
+    del base  # large after many rests
     wanted = fit.weighting.adjoint(left)
 
     def matched_filter(response: ComplexArray) -> FloatArray:

@@ -1,4 +1,7 @@
-"""Starts of the fits of a selection step, the cheapest first."""
+"""Starts of the fits of a selection step in stages, the cheapest first.
+
+The likeliest candidates of the screening come first. Costlier starts follow only as long as none explains the error.
+"""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -33,16 +36,16 @@ def stages(
     tried: Mapping[Key, Placed],
 ) -> Iterator[Iterable[Start]]:
     """Starts of fits, the cheapest first."""
-    # Screening is linear, confirmation is not. The likeliest candidates come first, from the values of their screening;
-    # then starts for errors with several minima, each only while nothing explains the error: joints integrated with
-    # their motion, the nominal model, effects carried over to other hidden places, a grid over the hidden spring.
+    # Screening is linear, and the error of a fit may have several minima. After the likeliest candidates with their
+    # screened values come starts for other minima: joints integrated with their motion, the nominal model, effects
+    # moved to other hidden places, and a grid over the hidden spring.
     promising = _promising(found, fit)
     white = sorted(promising, key=lambda c: -c.white_penalised_gain)
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [*_of_all_laws(fit, promising[:3]), *of_changes(fit, library)]
     further = _distinct([*promising[3:6], *white[:3], *timing], promising[:3])
     yield _of_all_laws(fit, [*further, *ties(promising, [*promising[:3], *further])])
-    if not confirmed:  # the most promising candidates are not credible: others are tried
+    if not confirmed:  # the most promising candidates are not credible
         yield [
             Start.of(fit, c.placed)
             for c in _promising([c for c in found if c.placed.key not in tried], fit)[:6]
@@ -103,7 +106,7 @@ def _relatives(starts: Sequence[Start], confirmed: Mapping[Key, Confirmed]) -> l
 def _explains(fit: Fit, confirmed: Mapping[Key, Confirmed]) -> bool:
     """Whether a candidate takes away nearly all of the error.
 
-    Where motion is predicted it must leave little more than noise too: many a law refines a spring that stiffens near
+    Where motion is predicted it must leave little more than noise too: many a law imitates a spring that stiffens near
     a resonance down to a tenth of its error.
     """
     left = least_left(confirmed)

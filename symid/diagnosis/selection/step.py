@@ -1,4 +1,4 @@
-"""A step of the selection: candidates that were fitted, and whether the best of them is accepted."""
+"""A step of the selection: its candidates, and the criteria by which the best is accepted."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Confirmed:
 
 @dataclass(frozen=True, eq=False)
 class SelectionStep:
-    """One step of the search."""
+    """One step of the selection."""
 
     before: Fit  # the model without the effect of this step
     confirmed: tuple[Confirmed, ...]  # candidates that were fitted, the largest gain first
@@ -85,8 +85,8 @@ class SelectionStep:
         closed = _taken(self.before, own.fit, self.before)
         least = least_gain(own.effect.name, self.before.n_rows)
         gains = own.penalised_gain > least and closed > THRESHOLDS.least_share
-        # A model that passes on less of the encoder's noise errs less for that alone. Where the model before leaves
-        # noise only, it must err less relative to its own noise too.
+        # A model with a lower gain from the encoder's noise to the force has a lower error for that alone. If the model
+        # before leaves noise only, the error must fall relative to the noise of each model too.
         explains = is_more_than_noise(self.before) or own.fit.mean_square < self.before.mean_square
         return gains and explains and own.certainty > THRESHOLDS.least_certainty
 
@@ -119,8 +119,8 @@ class SelectionStep:
     def plain_before_refined(self) -> tuple[SelectionStep, ...]:
         """The step led by Coulomb friction in place of a friction that refines it and leaves a clear gap; else empty.
 
-        The refinement may take what another law causes: Stribeck friction falls with speed, drag rises with it. Rivals
-        keep their distance.
+        The refinement may explain the error of another law: Stribeck friction falls with speed, drag rises with it.
+        Rivals keep their distance.
         """
         if not (self.accepts and is_clear(self.best.fit)):
             return ()
@@ -188,7 +188,7 @@ def takes(before: Fit, after: Fit, first: Fit) -> bool:
 
 
 def penalised_likelihood(steps: Sequence[SelectionStep], state: State, weighting: Weighting) -> float:
-    """Cross-validated log-likelihood of a model that follows some steps, less the penalties of what it adds."""
+    """Cross-validated log-likelihood of a model after some steps, less the penalties of the effects added."""
     added = state.placed[len(steps[0].before.state.placed) :]
     return Fit(state.weighted(weighting), weighting).predicted - THRESHOLDS.penalty * sum(
         item.n_free for item in added
