@@ -210,25 +210,17 @@ def joint_units(prediction: Prediction, place: str) -> tuple[Unit, Unit]:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """An effect at a place with values.
-
-    Parameters
-    ----------
-    effect : Effect
-        The effect.
-    at : str
-        Its place.
-    shape, amplitudes : tuple of float
-        Values of its shape parameters and amplitudes.
-    integrated : bool
-        Whether the motion of a hidden joint is integrated with its force.
-    """
+    """An effect at a place with values."""
 
     effect: Effect
+    """The effect."""
     at: str
+    """Its place."""
     shape: Shape
     amplitudes: tuple[float, ...]
+    """`shape`, `amplitudes`: values of its shape parameters and amplitudes."""
     integrated: bool = False
+    """Whether the motion of a hidden joint is integrated with its force."""
 
     @property
     def key(self) -> Key:

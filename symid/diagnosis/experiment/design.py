@@ -40,37 +40,25 @@ _MOST_FURTHER = 3  # causes other than the strongest rival
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """The next experiment.
-
-    Parameters
-    ----------
-    text : str
-        Description in words.
-    causes : tuple of (str, str)
-        Remaining effects and places; empty if none remain.
-    trajectory : Trajectory or None
-        Reference of the first drive that best distinguishes the causes; None if no motion does.
-    odds : float
-        Expected odds for the true cause after the experiment, without the evidence so far; nan without trajectory.
-    simulated : SimulatedExperiment or None
-        Simulation of the motion with either cause; None if it is not possible.
-    message : str
-        Why it is not possible, or which motions were rejected because the simulated axis exceeds a limit.
-    further : mapping of (str, str) to float
-        Probability that the motion distinguishes the first cause from each further one; nan if that cannot be
-        simulated.
-    paths : tuple of Trajectory
-        Reference of each drive; the others follow the first one as in the log.
-    """
+    """The next experiment."""
 
     text: str
+    """Description in words."""
     causes: tuple[Key, ...] = ()
+    """Remaining effects and places; empty if none remain."""
     trajectory: Trajectory | None = None
+    """Reference of the first drive that best distinguishes the causes; None if no motion does."""
     odds: float = math.nan
+    """Expected odds for the true cause after the experiment, without the evidence so far; nan without trajectory."""
     simulated: SimulatedExperiment | None = None
+    """Simulation of the motion with either cause; None if it is not possible."""
     message: str = ""
+    """Why it is not possible, or which motions were rejected because the simulated axis exceeds a limit."""
     further: Mapping[Key, float] = field(default_factory=dict)
+    """Probability that the motion distinguishes the first cause from each further one; nan if that cannot be
+    simulated."""
     paths: tuple[Trajectory, ...] = ()
+    """Reference of each drive; the others follow the first one as in the log."""
 
     @property
     def probability(self) -> float:

@@ -33,46 +33,34 @@ class WeightedError:
 
 @dataclass(frozen=True, eq=False)
 class Signals:
-    """Signals of the validation data in the band of the gap, for plots.
-
-    Parameters
-    ----------
-    time : array of shape (n,)
-        s.
-    position, velocity : array of shape (n,)
-        Of the driven joint.
-    measured, nominal, reidentified, explained : array of shape (n,)
-        Drive force: measured, and as each model predicts it from the motion; nan where a model is missing.
-    compared : bool array of shape (n,)
-        Whether a sample belongs to the gap; standstills and the ends do not.
-    """
+    """Signals of the validation data in the band of the gap, for plots."""
 
     time: FloatArray
+    """s; shape (n,)."""
     position: FloatArray
     velocity: FloatArray
+    """`position`, `velocity`: of the driven joint; shape (n,)."""
     measured: FloatArray
     nominal: FloatArray
     reidentified: FloatArray
     explained: FloatArray
+    """`measured`, `nominal`, `reidentified`, `explained`: drive force: measured, and as each model predicts it from the
+    motion; nan where a model is missing; shape (n,)."""
     compared: BoolArray
+    """Whether a sample belongs to the gap; standstills and the ends do not; shape (n,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Error density against noise density on the validation data.
-
-    Parameters
-    ----------
-    frequency : array of shape (n,)
-        Hz.
-    reidentified, explained, noise : array of shape (n,)
-        Force error of both models and noise, unit of the force / sqrt(Hz).
-    """
+    """Error density against noise density on the validation data."""
 
     frequency: FloatArray
+    """Hz; shape (n,)."""
     reidentified: FloatArray
     explained: FloatArray
     noise: FloatArray
+    """`reidentified`, `explained`, `noise`: force error of both models and noise, unit of the force / sqrt(Hz); shape
+    (n,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,152 +75,102 @@ class DriveError:
 
 @dataclass(frozen=True)
 class SimulatedParameter:
-    """A physical parameter as identified from the simulator's log and from the machine's.
-
-    Parameters
-    ----------
-    name, unit : str
-        The parameter.
-    simulated, simulated_std : float
-        From the simulator's log.
-    machine, machine_std : float
-        From the machine's, with the effects found.
-    differs : bool
-        Whether the two differ by more than their deviations allow.
-    """
+    """A physical parameter as identified from the simulator's log and from the machine's."""
 
     name: str
     unit: str
+    """`name`, `unit`: the parameter."""
     simulated: float
     simulated_std: float
+    """`simulated`, `simulated_std`: from the simulator's log."""
     machine: float
     machine_std: float
+    """`machine`, `machine_std`: from the machine's, with the effects found."""
     differs: bool
+    """Whether the two differ by more than their deviations allow."""
 
 
 @dataclass(frozen=True)
 class SimulatedEffect:
-    """An effect that the simulator has beyond the declared axis.
-
-    Parameters
-    ----------
-    effect, at : str
-        Names of the effect and of its place.
-    parameters : mapping of str to EffectParameter
-        From the simulator's log.
-    machine : mapping of str to EffectParameter or None
-        From the machine's; None if the machine does not have it.
-    differs : bool
-        Whether the machine has it with values that differ by more than their deviations allow.
-    """
+    """An effect that the simulator has beyond the declared axis."""
 
     effect: str
     at: str
+    """`effect`, `at`: names of the effect and of its place."""
     parameters: Mapping[str, EffectParameter]
+    """From the simulator's log."""
     machine: Mapping[str, EffectParameter] | None
+    """From the machine's; None if the machine does not have it."""
     differs: bool
+    """Whether the machine has it with values that differ by more than their deviations allow."""
 
 
 @dataclass(frozen=True)
 class Simulator:
-    """Findings about a simulator, from its log.
-
-    Parameters
-    ----------
-    log : str
-        Its source.
-    error : float
-        Error of the axis with these values and effects on that log, in multiples of the noise.
-    parameters : tuple of SimulatedParameter
-        Of the declared axis.
-    effects : tuple of SimulatedEffect
-        Found beyond it.
-    """
+    """Findings about a simulator, from its log."""
 
     log: str
+    """Its source."""
     error: float
+    """Error of the axis with these values and effects on that log, in multiples of the noise."""
     parameters: tuple[SimulatedParameter, ...]
+    """Of the declared axis."""
     effects: tuple[SimulatedEffect, ...]
+    """Found beyond it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis(Shown):
-    """Why simulation and machine differ.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    measured : tuple of str
-        Sensors used.
-    logs : tuple of str
-        Sources of the identification log, and of the validation log if there is one.
-    verdict : str
-        "no_gap", "parameters", "effect", "partly", "unexplained" or "recording".
-    sentence : str
-        The verdict in one sentence.
-    gap : Gap
-        Its size before and after; of several drives, of the one whose force the re-identified model misses by most
-        multiples of the noise, as are `location`, `maps`, `signals` and `spectrum`.
-    location : tuple of Location
-        Where it lies, largest share first.
-    maps : mapping of str to tuple of MapCell
-        The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``.
-    effects : tuple of FoundEffect
-        Accepted effects, the strongest first: that which alone would leave the largest force error away from reversals.
-    alternatives : tuple of Alternative
-        All candidates, the most probable first.
-    probabilities : mapping of str to float
-        Of "no_gap", "parameters" and "unexplained".
-    parameters : tuple of ParameterChange
-        Before and after.
-    faults : tuple of str
-        Faults of the recording.
-    assumptions : tuple of str
-        Assumptions of the diagnosis.
-    next_experiment : str
-        The next step, in words.
-    signals : Signals
-        For plots.
-    spectrum : Spectrum
-        For plots.
-    weighted : WeightedError or None
-        For correlations; None where the hidden motion of the last model grows without bound.
-    drives : tuple of DriveError
-        Force error of each drive, if there are several.
-    simulated : Simulator or None
-        Findings from the log of a simulator, if one was given; it is then the nominal model.
-    planned : Experiment or None
-        The motion of the next experiment and its simulated result, if it was requested.
-    search : tuple of SelectionStep
-        The fitted models, from which the next experiment is designed; not written to files.
-    model : State or None
-        The model found, with the phases and moments of the validation log; not written to files.
-    """
+    """Why simulation and machine differ."""
 
     axis: Axis
+    """The declared axis."""
     measured: tuple[str, ...]
+    """Sensors used."""
     logs: tuple[str, ...]
+    """Sources of the identification log, and of the validation log if there is one."""
     verdict: Verdict
+    """One of "no_gap", "parameters", "effect", "partly", "unexplained" and "recording"."""
     sentence: str
+    """The verdict in one sentence."""
     gap: Gap
+    """Its size before and after; of several drives, of the one whose force the re-identified model misses by most
+    multiples of the noise, as are `location`, `maps`, `signals` and `spectrum`."""
     location: tuple[Location, ...]
+    """Where it lies, largest share first."""
     maps: Mapping[str, tuple[MapCell, ...]]
+    """The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``."""
     effects: tuple[FoundEffect, ...]
+    """Accepted effects, the strongest first: that which alone would leave the largest force error away from
+    reversals."""
     alternatives: tuple[Alternative, ...]
+    """All candidates, the most probable first."""
     probabilities: Mapping[str, float]
+    """Of "no_gap", "parameters" and "unexplained"."""
     parameters: tuple[ParameterChange, ...]
+    """Before and after."""
     faults: tuple[str, ...]
+    """Faults of the recording."""
     assumptions: tuple[str, ...]
+    """Assumptions of the diagnosis."""
     next_experiment: str
+    """The next step, in words."""
     signals: Signals
+    """For plots."""
     spectrum: Spectrum
+    """For plots."""
     weighted: WeightedError | None = None
+    """For correlations; None where the hidden motion of the last model grows without bound."""
     drives: tuple[DriveError, ...] = ()
+    """Force error of each drive, if there are several."""
     simulated: Simulator | None = None
+    """Findings from the log of a simulator, if one was given; it is then the nominal model."""
     planned: Experiment | None = None
+    """The motion of the next experiment and its simulated result, if it was requested."""
     search: tuple[SelectionStep, ...] = field(default=(), repr=False)
+    """The fitted models, from which the next experiment is designed; not written to files."""
     model: State | None = field(default=None, repr=False)
+    """The model found, with the phases and moments of the validation log; not written to files."""
 
     @property
     def named(self) -> frozenset[tuple[str, str]]:

@@ -10,36 +10,24 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Level:
-    """Size of an error.
-
-    Parameters
-    ----------
-    rms : float
-        Root mean square, in the unit of its signal.
-    relative : float
-        Relative to the root mean square of the signal.
-    """
+    """Size of an error."""
 
     rms: float
+    """Root mean square, in the unit of its signal."""
     relative: float
+    """Relative to the root mean square of the signal."""
 
 
 @dataclass(frozen=True)
 class Removed:
-    """Share of the excess error of the re-identified model that an effect removes, on validation data.
-
-    Parameters
-    ----------
-    share : float
-        Of the mean square above the floor.
-    low, high : float
-        95 % interval of it, from resampled parts of the validation data; of an effect found also from what effects
-        take over from each other, see `including`.
-    """
+    """Share of the excess error of the re-identified model that an effect removes, on validation data."""
 
     share: float
+    """Of the mean square above the floor."""
     low: float
     high: float
+    """`low`, `high`: 95 % interval of it, from resampled parts of the validation data; of an effect found also from what
+    effects take over from each other, see `including`."""
 
     def including(self, others: Iterable[float], spread: float) -> Removed:
         """The share with an interval that holds other values of it, each with a standard deviation relative to it.
@@ -64,16 +52,11 @@ class Removed:
 
 @dataclass(frozen=True)
 class Reversal:
-    """Force error within 50 ms of reversals and standstills.
-
-    Parameters
-    ----------
-    reidentified, explained : Level
-        Of the declared structure, and with the effects found.
-    """
+    """Force error within 50 ms of reversals and standstills."""
 
     reidentified: Level
     explained: Level
+    """`reidentified`, `explained`: of the declared structure, and with the effects found."""
 
 
 @dataclass(frozen=True)
@@ -86,117 +69,80 @@ class NotRepeated:
 
 @dataclass(frozen=True)
 class MotionError:
-    """Motion of a simulated axis compared with the measured one.
-
-    Parameters
-    ----------
-    status : str
-        "ok", or "failed": then the numbers are nan.
-    position_fit, velocity_fit, tracking_fit : float
-        100 (1 - abs(y - simulated)/abs(y - mean of y)) per cent of position, velocity and tracking error (reference
-        less position, nan without a reference); 100 is perfect, below 0 worse than a constant.
-    position_rms, velocity_rms : float
-        Root mean square of the differences, SI.
-    reversal_rms : float
-        Root mean square difference of the positions within 50 ms of reversals, SI; nan if there are none.
-    message : str
-        Failures, or parts of the model that are not simulated.
-    """
+    """Motion of a simulated axis compared with the measured one."""
 
     status: Literal["ok", "failed"]
+    """Whether it could be simulated; the numbers are nan if it "failed"."""
     position_fit: float = math.nan
     velocity_fit: float = math.nan
     tracking_fit: float = math.nan
+    """`position_fit`, `velocity_fit`, `tracking_fit`: 100 (1 - abs(y - simulated)/abs(y - mean of y)) per cent of
+    position, velocity and tracking error (reference less position, nan without a reference); 100 is perfect, below 0
+    worse than a constant."""
     position_rms: float = math.nan
     velocity_rms: float = math.nan
+    """`position_rms`, `velocity_rms`: root mean square of the differences, SI."""
     reversal_rms: float = math.nan
+    """Root mean square difference of the positions within 50 ms of reversals, SI; nan if there are none."""
     message: str = ""
+    """Failures, or parts of the model that are not simulated."""
 
 
 @dataclass(frozen=True)
 class SimulatedMotion:
-    """The gap in the motion of the simulated axis, on data that took no part in any choice.
-
-    Parameters
-    ----------
-    signal, unit : str
-        The position, and its unit.
-    driver : str
-        "given" controller, "identified" controller, or the measured force under an "observer".
-    gains : mapping of str to float
-        Kpp in 1/s, Kpv in SI and Kiv in 1/s of the controller or observer.
-    share : float
-        Share of the variance of the measured force that the controller explains; nan for an observer.
-    tracking_rms : float
-        Root mean square of the measured tracking error, SI; nan without a reference.
-    nominal : MotionError or None
-        With the nominal values; None if there are none.
-    reidentified, explained : MotionError
-        As for the force error.
-    steps : tuple of MotionError
-        With the first effect, the first two, and so on; the last is `explained`.
-    """
+    """The gap in the motion of the simulated axis, on data that took no part in any choice."""
 
     signal: str
     unit: str
+    """`signal`, `unit`: the position, and its unit."""
     driver: Literal["given", "identified", "observer"]
+    """The "given" or "identified" controller, or the measured force under an "observer"."""
     gains: Mapping[str, float]
+    """Kpp in 1/s, Kpv in SI and Kiv in 1/s of the controller or observer."""
     share: float
+    """Share of the variance of the measured force that the controller explains; nan for an observer."""
     tracking_rms: float
+    """Root mean square of the measured tracking error, SI; nan without a reference."""
     nominal: MotionError | None
+    """With the nominal values; None if there are none."""
     reidentified: MotionError
     explained: MotionError
+    """`reidentified`, `explained`: as for the force error."""
     steps: tuple[MotionError, ...]
+    """With the first effect, the first two, and so on; the last is `explained`."""
 
 
 @dataclass(frozen=True)
 class Gap:
-    """Force error of the inverse model on data that took no part in any choice.
-
-    Parameters
-    ----------
-    signal, unit : str
-        The drive force.
-    band_hz : float
-        Highest frequency of the comparison; above it, the noise of the position reading dominates.
-    nominal : Level or None
-        With the nominal values; None if there are none.
-    reidentified : Level
-        Same structure, parameters identified.
-    explained : Level
-        With the effects found added, everything identified again.
-    noise_floor : Level
-        Error that noise alone leaves, from the noise levels of the signals.
-    steps : tuple of Level
-        With the first effect, the first two, and so on; the last is `explained`.
-    closed_fraction : float
-        Removed fraction of the distance from `reidentified` to `noise_floor`; nan if that is zero.
-    closed_interval : (float, float)
-        95 % interval of it, from resampled parts of the validation data.
-    unexplained_share : float
-        Share of the re-identified model's excess that remains; nan if there is no excess.
-    reversal : Reversal or None
-        Error near reversals and standstills; None if the log has none.
-    not_repeated : NotRepeated or None
-        Part of the error that differs each time; None if the motion does not repeat within the validation data.
-    motion : SimulatedMotion or None
-        Error of the simulated motion; None where it was not simulated.
-    """
+    """Force error of the inverse model on data that took no part in any choice."""
 
     signal: str
     unit: str
+    """`signal`, `unit`: the drive force."""
     band_hz: float
+    """Highest frequency of the comparison; above it, the noise of the position reading dominates."""
     nominal: Level | None
+    """With the nominal values; None if there are none."""
     reidentified: Level
+    """Same structure, parameters identified."""
     explained: Level
+    """With the effects found added, everything identified again."""
     noise_floor: Level
+    """Error that noise alone leaves, from the noise levels of the signals."""
     steps: tuple[Level, ...]
+    """With the first effect, the first two, and so on; the last is `explained`."""
     closed_fraction: float
+    """Removed fraction of the distance from `reidentified` to `noise_floor`; nan if that is zero."""
     closed_interval: tuple[float, float]
+    """95 % interval of it, from resampled parts of the validation data."""
     unexplained_share: float
+    """Share of the re-identified model's excess that remains; nan if there is no excess."""
     reversal: Reversal | None
+    """Error near reversals and standstills; None if the log has none."""
     not_repeated: NotRepeated | None = None
+    """Part of the error that differs each time; None if the motion does not repeat within the validation data."""
     motion: SimulatedMotion | None = None
+    """Error of the simulated motion; None where it was not simulated."""
 
     @property
     def least(self) -> float:
@@ -206,48 +152,32 @@ class Gap:
 
 @dataclass(frozen=True)
 class Location:
-    """Place at which a share of the excess error arises.
-
-    Parameters
-    ----------
-    at : str
-        Body, spring, ``actuator`` or sensor signal.
-    share : float
-        Of the excess error of the re-identified model.
-    band_hz : (float, float)
-        Frequency band that holds most of it.
-    regime : str
-        Regime of motion with the largest part of it.
-    """
+    """Place at which a share of the excess error arises."""
 
     at: str
+    """Body, spring, ``actuator`` or sensor signal."""
     share: float
+    """Of the excess error of the re-identified model."""
     band_hz: tuple[float, float]
+    """Frequency band that holds most of it."""
     regime: str
+    """Regime of motion with the largest part of it."""
 
 
 @dataclass(frozen=True)
 class MapCell:
-    """One cell of the map of the gap.
-
-    Parameters
-    ----------
-    label : str
-        Name of its band, regime or part of the stroke.
-    low, high : float
-        Its limits; nan without limits.
-    samples : float
-        Share of the rows in it.
-    share : float
-        Of the excess error of the re-identified model.
-    before, after : float
-        Error in multiples of the noise floor: re-identified, and with the effects found; nan where there is none.
-    """
+    """One cell of the map of the gap."""
 
     label: str
+    """Name of its band, regime or part of the stroke."""
     low: float
     high: float
+    """`low`, `high`: its limits; nan without limits."""
     samples: float
+    """Share of the rows in it."""
     share: float
+    """Of the excess error of the re-identified model."""
     before: float
     after: float
+    """`before`, `after`: error in multiples of the noise floor: re-identified, and with the effects found; nan where
+    there is none."""

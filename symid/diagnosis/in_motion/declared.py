@@ -33,22 +33,15 @@ Values: TypeAlias = dict[str, float]
 
 @dataclass(frozen=True)
 class ExplainedAxis:
-    """An axis with the effects that a diagnosis found.
-
-    Parameters
-    ----------
-    axis : Axis
-        The axis diagnosed with the elements of the effects added.
-    values : dict of str to float
-        Values of its physical parameters, SI.
-    left_out : tuple of str
-        A sentence for each effect that cannot be an element of an axis, such as a force or a reading that is early,
-        and, from `explained_axis`, for each value that is impossible for a real axis.
-    """
+    """An axis with the effects that a diagnosis found."""
 
     axis: Axis
+    """The axis diagnosed with the elements of the effects added."""
     values: Values
+    """Values of its physical parameters, SI."""
     left_out: tuple[str, ...]
+    """A sentence for each effect that cannot be an element of an axis, such as a force or a reading that is early, and,
+    from `explained_axis`, for each value that is impossible for a real axis."""
 
 
 def explained_axis(found: Diagnosis) -> ExplainedAxis:

@@ -18,30 +18,20 @@ and spindles, whose missing friction was called one of direction)."""
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """A place at which a force may act, and its motion on the fine grid.
-
-    Parameters
-    ----------
-    name : str
-        The body whose joint it is, or the spring.
-    direction : array of shape (n_bodies,)
-        The product with the displacements of the bodies is the displacement of the joint.
-    spectrum : array of shape (n_bins,)
-        Its displacement, measured where there are sensors.
-    modelled : array of shape (n_bins,)
-        Its displacement that follows from the driven position.
-    record : Record
-        The log.
-    memory : LastValues
-        Cache of values that follow from its motion alone.
-    """
+    """A place at which a force may act, and its motion on the fine grid."""
 
     name: str
+    """The body whose joint it is, or the spring."""
     direction: FloatArray
+    """The product with the displacements of the bodies is the displacement of the joint; shape (n_bodies,)."""
     spectrum: ComplexArray
+    """Its displacement, measured where there are sensors; shape (n_bins,)."""
     modelled: ComplexArray
+    """Its displacement that follows from the driven position; shape (n_bins,)."""
     record: Record
+    """The log."""
     memory: LastValues = field(default_factory=LastValues, repr=False)
+    """Cache of values that follow from its motion alone."""
 
     @cached_property
     def q(self) -> FloatArray:
