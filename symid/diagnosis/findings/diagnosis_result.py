@@ -36,7 +36,7 @@ class Signals:
     """Signals of the validation data in the band of the gap, for plots."""
 
     time: FloatArray
-    """s; shape (n,)."""
+    """Time in s; shape (n,)."""
     position: FloatArray
     velocity: FloatArray
     """`position`, `velocity`: of the driven joint; shape (n,)."""

@@ -26,13 +26,13 @@ class Removed:
     """Of the mean square above the floor."""
     low: float
     high: float
-    """`low`, `high`: 95 % interval of it, from resampled parts of the validation data; of an effect found also from what
-    effects take over from each other, see `including`."""
+    """`low`, `high`: 95 % interval of it, from resampled parts of the validation data; of an effect found it also allows
+    for the error that effects absorb of each other, see `including`."""
 
     def including(self, others: Iterable[float], spread: float) -> Removed:
         """The share with an interval that holds other values of it, each with a standard deviation relative to it.
 
-        Parts of one log do not show what an effect takes over from others, as it takes over the same in all of them.
+        Parts of one log do not show the error that an effect absorbs of others, as it is the same in all of them.
 
         >>> wide = Removed(0.8, 0.77, 0.83).including([], 0.05)
         >>> round(wide.low, 3), round(wide.high, 3)
