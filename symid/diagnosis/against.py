@@ -113,7 +113,9 @@ def diagnose_against(
     model = _simulator(own, effects)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)
-    start = Fit(with_effects(state, weighting, _shared_effects(state, base)), weighting)
+    shared = {item.key for item in base.state.placed}
+    placed = tuple(item for item in state.placed if item.key in shared)
+    start = Fit(with_effects(state, weighting, placed), weighting)
     steps = forward_selection(base, effects, start if len(data.record.dynamics.bodies) > 1 else None)
     steps = backward_elimination(steps, effects)
     fits = fits_of(steps[0].before, steps)
@@ -166,12 +168,6 @@ def _machine(state: State, weighting: Weighting) -> Fit:
         if gain - THRESHOLDS.penalty * item.n_free < THRESHOLDS.least_penalised_gain:
             model = without
     return model
-
-
-def _shared_effects(state: State, fit: Fit) -> tuple[Placed, ...]:
-    """Effects of a state that a fit has too."""
-    keys = {item.key for item in fit.state.placed}
-    return tuple(item for item in state.placed if item.key in keys)
 
 
 def _described(model: Fit, machine: Fit, changes: Sequence[ParameterChange], source: str) -> Simulator:

@@ -27,7 +27,7 @@ from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.data import training_and_held_out
 from symid.diagnosis.prediction.prediction import prediction_of
 from symid.diagnosis.prediction.record import Record, record_of
-from symid.diagnosis.prediction.response import response_of
+from symid.diagnosis.prediction.response import axis_response
 from symid.errors import LogError
 from symid.estimation.autoregression import autoregression
 from symid.simulation import forward_dynamics
@@ -127,7 +127,7 @@ def test_response_is_the_rational_function_of_the_paper() -> None:
     X1, X2, X3, X7 = (Mm + Ms) / Ks, Fvs / Ks, Fvm, Ms * Mm / Ks
     X5, X6 = Mm + Fvm * Fvs / Ks, (Mm * Fvm + Mm * Fvs + Ms * Fvm) / Ks
     s = 1j * one.omega
-    found = response_of(one, PAPER)
+    found = axis_response(one, PAPER)
     expected = (X3 * s + X5 * s**2 + X6 * s**3 + X7 * s**4) / (1 + X2 * s + X1 * s**2)
     assert np.allclose(found.of_positions[0, 0], expected, rtol=1e-9)
     on_structure = Mm * s**2 / ((Ms + Mm) * s**2 + Fvs * s + Ks)
@@ -141,7 +141,7 @@ def test_response_of_a_ball_screw_with_both_encoders() -> None:
     Mm, Fvm, _, Kt, Ft, Ml, Fvl = SCREW.values()
     s, joint = 1j * one.omega, Ft * 1j * one.omega + Kt
     load = joint / (Ml * s**2 + Fvl * s + joint)
-    found = response_of(one, SCREW).of_positions[0]
+    found = axis_response(one, SCREW).of_positions[0]
     assert np.allclose(found[1], load, rtol=1e-9)
     assert np.allclose(found[0], Mm * s**2 + Fvm * s + joint * (1 - load), rtol=1e-7)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray
 from symid.diagnosis.effects.effect import JointEffect, Placed, Shape, sampled
-from symid.diagnosis.prediction.drive_force import acting_force
+from symid.diagnosis.prediction.drive_force import denoised_force
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
@@ -35,7 +35,7 @@ class LoadDependentFrictionEffect(JointEffect):
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         k = prediction.drive_of(joint)
-        drive = _force_per_unit(prediction, k) * acting_force(prediction, k)
+        drive = _force_per_unit(prediction, k) * denoised_force(prediction, k)
         load = prediction.record.resampled(np.abs(drive))
         return sampled(prediction, load * np.sign(joint.v), joint=joint)
 

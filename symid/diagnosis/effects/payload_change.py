@@ -20,7 +20,7 @@ from symid.diagnosis.prediction.hidden_equation import MassChange
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.prediction.response import response_of
+from symid.diagnosis.prediction.response import axis_response
 from symid.diagnosis.prediction.weighting import starting_pulses
 from symid.units import Unit
 
@@ -180,7 +180,7 @@ def _with_change(
     """For the axis with the other mass: outputs for a force on the body, and its motion after the log."""
     record = prediction.record
     inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
-    other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
+    other = axis_response(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
     hidden = [other.of_force(free) for free in prediction.free_directions]
     outputs = starting_pulses(record, hidden, (record.duration,))
     forces = record.fine(outputs[:, 0]) if hidden else np.zeros((0, record.n_fine))

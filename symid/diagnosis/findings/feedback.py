@@ -26,7 +26,8 @@ _OF_POWER = 0.2
 def feedback_law(fit: Fit) -> str:
     """Sentence if a log shows its controller, that is, if the fitted model is a feedback law; otherwise empty."""
     record = fit.state.prediction.record
-    if record.n_drives > 1 or not _has_negative_damping(fit):
+    dampings = record.dynamics.parameters_of("damping")
+    if record.n_drives > 1 or not any(fit.parameters[name] < 0 for name in dampings):
         return ""
     motion, constant = record.motions[0], np.zeros(record.n_bins, dtype=complex)
     constant[0] = record.n_extended
@@ -47,12 +48,6 @@ def feedback_law(fit: Fit) -> str:
         f"{-gains[2]:.3g} d{position}/dt, but for {100 * share:.2g} % of it: the log shows its "
         "controller, not the machine; change the reference more often, or add a test signal to the force"
     )
-
-
-def _has_negative_damping(fit: Fit) -> bool:
-    """Whether a damping of the model is negative."""
-    dampings = fit.state.prediction.record.dynamics.parameters_of("damping")
-    return any(fit.parameters[name] < 0 for name in dampings)
 
 
 def negative_friction(fit: Fit, plain: Fit) -> str:

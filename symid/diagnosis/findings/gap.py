@@ -26,8 +26,8 @@ class Removed:
     """Of the mean square above the floor."""
     low: float
     high: float
-    """`low`, `high`: 95 % interval of it, from resampled parts of the validation data; of an effect found it also allows
-    for the error that effects absorb of each other, see `including`."""
+    """`low`, `high`: 95 % interval of it, from resampled parts of the validation data; of an effect found it allows
+    also for the error that effects absorb of each other, see `including`."""
 
     def including(self, others: Iterable[float], spread: float) -> Removed:
         """The share with an interval that holds other values of it, each with a standard deviation relative to it.

@@ -97,19 +97,22 @@ def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:
     """
     found = {sensor.signal: sensor for sensor in explained.axis.sensors}
     rippled = {item.signal for item in explained.axis.imperfections if isinstance(item, EncoderRipple)}
+
+    def is_read_alike(declared: Sensor) -> bool:
+        return (
+            not declared.is_scaled
+            and declared.signal in found
+            and found[declared.signal].quantity == declared.quantity
+        )
+
     sensors = tuple(
         found[sensor.signal]
-        if sensor.signal in rippled or (_reads_declared(sensor, found.get(sensor.signal)))
+        if sensor.signal in rippled or is_read_alike(sensor)
         else replace(sensor, delay=found.get(sensor.signal, sensor).delay)
         for sensor in declared.sensors
     )
     known = {**explained.axis.known, **declared.known}
     return replace(explained, axis=replace(explained.axis, sensors=sensors, known=known))
-
-
-def _reads_declared(declared: Sensor, found: Sensor | None) -> bool:
-    """Whether a sensor of a model reads the declared quantity."""
-    return found is not None and not declared.is_scaled and found.quantity == declared.quantity
 
 
 def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
@@ -157,18 +160,13 @@ def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
         values |= added
         return axis.with_effect(*laws)
     if item.effect.name == "sensor_delay":
-        return _read_late(axis, item)
+        (sensor,) = axis.measured((item.at,))
+        delay = sensor.delay + item.shape[0]
+        return axis.with_signal(item.at, sensor.noise, sensor.resolution, delay) if delay > 0 else None
     if item.effect.name == "presliding_friction":
         return _with_presliding(axis, item, values)
     found = imperfection_of(axis, item)
     return None if found is None else axis.with_effect(found)
-
-
-def _read_late(axis: Axis, item: Placed) -> Axis | None:
-    """The axis with a reading that is late; None if it is early."""
-    (sensor,) = axis.measured((item.at,))
-    delay = sensor.delay + item.shape[0]
-    return axis.with_signal(item.at, sensor.noise, sensor.resolution, delay) if delay > 0 else None
 
 
 def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:

@@ -13,7 +13,7 @@ from symid.diagnosis.in_motion.motion import errors_of_axis, motion_next_to
 from symid.diagnosis.in_motion.replayed import Part, driver_of
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.record import record_of
-from symid.diagnosis.prediction.response import response_of
+from symid.diagnosis.prediction.response import axis_response
 from symid.errors import SymidError
 from symid.simulation import forward_dynamics
 from symid.simulation.reference_loop import without_noise
@@ -71,7 +71,7 @@ def _motions(
     record = record_of(dynamics, log, None, forces)
     whole = np.ones(log.n_samples, dtype=bool)
     parts = [Part(log, whole, record, drive) for drive in range(record.n_drives)]
-    inertia = response_of(record, values).inertia
+    inertia = axis_response(record, values).inertia
     drivers = [driver_of(record, [part], None, inertia) for part in parts]
     simulated = ExplainedAxis(axis, dict(values), ())
     errors = errors_of_axis(lambda: simulated, [parts], drivers)

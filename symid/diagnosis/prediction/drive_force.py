@@ -34,7 +34,7 @@ def drive_force_of(prediction: Prediction, joint: Joint) -> float:
     return float(1.0 / np.abs(plant.drives[:, k]).max())
 
 
-def acting_force(prediction: Prediction, drive: int) -> FloatArray:
+def denoised_force(prediction: Prediction, drive: int) -> FloatArray:
     """Force of a drive at all samples of a period, (n_extended,): the modelled one, and the recorded one in its noise.
 
     The modelled force has the noise of the position, times the square of the frequency. Where that exceeds the force,

@@ -56,10 +56,10 @@ def indistinct_constant_forces(
 
 def _is_one_way(logs: Sequence[Log], name: str) -> bool:
     """Whether a position never goes back, in all logs alike."""
+
+    def way_back(q: FloatArray) -> float:
+        return float(np.max(np.maximum.accumulate(q) - q))
+
     return all(name in log.signals for log in logs) and any(
-        all(_way_back(sign * log[name]) < _BACK * np.ptp(log[name]) for log in logs) for sign in (1.0, -1.0)
+        all(way_back(sign * log[name]) < _BACK * np.ptp(log[name]) for log in logs) for sign in (1.0, -1.0)
     )
-
-
-def _way_back(q: FloatArray) -> float:
-    return float(np.max(np.maximum.accumulate(q) - q))

@@ -13,7 +13,13 @@ from symid.diagnosis.prediction.axis_motion import AxisMotion
 from symid.diagnosis.prediction.hidden_motion import IntegratedEffects, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.prediction.response import ForcePath, Impedance, as_measured, noise_weights, response_of
+from symid.diagnosis.prediction.response import (
+    ForcePath,
+    Impedance,
+    as_measured,
+    axis_response,
+    noise_weights,
+)
 from symid.simulation import Plant
 
 
@@ -168,7 +174,7 @@ def prediction_of(
     if like is not None:
         response, impedances = like.response, like.impedances
     else:
-        response = response_of(record, parameters, impedances)
+        response = axis_response(record, parameters, impedances)
     of_effects = np.zeros((record.n_bins, len(response.plant.bodies)), complex) if forces is None else forces
     of_integrated, misread = None, None
     if integrated:

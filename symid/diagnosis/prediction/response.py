@@ -136,7 +136,7 @@ class Response:
         return np.asarray(moved.T)
 
 
-def response_of(
+def axis_response(
     record: Record, parameters: Mapping[str, float], impedances: Sequence[Impedance] = ()
 ) -> Response:
     """Frequency responses at parameter values, with further impedances on the axis."""

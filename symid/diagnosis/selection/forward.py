@@ -23,7 +23,7 @@ from symid.diagnosis.selection.stages import (
     least_left,
     refinements,
     simpler_effects,
-    stages,
+    stages_of_starts,
 )
 from symid.diagnosis.selection.step import (
     Confirmed,
@@ -190,7 +190,8 @@ def _selection_step(
     confirmed: dict[Key, Confirmed] = {}
     tried: dict[Key, Placed] = {}
     starts = chain(
-        stages(fit, found, library, nominal, confirmed, tried), [_rivals_of_earlier_steps(earlier, fit)]
+        stages_of_starts(fit, found, library, nominal, confirmed, tried),
+        [_rivals_of_earlier_steps(earlier, fit)],
     )
     return _completed(fit, found, starts, confirmed, tried)
 

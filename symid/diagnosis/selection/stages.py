@@ -27,7 +27,7 @@ _ALWAYS = 3
 """Candidates that are fitted where there is a gap, whatever their projected gain."""
 
 
-def stages(
+def stages_of_starts(
     fit: Fit,
     found: list[Candidate],
     library: Sequence[Effect],
