@@ -27,7 +27,8 @@ _OF_JOINT = {sp.Symbol("q"): DISPLACEMENT, sp.Symbol("v"): VELOCITY}
 class LawJoint:
     """All nonlinear laws that act along one direction, a row on the bodies' absolute displacements.
 
-    `force` opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`; of imperfections also in what they need.
+    `force` opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`; of imperfections also in time, memory and
+    drive force.
     """
 
     name: str

@@ -111,7 +111,7 @@ def write_fmu(
     more = "" if "win64" in built else " (win64: pip install ziglang)"
     return (
         *kept,
-        f"The binary runs on {' and '.join(built)} only{more}; for another machine, compile what is in sources/.",
+        f"The binary runs on {' and '.join(built)} only{more}; for another machine, compile the files in sources/.",
     )
 
 
@@ -145,7 +145,7 @@ def _description(axis: Axis, values: Mapping[str, float], fmi: FmiVersion) -> st
     """Model description. Its variables have the order of the wrapper: inputs, readings, parameters, step, time."""
     units, fed = axis.signal_units, 'causality="input" variability="continuous"'
     sent = [drive.command or drive.signal for drive in axis.drives]
-    rows = [_Variable(name, fed, units.get(name), "what the drive is sent", 0.0) for name in sent]
+    rows = [_Variable(name, fed, units.get(name), "command of the drive", 0.0) for name in sent]
     rows += [
         _Variable(
             s.signal,

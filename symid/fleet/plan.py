@@ -43,7 +43,7 @@ class FleetAxis:
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
     def __getstate__(self) -> dict[str, object]:
-        """What is sent to a worker, with the fingerprint: each group of logs arrives with a new copy."""
+        """The plan as sent to a worker, with the fingerprint: each group of logs arrives with a new copy."""
         return {**self.__dict__, "fingerprint": self.fingerprint}
 
     def model(self, measured: Sequence[str]) -> GeneratedModel:

@@ -136,7 +136,7 @@ def parameter_names(table: pl.DataFrame) -> tuple[str, ...]:
 
 
 def without_repeats(known: Iterable[str], declared: Iterable[str] = ()) -> list[str]:
-    """Known parameters without the minimal ones, if these repeat what the physical ones say.
+    """Known parameters without the minimal ones, if these repeat the physical ones.
 
     They do where each physical parameter of those declared is known.
 

@@ -94,7 +94,7 @@ def content_of(path: str) -> str:
     """SHA-256 of the bytes of a file, read in pieces; LogError for a pipe or a device, which may have no end."""
     if kind := irregular(path):
         if kind == "a folder":
-            os.listdir(path)  # a folder that could not be read stands for what is in it
+            os.listdir(path)  # a folder that could not be read stands for its files
         raise LogError(f"is {kind}: give a regular file")
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -112,7 +112,7 @@ def as_html(found: object) -> str:
 
 
 def _console() -> Console:
-    # In a notebook rich would display each line itself, beside what it is asked for.
+    # In a notebook rich would display each line itself, in addition to the text that it returns.
     text: Any = {"file": io.StringIO(), "record": True, "width": _WIDTH, "soft_wrap": True}
     return ReportConsole(**text, highlight=False, force_jupyter=False)
 

@@ -25,7 +25,7 @@ _ALIKE = 3.0
 def tuned_cascade(
     plant: Plant, signal: str, bandwidth_hz: float = 20.0, force_limit: float = math.inf
 ) -> Cascade:
-    """Cascade tuned to the mass that the drive moves at low frequency, whatever the friction and springs to the ground.
+    """Cascade tuned to the mass that the drive moves at low frequency, without friction and springs to the ground.
 
     The velocity loop crosses over at `bandwidth_hz`; the position loop and the integral at a fifth of it. A velocity
     sensor has no position loop.

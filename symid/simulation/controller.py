@@ -82,7 +82,8 @@ class Controller(ABC):
     ) -> tuple[float, FloatArray]:
         """Drive force until the next sample, a `period` (s) later, and the state to remember.
 
-        `measured` holds the sensor readings by signal; `state` is what the last sample returned, at first `start`.
+        `measured` holds the sensor readings by signal; `state` is the one that the last sample returned, at first
+        `start`.
         """
 
     @property

@@ -220,7 +220,7 @@ def _root(correlations: FloatArray) -> FloatArray:
 
 
 def _places(of: FrequencyResponse) -> IntArray:
-    """Frequencies of a band: evenly over the octaves, and every peak and notch with what is beside it."""
+    """Frequencies of a band: evenly over the octaves, and every peak and notch with its neighbours."""
     f, size = np.log(of.frequency), np.abs(of.identified)
     even = np.searchsorted(f, np.linspace(f[0], f[-1], _MOST_PLACES))
     turns = 1 + np.flatnonzero(np.diff(np.sign(np.diff(size))))

@@ -39,7 +39,8 @@ class Flow:
         self.stuck = tuple(stuck)
         inverse = np.linalg.inv(plant.mass)
         directions = np.array([plant.laws[j].direction for j in stuck]).reshape(len(self.stuck), n)
-        # Joints that depend on each other, such as two carriages and the turn of their beam, share what holds them.
+        # Joints that depend on each other, such as two carriages and the turn of their beam, share the friction that
+        # holds them.
         felt = directions @ inverse @ directions.T
         size = 1.0 / np.sqrt(np.diag(felt))
         shared = np.linalg.pinv(felt * np.outer(size, size), rcond=_DEPENDENT, hermitian=True)

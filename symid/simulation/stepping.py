@@ -1,4 +1,4 @@
-"""The course of a simulation: the compiled loop, and what it asks of Python.
+"""The course of a simulation: the compiled loop, and the tasks that it leaves to Python.
 
 The compiled loop asks the controllers' own laws where the force of a drive reaches its limit. It stops before a sample
 with a stick-slip mode that has not been met yet, and makes that sample once the mode is in its table.

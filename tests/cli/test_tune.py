@@ -36,7 +36,7 @@ def test_table_and_figure(folder: Path, capsys: pytest.CaptureFixture[str]) -> N
     tuned("rigid_1m", "--seconds", "4", "--rate", "5000", "--plot", "tuning.svg", "--dark")
     printed = capsys.readouterr().out
     assert "sampling frequency [37]" in printed
-    assert "without what jumps at standstill: Fs" in printed
+    assert "without forces that jump at standstill: Fs" in printed
     drawn = (folder / "tuning.svg").read_text().lower()
     assert DARK.paper.lower() in drawn
     assert LIGHT.paper.lower() not in drawn

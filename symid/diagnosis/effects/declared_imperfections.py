@@ -1,6 +1,7 @@
 """Effects as imperfections of an axis, and declared imperfections as effects."""
 
 from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 from symid.axis import (
     ActuatorDelay,
@@ -39,40 +40,54 @@ from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
 
 
+class _Pair(NamedTuple):
+    """An element, the effect that it is, and the fields that hold the values of the effect."""
+
+    element: type[Imperfection]
+    effect: type[Effect]
+    shape: tuple[str, ...] = ()
+    amplitudes: tuple[str, ...] = ()  # none for an effect whose amplitude is 1
+
+
+_PAIRS = (
+    _Pair(ActuatorDelay, DelayEffect, shape=("seconds",)),
+    _Pair(ActuatorLag, ActuatorLagEffect, amplitudes=("seconds",)),
+    _Pair(ForceLimit, SaturationEffect, shape=("force",)),
+    _Pair(GainNonlinearity, GainNonlinearityEffect, amplitudes=("bend",)),
+    _Pair(GainAsymmetry, GainAsymmetryEffect, amplitudes=("difference",)),
+    _Pair(ForceConstantRipple, ForceConstantRippleEffect, ("pitch",), ("sine", "cosine")),
+    _Pair(EncoderRipple, EncoderRippleEffect, ("pitch",), ("sine", "cosine")),
+    _Pair(PeriodicForce, PeriodicDisturbanceEffect, ("frequency",), ("sine", "cosine")),
+    _Pair(PayloadChange, PayloadChangeEffect, shape=("change", "time")),
+    _Pair(PreslidingFriction, PreslidingFrictionEffect, ("reach",), ("level",)),
+    _Pair(LoadDependentFriction, LoadDependentFrictionEffect, amplitudes=("coefficient",)),
+    _Pair(FrictionTrend, SteadyFrictionDriftEffect, amplitudes=("coulomb", "viscous")),
+    _Pair(FrictionDrift, FrictionDriftEffect, ("time_constant",), ("coulomb", "viscous")),
+)
+
+
 def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
     """An effect in the drive, in a reading or in time as an element; None if it is none, or acts before its cause."""
-    effect, shape, amplitudes = item.effect, item.shape, item.amplitudes
-    drive = None if item.at == ACTUATOR else item.at
-    match effect:
-        case DelayEffect():
-            return ActuatorDelay(shape[0], drive=drive) if shape[0] > 0 else None
-        case ActuatorLagEffect():
-            return ActuatorLag(amplitudes[0], drive=drive)
-        case SaturationEffect():
-            return ForceLimit(shape[0], drive=drive)
-        case GainNonlinearityEffect():
-            return GainNonlinearity(amplitudes[0], power=effect.power, drive=drive)
-        case GainAsymmetryEffect():
-            return GainAsymmetry(amplitudes[0], drive=drive)
-        case ForceConstantRippleEffect():
-            return ForceConstantRipple(*amplitudes, *shape, drive=drive)
-        case EncoderRippleEffect():
-            return EncoderRipple(item.at, *amplitudes, *shape)
-        case PeriodicDisturbanceEffect():
-            return PeriodicForce(place_named(axis, item.at), *amplitudes, *shape)
-        case PayloadChangeEffect():
-            change, moment = shape
-            body = next(b for b in axis.bodies if b.name == item.at)
-            return PayloadChange(body, amplitudes[0] * change, time=moment)
-        case FrictionDriftEffect():
-            coulomb, viscous = amplitudes[0] * effect.coulomb, amplitudes[-1] * effect.viscous
-            place = place_named(axis, item.at)
-            if not shape:
-                return FrictionTrend(place, coulomb, viscous)
-            return FrictionDrift(place, coulomb, viscous, time_constant=shape[0])
-        case LoadDependentFrictionEffect():
-            return LoadDependentFriction(place_named(axis, item.at), amplitudes[0])
-    return None
+    effect, amplitudes = item.effect, item.amplitudes
+    pair = next((pair for pair in _PAIRS if isinstance(effect, pair.effect)), None)
+    if pair is None or (isinstance(effect, DelayEffect) and not item.shape[0] > 0):
+        return None
+    values: dict[str, Any] = dict(zip(pair.shape, item.shape, strict=True))
+    if isinstance(effect, FrictionDriftEffect):  # one of both amplitudes may be absent
+        values |= {"coulomb": amplitudes[0] * effect.coulomb, "viscous": amplitudes[-1] * effect.viscous}
+    else:
+        values |= dict(zip(pair.amplitudes, amplitudes, strict=False))
+    if isinstance(effect, GainNonlinearityEffect):
+        values["power"] = effect.power
+    if issubclass(pair.element, DriveImperfection):
+        values["drive"] = None if item.at == ACTUATOR else item.at
+    elif issubclass(pair.element, JointImperfection):
+        values["at"] = place_named(axis, item.at)
+    elif pair.element is PayloadChange:
+        values["body"] = next(body for body in axis.bodies if body.name == item.at)
+    else:
+        values["signal"] = item.at
+    return pair.element(**values)
 
 
 def declared_effects(prediction: Prediction) -> tuple[Placed, ...]:
@@ -105,34 +120,16 @@ def effects_of_element(prediction: Prediction, element: Imperfection) -> tuple[P
 
 def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]] | None:
     """Effect, shape and amplitudes, of which a fixed one is 1; None where no effect stands for the element."""
-    match element:
-        case ActuatorDelay():
-            return DelayEffect(), (element.seconds,), (1.0,)
-        case ActuatorLag():
-            return ActuatorLagEffect(), (), (element.seconds,)
-        case ForceLimit():
-            return SaturationEffect(), (element.force,), (1.0,)
-        case GainNonlinearity():
-            return GainNonlinearityEffect(element.power), (), (element.bend,)
-        case GainAsymmetry():
-            return GainAsymmetryEffect(), (), (element.difference,)
-        case EncoderRipple():
-            return EncoderRippleEffect(), (element.pitch,), (element.sine, element.cosine)
-        case ForceConstantRipple():
-            return ForceConstantRippleEffect(), (element.pitch,), (element.sine, element.cosine)
-        case PeriodicForce():
-            return PeriodicDisturbanceEffect(), (element.frequency,), (element.sine, element.cosine)
-        case PayloadChange():
-            return PayloadChangeEffect(), (element.change, element.time), (1.0,)
-        case PreslidingFriction():
-            return PreslidingFrictionEffect(), (element.reach,), (element.level,)
-        case LoadDependentFriction():
-            return LoadDependentFrictionEffect(), (), (element.coefficient,)
-        case FrictionDrift() | FrictionTrend() if element.coulomb or element.viscous:
-            levels = element.coulomb, element.viscous
-            has_course = isinstance(element, FrictionDrift)
-            drifts = FrictionDriftEffect if has_course else SteadyFrictionDriftEffect
-            effect = drifts(coulomb=levels[0] != 0, viscous=levels[1] != 0)
-            shape = (element.time_constant,) if isinstance(element, FrictionDrift) else ()
-            return effect, shape, tuple(level for level in levels if level)
-    return None
+    pair = next((pair for pair in _PAIRS if isinstance(element, pair.element)), None)
+    if pair is None:
+        return None
+    shape = tuple(getattr(element, name) for name in pair.shape)
+    amplitudes = tuple(getattr(element, name) for name in pair.amplitudes)
+    if issubclass(pair.effect, FrictionDriftEffect):
+        if not any(amplitudes):
+            return None
+        coulomb, viscous = amplitudes
+        effect: Effect = pair.effect(coulomb=coulomb != 0, viscous=viscous != 0)
+        return effect, shape, tuple(level for level in amplitudes if level)
+    effect = GainNonlinearityEffect(element.power) if isinstance(element, GainNonlinearity) else pair.effect()
+    return effect, shape, amplitudes or (1.0,)

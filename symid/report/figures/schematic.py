@@ -1,7 +1,7 @@
-"""The schematic of an axis, drawn from its declaration: bodies in a row, what acts between them, drives and sensors.
+"""The schematic of an axis, drawn from its declaration: bodies in a row, the elements between them, drives and sensors.
 
 The ground is at the left. Links of neighbours lie between them; links of a later body to the ground hang below
-it; links of bodies that are not neighbours run above. A sensor is an arrow from its reference to what it measures.
+it; links of bodies that are not neighbours run above. A sensor is an arrow from its reference to the measured body.
 """
 
 import textwrap
@@ -30,7 +30,7 @@ _NOTE, _LETTER = 0.34, 0.125
 
 
 _LINES = {"position": "-", "velocity": "--", "acceleration": ":"}
-"""Look of a sensor's arrow by what it reads; others are dashed and dotted."""
+"""Line style of a sensor's arrow by the quantity that it reads; others are dashed and dotted."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
 
 
 class _Drawing:
-    """Places bodies, then draws what joins them."""
+    """Places the bodies, then draws the elements between them."""
 
     def __init__(self, axis: Axis, palette: Palette) -> None:
         self.axis, self.palette = axis, palette

@@ -19,7 +19,7 @@ _MOST_BARS = 250
 BARS_WIDTH, BARS_HEIGHT = 220, 84
 _BINS = 28
 _REACH = 4.5
-"""Robust standard deviations that a distribution shows on either side; what lies beyond is in its last bars."""
+"""Robust standard deviations that a distribution shows on either side; values beyond are in its last bars."""
 _STEPS = (
     timedelta(hours=1),
     timedelta(hours=6),
@@ -58,7 +58,7 @@ class ChartShapes:
     x_ticks: tuple[Tick, ...]
     y_ticks: tuple[Tick, ...]
     marks: tuple[Mark, ...]
-    # in the order of the points: rows of the page's table, and what the chart draws of each
+    # in the order of the points: rows of the page's table, and the values that the chart draws of each
     rows: tuple[int, ...]
     levels: tuple[float, ...]
     limits: tuple[float, ...]

@@ -39,7 +39,7 @@ _MOST_POINTS = 6_000
 class Plots:
     """Plots as pieces of a page."""
 
-    script: str  # the plotting library and what draws, in JavaScript
+    script: str  # the plotting library and the calls that draw, in JavaScript
     # signals, over_velocity, over_position, spectrum: where it draws
     signals: str
     over_velocity: str

@@ -1,4 +1,4 @@
-"""Bode diagrams of a diagnosed axis beside what the log shows, where the log excites the axis."""
+"""Bode diagrams of a diagnosed axis beside the measured response, where the log excites the axis."""
 
 from dataclasses import dataclass, replace
 from typing import Any

@@ -75,7 +75,7 @@ def draw_curves(plot: figure, source: ColumnDataSource, curves: list[Curve], x: 
 
 
 def add_legend(plot: figure, items: dict[str, list[Any]]) -> None:
-    """Names above a plot; a click on one hides what belongs to it."""
+    """Names above a plot; a click on one hides its curve."""
     legend = Legend(
         items=[LegendItem(label=value(label), renderers=drawn) for label, drawn in items.items()],
         orientation="horizontal",

@@ -26,7 +26,7 @@ envelope is."""
 
 @dataclass(frozen=True)
 class PlotData:
-    """A link to the numbers of a figure: what they are, name of the file, and the file as an address."""
+    """A link to the numbers of a figure: title, name of the file, and the file as an address."""
 
     title: str
     file: str

@@ -55,7 +55,7 @@ def derivation_record(model: DerivedModel, write: Callable[[Any], str] = str) ->
 
 
 def print_derivation(model: DerivedModel, console: Console | None = None) -> None:
-    """Print what follows from an axis and a set of sensors."""
+    """Print the derivation of an axis and a set of sensors."""
     record, console = derivation_record(model, readable), console or report_console()
     console.print(f"[bold]{record['axis']}[/bold] measured by {', '.join(record['measured'])}\n")
     motion = "Equations of motion (coordinates relative to the body that carries)"

@@ -84,7 +84,7 @@ def _change(change: ParameterChange) -> dict[str, Any]:
 
 
 def _experiment(planned: Experiment) -> dict[str, Any]:
-    """The next experiment as designed: between what it decides, how surely, and what it demands of the axis."""
+    """The designed experiment: the causes that it distinguishes, with its probability, and its demands on the axis."""
     run = planned.simulated
     return {
         "causes": [{"effect": effect, "at": at} for effect, at in planned.causes],

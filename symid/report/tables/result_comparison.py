@@ -44,7 +44,7 @@ class Values:
     covariance: FloatArray | None = None  # shape (n, n): of the parameters in their order
     settings: Mapping[str, Any] = field(default_factory=dict)  # with which they were found
     facts: Mapping[str, str] = field(default_factory=dict)  # logs, method and verdict in words
-    # what the model leaves, and its unit
+    # residual of the model, and its unit
     errors: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
 

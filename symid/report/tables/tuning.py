@@ -50,7 +50,7 @@ def print_tuning(found: Tuning, console: Console | None = None) -> None:
     if found.message:
         console.print(found.message)
     if found.left_out:
-        console.print(f"tuned without what jumps at standstill: {', '.join(found.left_out)}")
+        console.print(f"tuned without forces that jump at standstill: {', '.join(found.left_out)}")
     table = Table("", "frequency", "largest error", "bound", box=None)
     cutoff, sampling = found.cutoff, found.sampling
     first = f"first sampling frequency [36], {found.differences} differences"
