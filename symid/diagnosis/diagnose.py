@@ -1,6 +1,6 @@
 """The steps of a diagnosis, from logs to the verdict.
 
-`diagnose` reads and repairs the logs. `_Task.diagnosed` is the sequence of fit, selection, comparison and conclusion.
+`diagnose` reads and prepares the logs. `_Task.diagnosed` is the sequence of fit, selection, comparison and conclusion.
 The other methods of `_Task` repeat it where its result shows that the logs were taken wrongly.
 """
 
@@ -35,19 +35,8 @@ from symid.diagnosis.late_reading import (
     delays_of_accelerometers,
     with_delayed_reading,
 )
-from symid.diagnosis.prediction.data import (
-    Data,
-    LogsByPurpose,
-    Recording,
-    data_of,
-    goes_elsewhere,
-    logs_by_purpose,
-    one_run,
-)
-from symid.diagnosis.prediction.integrated_speed import with_positions
-from symid.diagnosis.prediction.one_way import indistinct_constant_forces
-from symid.diagnosis.prediction.recorder import repaired
-from symid.diagnosis.prediction.scaled_sensors import with_quantities
+from symid.diagnosis.prediction.data import Data, LogsByPurpose, Recording, data_of, goes_elsewhere, one_run
+from symid.diagnosis.prediction.preparation import prepared
 from symid.diagnosis.selection.backward import backward_elimination, most_probable
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, shows_hold
@@ -139,21 +128,16 @@ def diagnose(
     for each in (*logs, *others):
         require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
         require_times_within(each.source, late or {}, each.n_samples * each.sampling_period)
-    # The logs become readings of an axis that the diagnosis can fit: repaired, in physical units, with positions, and
-    # without constants that they do not determine.
-    whole = repaired(axis, [*logs, *others])
-    plain = with_quantities(axis, whole.logs, nominal, Preparation(late=dict(late or {}), held=held))
-    with_position, every, notes = with_positions(plain.axis, plain.logs)
-    constants, indistinct = indistinct_constant_forces(with_position, every, nominal)
-    moving_axis, declared_axis = (each.with_known(constants) for each in (with_position, plain.declared))
-    purposes = logs_by_purpose(moving_axis, every, None if validation is None else len(others))
-    recording = Recording(dict(late or {}), held, controller, whole.decimation)
+    n_validation = None if validation is None else len(others)
+    preparation = Preparation(late=dict(late or {}), held=held)
+    ready = prepared(axis, [*logs, *others], n_validation, nominal, preparation)
+    recording = Recording(dict(late or {}), held, controller, ready.decimation)
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
-        found = _Task(moving_axis, purposes, nominal, recording, effects).from_informative_logs()
-    faults = (*whole.notes, *found.faults)
+        found = _Task(ready.axis, ready.logs, nominal, recording, effects).from_informative_logs()
+    faults = (*ready.faults, *found.faults)
     read = [note for each in (*logs, *others) for note in each.notes if note not in faults]
-    assumptions = (*found.assumptions, *plain.notes, *notes, *indistinct, *dict.fromkeys(read))
-    return replace(found, axis=declared_axis, faults=faults, assumptions=assumptions)
+    assumptions = (*found.assumptions, *ready.notes, *dict.fromkeys(read))
+    return replace(found, axis=ready.declared, faults=faults, assumptions=assumptions)
 
 
 @dataclass(frozen=True, eq=False)
