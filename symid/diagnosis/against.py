@@ -36,8 +36,8 @@ from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.in_motion.motion import with_motion
 from symid.diagnosis.prediction.data import LogsByPurpose, Recording, data_of
 from symid.diagnosis.prediction.joined_logs import joined
+from symid.diagnosis.prediction.preparation import repaired
 from symid.diagnosis.prediction.record import Record, record_of
-from symid.diagnosis.prediction.recorder import repaired
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import backward_elimination
 from symid.diagnosis.selection.forward import forward_selection

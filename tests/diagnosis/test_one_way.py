@@ -8,7 +8,7 @@ from hand_made import QUIET, RATE, RIGID, motion
 
 from symid import Axis, Log, OffsetForce, load_axis
 from symid.diagnosis import diagnose
-from symid.diagnosis.prediction.one_way import indistinct_constant_forces
+from symid.diagnosis.prediction.preparation import indistinct_constant_forces
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.selection.stages import ties
 

@@ -19,8 +19,8 @@ from symid.data.quality.lost_samples import restored
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import Placed, effects_named
 from symid.diagnosis.effects.signals import RecordedLagEffect
+from symid.diagnosis.prediction.preparation import repaired
 from symid.diagnosis.prediction.quantisation import rounding_error
-from symid.diagnosis.prediction.recorder import repaired
 from symid.errors import LogError
 from symid.identification.faults.smoothing import interpolated_from, updated_every
 

@@ -10,8 +10,8 @@ from hand_made import QUIET, RIGID, motion, rigid_log
 from symid import Axis, Body, CoulombFriction, Drive, Log, Velocity, ViscousFriction
 from symid.diagnosis import diagnose
 from symid.diagnosis.in_motion.declared import explained_axis
-from symid.diagnosis.prediction.integrated_speed import with_positions
 from symid.diagnosis.prediction.motion_band import motion_band
+from symid.diagnosis.prediction.preparation import with_positions
 
 TABLE = Body("table", mass="M")
 FAN = Axis("fan", (TABLE,), Drive("F", TABLE), (Velocity("w", TABLE),))
