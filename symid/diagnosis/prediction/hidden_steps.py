@@ -63,9 +63,8 @@ def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # 
             stop = speed / slowing  # stops the joint in the step; it is at most the level of the law
             level_before = abs(forces[j, i - 1]) if i else 0.0
             own = min(max(stop, -level_before), level_before)  # the level hardly changes from step to step
-            for _ in range(
-                rounds[j]
-            ):  # fixed point: the level depends on the mean speed, and this on the force
+            # Fixed point: the level depends on the mean speed, and this on the force.
+            for _ in range(rounds[j]):
                 arguments[j, 1] = 0.5 * (speed_before[j] + (speed - slowing * own))
                 level = _value(j, operations, operands, ends, arguments, stack)
                 last, own = own, level if stop > level else -level if stop < -level else stop
