@@ -161,7 +161,7 @@ class _Task:
         if validation is None or not shows_in_validation(found):
             return found
         together = goes_elsewhere(self.axis, identification.parts, validation.parts)
-        other_logs = one_run(self.axis, self.logs.logs) if together else validation
+        other_logs = one_run(self.axis, self.logs.every) if together else validation
         other = replace(self, logs=LogsByPurpose(other_logs, None)).diagnosed()
         if other.verdict not in ("effect", "partly") or other.named <= found.named:
             return found
@@ -252,7 +252,7 @@ class _Task:
 
     def _faults(self, initial: Fit, reidentified: Fit, last: Fit) -> RecordingFaults:
         """Faults of the recording, the one that explains most first."""
-        faults = recording_faults(self.logs.logs, initial, reidentified, last).led_by(feedback_law(last))
+        faults = recording_faults(self.logs.every, initial, reidentified, last).led_by(feedback_law(last))
         if not faults.fatal:
             faults = faults.led_by(negative_friction(last, reidentified))
         for text in (wrong_gain(reidentified), steady_force(reidentified)):

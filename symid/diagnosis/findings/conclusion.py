@@ -91,10 +91,7 @@ def concluded(
         signals=signal_curves(comparison),
         spectrum=spectrum_of(comparison),
         weighted=weighted_of(comparison),
-        drives=tuple(
-            DriveError(gap_of(own), signal_curves(own), spectrum_of(own), weighted_of(own))
-            for own in (comparison.of_drives if comparison.record.n_drives > 1 else ())
-        ),
+        drives=_drives(comparison),
         search=tuple(steps),
     )
 
@@ -119,6 +116,14 @@ def _gaps(comparison: Comparison) -> tuple[Gap, ...]:
     """Gap of the force of the comparison, then of the other forces."""
     others = (own for own in comparison.of_drives if own.drive != comparison.drive)
     return tuple(gap_of(own) for own in (comparison, *others))
+
+
+def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
+    """The force error of each of several drives; empty for one."""
+    several = comparison.of_drives if comparison.record.n_drives > 1 else ()
+    return tuple(
+        DriveError(gap_of(own), signal_curves(own), spectrum_of(own), weighted_of(own)) for own in several
+    )
 
 
 def _nonparametric_fit(gaps: Sequence[Gap], fits: Sequence[Fit]) -> LackOfFit:

@@ -68,7 +68,7 @@ class LogsByPurpose(NamedTuple):
     validation: JoinedLogs | None  # None if parts of the former are held out for it
 
     @property
-    def logs(self) -> list[Log]:
+    def every(self) -> list[Log]:
         """All logs as they were recorded, those for the validation last."""
         return [log for run in self if run is not None for log in run.parts]
 
