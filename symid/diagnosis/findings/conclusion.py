@@ -292,11 +292,6 @@ def _declared(comparison: Comparison) -> tuple[str, ...]:
     ]
     known = [f"{item.effect.name} at {item.at}" for effects in elements for item in effects]
     passed_over = sum(not effects for effects in elements)
-    sentences = []
-    if known:
-        sentences.append(f"Declared, and identified with the parameters: {', '.join(known)}.")
-    if passed_over:
-        sentences.append(
-            f"{passed_over} declared imperfections are passed over, as the log cannot show them."
-        )
-    return tuple(sentences)
+    identified = f"Declared, and identified with the parameters: {', '.join(known)}."
+    left_out = f"{passed_over} declared imperfections are passed over, as the log cannot show them."
+    return (identified,) * bool(known) + (left_out,) * bool(passed_over)
