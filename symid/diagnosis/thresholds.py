@@ -83,7 +83,7 @@ class Thresholds:
     varies: float = 0.9
     # share of the gain of an effect by which its refinement must gain more to take its place beside others
     refined: float = 0.05
-    stands_in: float = 0.5  # share of what an effect takes away that another in its place must take
+    stands_in: float = 0.5  # least share of the error removed by an effect that its substitute removes
     # factor on the mean square of the whole model that another order of its effects may leave
     as_good: float = 1.25
     # share of the gap by which another order may leave more of it (a drawn worldly case: 0.0006, which was a quarter of
@@ -213,7 +213,7 @@ class Thresholds:
     # leaves to them (11 drawn worldly cases: 0.07 with that of parts of a log, -0.12 to 0.09)
     taken_over: float = 0.05
     all_of_it: float = 0.1  # share of the gap that may stay where effects explain it and not a part of it
-    # largest probability of an effect beside others, as it may explain what they leave of each other (of 17 drawn ones
+    # largest probability of an effect beside others, as it may explain the error that they leave (of 17 drawn ones
     # with 0.9 and more, 1.00 among them, 13 to 15 were there)
     further_effect: float = 0.95
     # other_order, order_off: factor on the probability of an effect that repeats an integer number of times in a pitch

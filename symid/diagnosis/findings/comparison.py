@@ -137,7 +137,7 @@ class Comparison:
         """Output that shows the last effect of a model: the force, or a further reading.
 
         A further reading if the effect is an error of it, or if the effect lowers its excess and not that of the force:
-        friction of the load in place of the motor's changes only what the encoder at the load reads. With several
+        friction of the load in place of the motor's changes only the reading of the encoder at the load. With several
         forces, the one whose excess the effect lowers most.
         """
         state, outputs = self.states[model], self.record.outputs

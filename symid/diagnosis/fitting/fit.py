@@ -34,13 +34,13 @@ class Fit:
     state: State  # the model with its values
     weighting: Weighting  # of the errors
     # inertia that the drive moved with the values that the axis was first given; nan if these are not known
-    begun: float = math.nan
+    initial_inertia: float = math.nan
     # values that the user gave; empty if there are none
     nominal: Mapping[str, float] = field(default_factory=dict)
 
     def after(self, other: Fit) -> Fit:
         """The fit with the initial inertia and nominal values of the fit that it continues."""
-        return replace(self, begun=other.begun, nominal=other.nominal)
+        return replace(self, initial_inertia=other.initial_inertia, nominal=other.nominal)
 
     def released(self) -> Fit:
         """The fit without its cached arrays, which are recomputed on demand: a search keeps many fits.

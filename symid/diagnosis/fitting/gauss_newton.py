@@ -77,7 +77,7 @@ def converged(state: State, weighting: Weighting) -> Fit:
     if keeps_inertia(first.state, state.inertia):
         again = refitted(settled(first))
     kept = keeps_inertia(again.state, state.inertia)
-    return replace(again if kept else first, begun=state.inertia)
+    return replace(again if kept else first, initial_inertia=state.inertia)
 
 
 def fitted_on(fit: Fit) -> Fit:

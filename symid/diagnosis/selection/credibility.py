@@ -180,7 +180,7 @@ def _is_far_heavier(fit: Fit, found: Fit) -> bool:
 
 def _inertias_before(fit: Fit) -> list[float]:
     """Inertia of the model without the effect, and the initial one where it is known."""
-    return [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
+    return [fit.state.inertia, *([fit.initial_inertia] if math.isfinite(fit.initial_inertia) else [])]
 
 
 def _deviation_of_mass(fit: Fit, blocks: Blocks) -> float:
