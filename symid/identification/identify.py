@@ -46,7 +46,7 @@ from symid.identification.parameters.constraints import Constraints
 from symid.identification.results.contradiction import with_constraint_check
 from symid.identification.results.identification_result import Identification, best_covariance
 from symid.identification.results.reliability import with_discrepancies, with_faults
-from symid.identification.results.verdict import verdict
+from symid.identification.results.verdict import OPEN, verdict
 from symid.identification.rows.excerpts import Excerpt, blocks_of, excerpts, whole_logs
 from symid.identification.rows.observation import Observation
 from symid.identification.rows.row_blocks import Run, blocks_of_runs
@@ -281,7 +281,7 @@ def with_checks(
     change = greatest_change(sums, own.solution, own.rank.inverse_root)
     faults = faults_of(examined, fit, parts, change, drift, noise_alone=noise_alone)
     checked = with_faults(examined, faults)
-    if checked.status == "ok":
+    if checked.status in OPEN and checked.fault is None:
         seen = discrepancies_of(model, parts, fit, found.fit, noise_alone=noise_alone)
         checked = with_discrepancies(checked, (*seen, *disagreements_of(found, tried)))
     return with_constraint_check(checked)

@@ -24,12 +24,11 @@ from symid.identification.parameters.starts import starts
 from symid.identification.results.contradiction import against, constraint_notes
 from symid.identification.results.identification_result import Identification
 from symid.identification.results.shared_identification import SharedIdentification
+from symid.identification.results.verdict import OPEN
 from symid.identification.rows.settings import Preparation
 from symid.identification.stacked import Stacked
 
 _LEAST_PROBABILITY = 1e-3
-_AS_EXPECTED = ("ok", "no_physical_parameters", "not_physical", "undetermined")
-"""Statuses that are accepted for a single group: other groups may determine the rest."""
 
 
 def identify_with_known(
@@ -144,24 +143,21 @@ def _shared(
     stacked = Stacked(groups)
     fits = [stacked.fitted(guess) for guess in _guesses(stacked, list(units), nominal, model.signed)]
     parameters, cost = min((f for f in fits if f is not None), key=lambda one: one[1])
-    covariance, loose = stacked.covariance(parameters, list(units))
-    outside = ""
-    if constraints:
-        alone = np.where(np.isin(list(units), loose), np.nan, parameters)
-        if (one := stacked.constrained(alone, covariance, constraints)) is not None:
-            outside = against(units, one, np.sqrt(np.diag(covariance)))  # deviations without the constraints
-            found = replace(found, constraint_notes=constraint_notes(units, one))
-            parameters, covariance, loose = one.parameters, one.covariance, []
+    alone = stacked.estimate(parameters, cost)
+    estimate, covariance, outside = alone, stacked.covariance(alone), ""
+    if constraints and (one := stacked.constrained(alone, constraints)) is not None:
+        outside = against(units, one, np.sqrt(np.diag(covariance)))  # deviations without the constraints
+        found = replace(found, constraint_notes=constraint_notes(units, one))
+        estimate, covariance = one, stacked.covariance(one)
     found = replace(
         found,
-        values=parameters,
+        values=estimate.parameters,
         covariance=covariance,
-        disagreement=cost,
-        relations=stacked.white.minimal.size - parameters.size,
+        disagreement=alone.disagreement,
+        relations=alone.relations,
     )
-    status, message = _verdict(found, loose, outside)
-    known_values = np.where(np.isin(list(units), loose), np.nan, parameters)
-    return replace(found, values=known_values, status=status, message=message)
+    status, message = _verdict(found, outside)
+    return replace(found, status=status, message=message)
 
 
 def _guesses(
@@ -176,15 +172,16 @@ def _guesses(
     )
 
 
-def _verdict(found: SharedIdentification, loose: list[str], outside: str) -> tuple[str, str]:
-    if loose:
+def _verdict(found: SharedIdentification, outside: str) -> tuple[str, str]:
+    if loose := [name for name, value in found.physical_parameters.items() if np.isnan(value)]:
         return "no_physical_parameters", (
             f"the logs do not determine {', '.join(loose)}: give logs with another known payload, or one of them as "
             "known (`fixed`) or with a `prior`"
         )
-    bad = next((group for group in found.groups if group.status not in _AS_EXPECTED), None)
-    if bad is not None:
-        return bad.status, f"{', '.join(bad.logs)}: {bad.message}"
+    for group in found.groups:  # of a single one, other groups may determine the rest
+        status, message = group.fault or (group.status, group.message)
+        if group.fault or status not in OPEN:
+            return status, f"{', '.join(group.logs)}: {message}"
     pairs = zip(found.physical_units, found.values, np.sqrt(np.diag(found.covariance)), strict=True)
     signed = found.groups[0].model.signed
     if vague := [name for name, value, deviation in pairs if name not in signed and not deviation < value]:

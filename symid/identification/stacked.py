@@ -17,13 +17,14 @@ from symid.identification.parameters.physical import (
     open_by_structure,
     open_directions,
 )
-from symid.identification.results.identification_result import Identification
+from symid.identification.results.identification_result import Identification, with_deviations
 
 
 class Stacked:
     """The minimal parameters of all groups as one vector."""
 
     def __init__(self, groups: Sequence[Identification]) -> None:
+        self.groups = tuple(groups)
         self.models: list[GeneratedModel] = [group.model for group in groups]
         names = [f"{n} of group {i}" for i, model in enumerate(self.models) for n in model.minimal_units]
         model = replace(
@@ -34,7 +35,9 @@ class Stacked:
             branches=0,
         )
         minimal = np.concatenate([group.fit.parameters for group in groups])
-        self.covariance_of_minimal = np.asarray(scipy.linalg.block_diag(*(g.covariance for g in groups)))
+        self.covariance_of_minimal = np.asarray(
+            scipy.linalg.block_diag(*(group.widened_covariance for group in groups))
+        )
         white = WhitenedMap.of(model, minimal, self.covariance_of_minimal)
         assert white is not None  # a ridge is added
         self.white = white
@@ -43,21 +46,14 @@ class Stacked:
         """Derivatives of the whitened minimal parameters by the physical ones, each relative to its size."""
         return self.white.slope(physical) * scale_of(physical)
 
-    def constrained(
-        self, parameters: FloatArray, covariance: FloatArray, constraints: Constraints
-    ) -> PhysicalEstimate | None:
+    def constrained(self, alone: PhysicalEstimate, constraints: Constraints) -> PhysicalEstimate | None:
         """The likeliest parameters within bounds and with priors; None where these do not determine them.
 
-        `parameters` and `covariance` are those of the logs alone, nan where they leave them open.
+        `alone` is the estimate of the logs alone.
         """
         model, minimal, wide = self.white.model, self.white.minimal, self.covariance_of_minimal
-        if np.all(np.isfinite(parameters)):
-            nothing = np.zeros((parameters.size, minimal.size))
-            free: tuple[PhysicalEstimate, ...] = (
-                PhysicalEstimate(parameters, nothing, covariance, 0, np.nan),
-            )
-        else:
-            free = estimates_by_priors(model, minimal, wide, constraints)
+        determined = np.all(np.isfinite(alone.parameters))
+        free = (alone,) if determined else estimates_by_priors(model, minimal, wide, constraints)
         found = constrained_estimates(model, minimal, wide, free, constraints)
         return found[0] if found else None
 
@@ -74,15 +70,30 @@ class Stacked:
             found = scipy.optimize.least_squares(weighted_residuals, guess / scale, x_scale="jac")
         return found.x * scale, 2.0 * float(found.cost)
 
-    def covariance(self, physical: FloatArray, names: list[str]) -> tuple[FloatArray, list[str]]:
-        """Covariance of the parameters, nan for those that are not determined, and the names of these."""
-        scale = scale_of(physical)
+    def estimate(self, physical: FloatArray, disagreement: float) -> PhysicalEstimate:
+        """Estimate at fitted parameters, nan for those that are not determined."""
+        scale, slope, names = scale_of(physical), self.slope(physical), list(self.models[0].physical_units)
         # the structural rank, at a generic point, and the rank at the estimate, which may be lower
-        axes, lost = open_directions(self.slope(physical))
+        axes, lost = open_directions(slope)
         loose = lost | np.isin(names, open_by_structure(*self.models))
-        covariance = np.asarray((axes.T @ axes) * np.outer(scale, scale))
-        covariance[loose, :] = covariance[:, loose] = np.nan
-        return covariance, [name for name, is_loose in zip(names, loose, strict=True) if is_loose]
+        sensitivity = scale[:, None] * (axes.T @ axes @ slope.T @ self.white.whitening)
+        sensitivity[loose] = np.nan
+        covariance = sensitivity @ self.covariance_of_minimal @ sensitivity.T
+        parameters = np.where(loose, np.nan, physical)
+        relations = self.white.minimal.size - physical.size
+        return PhysicalEstimate(parameters, sensitivity, covariance, relations, disagreement)
+
+    def covariance(self, estimate: PhysicalEstimate) -> FloatArray:
+        """Covariance of an estimate, with what priors add and all that widens the deviations of the groups.
+
+        The noise of the groups is independent. What is systematic is that of one machine, so that it adds up.
+        """
+        ends = np.cumsum([len(model.minimal_units) for model in self.models])[:-1]
+        parts = list(zip(self.groups, np.split(estimate.sensitivity, ends, axis=1), strict=True))
+        noise = np.sum([group.by_noise(part) for group, part in parts], axis=0)
+        systematic = np.sum([np.sqrt(group.systematic(part)) for group, part in parts], axis=0)
+        by_prior = np.diag(estimate.restricted.by_prior) if estimate.restricted else 0.0
+        return with_deviations(estimate.covariance, np.sqrt(noise + np.square(systematic) + by_prior))
 
 
 def scale_of(physical: FloatArray) -> FloatArray:

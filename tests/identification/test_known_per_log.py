@@ -74,9 +74,8 @@ def test_bounds_and_priors_of_shared_parameters_are_noted_with_their_cost() -> N
     held = identify(AXIS, runs, known=known, bounds={"M": (None, bound)})
     assert held.status == "ok"
     assert held.physical_parameters["M"] == pytest.approx(bound, rel=1e-9)
-    assert held.notes[0].startswith(
-        f"M is held at its bound {bound:g} kg: that costs 0.49 in chi-square (0.7 dev"
-    )
+    assert held.notes[0].startswith(f"M is held at its bound {bound:g} kg: that costs 0.49")
+    assert "in chi-square (0.7 deviations)" in held.notes[0]
     doubted = identify(AXIS, runs, known=known, prior={"Kt": (70.0, 1.0)})
     away = (70.0 - free.physical_parameters["Kt"]) / np.hypot(1.0, free.standard_deviations[-1])
     assert f"the prior of Kt, 70 +- 1 N/A, is {away:.2g} deviations from the" in doubted.notes[0]
@@ -155,6 +154,51 @@ def test_deviations_are_those_of_repetitions() -> None:
     scatter = np.std([one.physical_parameters["Kt"] for one in found], ddof=1)
     stated = np.mean([one.standard_deviations[list(one.physical_units).index("Kt")] for one in found])
     assert 0.55 < stated / scatter < 1.8  # 12 runs tell a deviation to 21 %
+
+
+def log_by_hand(payload: float, seed: int, *, late: float = 0.5e-3, asymmetry: float = 0.0) -> Log:
+    """A motion of three sines, and the current at a later time; by default held over the sampling period.
+
+    Viscous friction differs by a share between the directions.
+    """
+    rng, t = np.random.default_rng(seed), np.arange(3000) * 1e-3
+    phases, rates = rng.uniform(0.0, 2 * np.pi, 3), 2 * np.pi * np.array([0.7, 1.6, 4.1])
+    sizes = np.array([0.08, 0.03, 0.006])
+    q, v, a = (
+        np.sin(np.outer(t + tau, rates) + phases + k * np.pi / 2) @ (sizes * rates**k)
+        for k, tau in ((0, 0.0), (1, late), (2, late))
+    )
+    friction = TRUE["Fv"] * (1.0 + np.sign(v) * asymmetry / 2) * v + TRUE["Fs"] * np.sign(v)
+    current = ((TRUE["M"] + payload) * a + friction) / TRUE["Kt"]
+    signals = {"q": q + rng.normal(0.0, 1e-7, t.size), "iq": current + rng.normal(0.0, 0.02, t.size)}
+    return replace(Log.from_arrays(signals, sampling_period=1e-3), source=f"with {payload:g} kg")
+
+
+PAYLOADS = (0.0, 8.0, 15.0, 25.0)
+
+
+def test_deviations_hold_what_the_model_lacks_alike_in_all_logs() -> None:
+    plain, widened = [], []
+    for draw in range(4):
+        logs = [log_by_hand(m, 10 * draw + i, asymmetry=0.05) for i, m in enumerate(PAYLOADS)]
+        for errors, examine in ((plain, False), (widened, True)):
+            found = identify(AXIS, logs, known={"Ml": PAYLOADS}, examine=examine)
+            errors.append((found.values - list(TRUE.values())) / found.standard_deviations)
+        assert found.status == "ok", found.message  # and no contradiction between the groups
+        assert np.allclose(np.sqrt(np.diag(found.covariance)), found.standard_deviations)
+    assert np.max(np.abs(plain)) > 2.5
+    assert np.max(np.abs(widened)) < 2.0
+
+
+def test_a_damaged_group_is_named_though_it_alone_determines_no_physical_parameters() -> None:
+    sound = [log_by_hand(m, i) for i, m in enumerate(PAYLOADS)]
+    late = log_by_hand(PAYLOADS[2], 2, late=2.5e-3)
+    clipped = replace(sound[2], signals={**sound[2].signals, "iq": np.clip(sound[2]["iq"], -4.0, 4.0)})
+    for log, fault in ((late, "timing"), (clipped, "poor_fit")):
+        found = identify(AXIS, [*sound[:2], log, sound[3]], known={"Ml": PAYLOADS})
+        assert found.groups[2].status == "no_physical_parameters"
+        assert found.status == fault
+        assert found.message.startswith("with 15 kg: ")
 
 
 def test_one_payload_does_not_tell_and_a_fixed_mass_does() -> None:

@@ -99,6 +99,8 @@ class Identification(EstimatedParameters, Shown):
     shape (n_minimal, n_minimal), optional."""
     discrepancies: tuple[Discrepancy, ...] = ()
     """Effects that the model lacks and the residual shows; empty if that was not examined."""
+    fault: tuple[Status, str] | None = None
+    """What contradicts the minimal parameters, whatever the status says; None if nothing does or was examined."""
     axis: Axis | None = None
     """The declared axis, where `symid.identify` was given it; with it figures and pages show the motion."""
     runs: tuple[Log, ...] = ()
@@ -155,6 +157,11 @@ class Identification(EstimatedParameters, Shown):
         """Standard deviations of the minimal parameters from the correlation of the residual alone."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
+    @property
+    def widened_covariance(self) -> FloatArray:
+        """Covariance of the minimal parameters with `standard_deviations` and the correlations of `covariance`."""
+        return with_deviations(self.covariance, self.standard_deviations)
+
     def widened(self, sensitivity: FloatArray) -> FloatArray:
         """Deviations of functions of the minimal parameters that cover noise, scatter, bias and lacking effects.
 
@@ -164,12 +171,20 @@ class Identification(EstimatedParameters, Shown):
             Derivatives of the functions. The larger of the covariance of a correlated residual and that of the scatter
             between segments counts; the squares of the expected bias and of what lacking effects may change are added.
         """
+        return np.asarray(np.sqrt(self.by_noise(sensitivity) + self.systematic(sensitivity)))
+
+    def by_noise(self, sensitivity: FloatArray) -> FloatArray:
+        """Part of the square of `widened` by noise, which is another one in each log."""
         variance = np.einsum("ia,ab,ib->i", sensitivity, self.covariance, sensitivity)
-        if self.scatter is not None:
-            by_segments = np.einsum("ia,ab,ib->i", sensitivity, self.scatter, sensitivity)
-            variance = np.maximum(variance, by_segments)
+        if self.scatter is None:
+            return np.asarray(variance)
+        by_segments = np.einsum("ia,ab,ib->i", sensitivity, self.scatter, sensitivity)
+        return np.asarray(np.maximum(variance, by_segments))
+
+    def systematic(self, sensitivity: FloatArray) -> FloatArray:
+        """Part of the square of `widened` by bias and lacking effects, which logs of a machine have in common."""
         bias = self.bias.mapped(sensitivity).total if self.bias is not None else 0.0
-        return np.asarray(np.sqrt(variance + np.square(bias) + self.by_lacking(sensitivity)))
+        return np.asarray(np.square(bias) + self.by_lacking(sensitivity))
 
     def by_lacking(self, sensitivity: FloatArray, *, delays: bool = True) -> FloatArray:
         """Part of the square of `widened` that effects make which the model lacks, with or without delays."""
@@ -230,6 +245,17 @@ def headline_of(
 def best_covariance(fit: LeastSquares, correlated: CorrelatedCovariance) -> FloatArray:
     """The corrected covariance, or the classical one where too few samples are left for the correlation."""
     return correlated.covariance if correlated.status != "too_few_samples" else fit.covariance
+
+
+def with_deviations(covariance: FloatArray, deviations: FloatArray) -> FloatArray:
+    """A covariance with other deviations and the same correlations.
+
+    >>> with_deviations(np.array([[1.0, 0.5], [0.5, 1.0]]), np.array([2.0, 1.0])).tolist()
+    [[4.0, 1.0], [1.0, 1.0]]
+    """
+    own = np.sqrt(np.diag(covariance))
+    growth = np.divide(deviations, own, out=np.ones_like(own), where=own != 0)
+    return np.asarray(covariance * np.outer(growth, growth))
 
 
 def _residual(found: Identification, equation: int, places: list[int]) -> EquationResidual:

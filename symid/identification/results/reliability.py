@@ -58,11 +58,12 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
         ("biased", large_bias if _NOISE_IN_W in large_bias else ""),
         ("poor_fit", faults.poor_fit),
         ("biased", large_bias),
-        ("undetermined", _undetermined(found)),
     ]
-    stated = [cause for cause in causes if cause[1]]
+    fault = next((cause for cause in causes if cause[1]), None)
+    vague = _undetermined(found)
+    stated = fault or (("undetermined", vague) if vague else None)
     if status == "ok" and stated:
-        status, message = stated[0]
+        status, message = stated
     elif status != "ok":
         hints = [
             faults.constant_force,
@@ -77,12 +78,15 @@ def with_faults(found: Identification, faults: Faults) -> Identification:
     if timing is not None and timing.statement not in message:
         notes.append(timing.statement)
     notes += [faults.note] if faults.note else []
-    return replace(found, status=status, message=message, notes=tuple(notes))
+    return replace(found, status=status, message=message, notes=tuple(notes), fault=fault)
 
 
 def with_discrepancies(found: Identification, discrepancies: tuple[Discrepancy, ...]) -> Identification:
-    """An "ok" identification whose deviations cover lacking effects, with a note where these are most of them."""
+    """An identification whose deviations cover lacking effects; if "ok", with a note where these are most of them."""
     wider = replace(found, discrepancies=discrepancies)
+    if found.status != "ok":
+        return wider
+    status: Status
     status, message, notes = found.status, found.message, found.notes
     stated = found.physical[0].sensitivity if found.physical else np.eye(len(found.minimal_parameters))
     effects = ", ".join(dict.fromkeys(one.effect for one in discrepancies if one.moves(stated)))

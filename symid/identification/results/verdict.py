@@ -26,6 +26,8 @@ Status = Literal[
     "recording",
     "weak_instruments",
 ]
+OPEN: tuple[Status, ...] = ("ok", "no_physical_parameters", "not_physical", "undetermined")
+"""Statuses of which only the physical parameters may be lacking: the minimal ones are as good as the log."""
 
 
 _APART = 3.0
