@@ -156,6 +156,9 @@ class Thresholds:
     # odds of a force of the time then, where the position explains as much (a motor that turns slowly, real)
     steady: float = 0.99
     of_motion: float = -3.0
+    # distance of the quartiles of a load, relative to its median, below which friction with it counts as Coulomb
+    # friction by the odds of `of_motion`: 0.07 of a filtered binary torque, 0.8 of a sine
+    constant_load: float = 0.2
     driven_bonus: float = 0.3  # logarithm of the odds of the driven body
     # the same of a body whose friction was found too, for an asymmetry of friction (three drawn screws whose load has
     # friction in one direction: asymmetric friction of the motor, and Coulomb friction of the load)

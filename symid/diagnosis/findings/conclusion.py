@@ -136,14 +136,11 @@ def _nonparametric_fit(gaps: Sequence[Gap], fits: Sequence[Fit]) -> LackOfFit:
 
 
 def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, nonparametric: float) -> Errors:
-    """Errors for the verdict; with several forces, the largest multiples of the noise.
-
-    Effects that leave less than the stated level of the noise, on data left out, show that it is lower.
-    """
+    """Errors for the verdict: the largest multiples of the noise, which is lower than stated where effects leave less."""
 
     def largest(levels: Iterable[Level]) -> float:
-        noise = (min(gap.noise_floor.rms, gap.explained.rms) for gap in gaps)
-        return max(level.rms / least for level, least in zip(levels, noise, strict=True))
+        pairs = zip(levels, gaps, strict=True)
+        return max(level.rms / min(gap.noise_floor.rms, gap.explained.rms) for level, gap in pairs)
 
     nominal = [gap.nominal for gap in gaps if gap.nominal is not None]
     return Errors(

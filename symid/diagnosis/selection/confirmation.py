@@ -21,7 +21,9 @@ from symid.diagnosis.selection.step import LATE_READING, Confirmed
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 
-_COULOMB, _COGGING, _PERIODIC = "coulomb_friction", "cogging", "periodic_disturbance"
+_COULOMB = "coulomb_friction"
+_USUAL_OF = {"periodic_disturbance": "cogging", "load_dependent_friction": _COULOMB}
+"""Effects that most machines have, by those that look like them in some motions."""
 _DIRECT = (4, 4, 3)
 _INTEGRATION = (4, 8, 8)
 """Most iterations: until a fit may be given up, after that, and with the weights of the values found."""
@@ -122,8 +124,8 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
 
 def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
     """Whether a refinement of the best candidate that explains as much is more probable by prior knowledge."""
-    of_position = (best.key, own.key) == ((_PERIODIC, best.key[1]), (_COGGING, best.key[1]))
-    if not (own.placed.refines(best.key) or of_position):
+    is_usual = own.key == (_USUAL_OF.get(best.key[0]), best.key[1])
+    if not (own.placed.refines(best.key) or is_usual):
         return False
     width = temperature(best.penalised_gain) + THRESHOLDS.gain_deviations * deviation(
         best.squares, own.squares, before.n_rows

@@ -2,7 +2,8 @@
 
 A constant force and an asymmetric friction are the same force while an axis moves. But friction that has grown in one
 direction also has a higher mean level, so that the level relative to its nominal value distinguishes the two. In steady
-rotation, a periodic force of the position, which every motor has, looks like a periodic force of time.
+rotation, a periodic force of the position, which every motor has, looks like a periodic force of time. Friction with
+the load of a drive that is switched between two levels looks like Coulomb friction.
 """
 
 import math
@@ -15,6 +16,7 @@ from symid.diagnosis.effects import Key, LawEffect, Placed
 from symid.diagnosis.effects.declared_friction import moving_along, places_of
 from symid.diagnosis.effects.from_law import joints_with
 from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.drive_force import denoised_force
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -57,6 +59,8 @@ def prior(state: State, nominal: Mapping[str, float]) -> float:
         return _log_odds_of_asymmetry(state, item, nominal)
     if item.effect.name == "periodic_disturbance" and _moves_steadily(state, item.at):
         return THRESHOLDS.of_motion
+    if item.effect.name == "load_dependent_friction" and _is_load_constant(state, item):
+        return THRESHOLDS.of_motion
     return 0.0
 
 
@@ -72,6 +76,14 @@ def _moves_steadily(state: State, at: str) -> bool:
     record, q = state.prediction.record, state.prediction.joints[at].q
     inside = record.in_log
     return bool(abs(np.corrcoef(q[inside], record.fine_time[inside])[0, 1]) > THRESHOLDS.steady)
+
+
+def _is_load_constant(state: State, item: Placed) -> bool:
+    """Whether the load of a friction hardly varies, as that of a drive that is switched: friction is then Coulomb's."""
+    prediction = state.prediction
+    level = np.abs(denoised_force(prediction, prediction.drive_of(prediction.joints[item.at])))
+    low, usual, high = np.percentile(level, [25, 50, 75])
+    return bool(high - low < THRESHOLDS.constant_load * usual)
 
 
 def _log_odds_of_asymmetry(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
