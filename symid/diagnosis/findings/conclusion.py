@@ -136,7 +136,7 @@ def _nonparametric_fit(gaps: Sequence[Gap], fits: Sequence[Fit]) -> LackOfFit:
 
 
 def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit, nonparametric: float) -> Errors:
-    """Errors for the verdict: the largest multiples of the noise, which is lower than stated where effects leave less."""
+    """Errors for the verdict: the largest multiples of the noise, lower than stated where effects leave less."""
 
     def largest(levels: Iterable[Level]) -> float:
         pairs = zip(levels, gaps, strict=True)
