@@ -16,7 +16,7 @@ from symid.diagnosis.selection import reselection
 from symid.diagnosis.selection.backward import _beside_others
 from symid.diagnosis.selection.confirmation import confirmed_from
 from symid.diagnosis.selection.evidence import probabilities
-from symid.diagnosis.selection.reselection import Member, reselected
+from symid.diagnosis.selection.reselection import Member, in_place_of, reselected
 from symid.diagnosis.selection.step import Confirmed, SelectionStep, accepted_of
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
@@ -95,3 +95,14 @@ def test_the_same_effect_elsewhere_begins_with_the_values_of_the_whole_model(
     monkeypatch.setattr(reselection, "confirmed_from", confirmed)
     reselected([replace(first, confirmed=(first.best, rival)), last], [OFFSET])
     assert dict(last.best.fit.parameters) in begun
+
+
+def test_a_rival_that_explained_more_alone_is_not_ahead_beside_the_other_effects(
+    accepted: list[SelectionStep],
+) -> None:
+    """Coulomb friction may lead Stribeck friction that explains a drag too: beside the drag it explains all."""
+    first, last = accepted
+    ahead = replace(first.best, gain=first.best.gain + 5000.0)
+    led = replace(first, confirmed=(first.best, ahead))
+    best, rival = in_place_of(led, last.before, last.best).confirmed
+    assert rival.gain == best.gain == last.best.gain

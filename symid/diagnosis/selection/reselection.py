@@ -115,7 +115,8 @@ def _chosen(
     if len(best) > 1:
         return chosen
     steps = {member.placed.key: member.step for member in simpler}
-    return in_place_of(steps.get(best[0].key, step), before, best[0])
+    alone = in_place_of(steps.get(best[0].key, step), before, best[0])
+    return replace(alone, refused=alone.refused | refused)
 
 
 def _starts(
@@ -194,9 +195,13 @@ def _without(whole: Fit, at: int) -> Start | None:
 
 
 def in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> SelectionStep:
-    """A step after another model; its rivals keep their distance from the best candidate."""
+    """A step after another model; its rivals keep their distance from the best candidate, and are not ahead of it.
+
+    A rival may have explained more alone, as Stribeck friction in the place of Coulomb friction and of a drag.
+    """
     best, *rivals = step.confirmed
-    behind = [rival.beside(best, found) for rival in rivals]
+    moved = [rival.beside(best, found) for rival in rivals]
+    behind = [replace(rival, gain=min(rival.gain, found.gain)) for rival in moved]
     screened = tuple(
         replace(candidate, gain=found.gain + candidate.gain - best.gain) for candidate in step.screened
     )
