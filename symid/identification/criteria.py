@@ -93,7 +93,7 @@ class Criteria:
     log_change: float = 0.05
     log_certain: float = 4.0
     # printed deviation, as part of the value, up to which a result is as precise as wanted; beyond it, other
-    # cutoffs are tried: with 0.01 the default of `tuning_grid` was up to 5.5 times as far off as the best, now 1.5
+    # cutoffs are tried: with 0.01 the default of `tuning_grid` was up to 5.4 times as far off as the best, now 1.7
     precise: float = 0.002
     # probability of the relations between minimal parameters, if the model is right, below which it is not: undamaged
     # random logs have 0.01 and more, a flexible axis whose force was averaged 1e-97

@@ -123,7 +123,7 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
 
 
 def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
-    """Whether a refinement of the best candidate that explains as much is more probable by prior knowledge."""
+    """Whether a refinement or the usual form of the best candidate that explains as much is likelier beforehand."""
     is_usual = own.key == (_USUAL_OF.get(best.key[0]), best.key[1])
     if not (own.placed.refines(best.key) or is_usual):
         return False

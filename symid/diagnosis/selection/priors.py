@@ -57,11 +57,10 @@ def prior(state: State, nominal: Mapping[str, float]) -> float:
     item = state.placed[-1]
     if item.effect.name == _ASYMMETRY:
         return _log_odds_of_asymmetry(state, item, nominal)
-    if item.effect.name == "periodic_disturbance" and _moves_steadily(state, item.at):
-        return THRESHOLDS.of_motion
-    if item.effect.name == "load_dependent_friction" and _is_load_constant(state, item):
-        return THRESHOLDS.of_motion
-    return 0.0
+    by_motion = (item.effect.name == "periodic_disturbance" and _moves_steadily(state, item.at)) or (
+        item.effect.name == "load_dependent_friction" and _is_load_constant(state, item.at)
+    )
+    return THRESHOLDS.of_motion if by_motion else 0.0
 
 
 def is_of_new_friction(prediction: Prediction, key: Key, others: Collection[Key]) -> bool:
@@ -78,10 +77,10 @@ def _moves_steadily(state: State, at: str) -> bool:
     return bool(abs(np.corrcoef(q[inside], record.fine_time[inside])[0, 1]) > THRESHOLDS.steady)
 
 
-def _is_load_constant(state: State, item: Placed) -> bool:
+def _is_load_constant(state: State, at: str) -> bool:
     """Whether the load of a friction hardly varies, as that of a drive that is switched: friction is then Coulomb's."""
     prediction = state.prediction
-    level = np.abs(denoised_force(prediction, prediction.drive_of(prediction.joints[item.at])))
+    level = np.abs(denoised_force(prediction, prediction.drive_of(prediction.joints[at])))
     low, usual, high = np.percentile(level, [25, 50, 75])
     return bool(high - low < THRESHOLDS.constant_load * usual)
 

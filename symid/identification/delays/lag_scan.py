@@ -27,9 +27,8 @@ _AS_GOOD = 1.3
 _LEAST_SHARE, _LEAST_ROWS = 0.5, 10
 """Rows that must be left of those at lag 0, and for each parameter, for a lag to count."""
 _LEAST_EIGENVALUE = 1e-12  # relative to the largest
-_LARGEST_INVERSE = (
-    1e6  # of a matrix of ones in the diagonal that is inverted without loss of digits that count
-)
+_LARGEST_INVERSE = 1e6
+"""Largest element of the inverse of a matrix with ones in the diagonal up to which its digits suffice."""
 
 
 class Lag(NamedTuple):

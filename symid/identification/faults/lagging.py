@@ -154,10 +154,9 @@ def smoothing_by_residual(
 def _is_bare(parts: Sequence[Excerpt]) -> bool:
     """Whether a signal has less noise than any sensor, and another one has not: all of them have none if computed."""
     bare = [
-        math.sqrt(level * part.log.sampling_frequency / 2)
-        < _BARE * float(np.sqrt(np.mean(part.log[name] ** 2)))
+        part.noise_of(name) < _BARE * float(np.sqrt(np.mean(part.log[name] ** 2)))
         for part in parts
-        for name, level in part.levels.items()
+        for name in part.levels
     ]
     return any(bare) and not all(bare)
 

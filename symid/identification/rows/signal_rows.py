@@ -67,14 +67,16 @@ class SignalRows:
         """Rows that courses of the only signal, shape (n_courses, n_samples), make if prepared alike, by course."""
         ((name, own),) = self.sampling.signals.items()
         assert isinstance(own, Filtered)
-        if (
-            self.sampling.is_sparse
-            and own.is_low_passed
-            and not self.sampling.model.highest_derivatives[name]
-        ):
+        if self._needs_kept_alone and own.is_low_passed:
             return self._rows({name: replace(own, recorded=courses)})
         every = [self._rows({name: replace(own, recorded=course)}) for course in courses]
         return np.stack([W for W, _ in every]), np.stack([y for _, y in every])
+
+    @property
+    def _needs_kept_alone(self) -> bool:
+        """Whether rows need no other samples of the signals than those that are kept."""
+        sampling = self.sampling
+        return sampling.is_sparse and not any(map(sampling.model.highest_derivatives.get, sampling.signals))
 
     @cached_property
     def _splines(self) -> dict[str, QuinticSpline]:
@@ -85,10 +87,10 @@ class SignalRows:
 
     def _moved(self, values: Callable[[str, slice], FloatArray]) -> Rows:
         """Rows that samples of each signal make, which are made for those that are kept alone if that is enough."""
-        sampling, highest = self.sampling, self.sampling.model.highest_derivatives
-        if not sampling.is_sparse or any(highest[name] for name in sampling.signals):
-            return self._rows({name: values(name, slice(None)) for name in sampling.signals})
-        return self._made({name: values(name, sampling.kept) for name in sampling.signals})
+        sampling = self.sampling
+        if self._needs_kept_alone:
+            return self._made({name: values(name, sampling.kept) for name in sampling.signals})
+        return self._rows({name: values(name, slice(None)) for name in sampling.signals})
 
     def _rows(self, signals: Mapping[str, Signal]) -> Rows:
         sampling = replace(self.sampling, signals=signals)
