@@ -16,7 +16,7 @@ from symid.data.text_files.column_names import split_header
 from symid.data.text_files.foreign import with_unit
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping
-from symid.identification.signals.fitting_columns import UNITS_TO_GIVE, for_drive, for_sensor
+from symid.identification.signals import UNITS_TO_GIVE, for_drive, for_sensor
 from symid.units import Unit, to_si
 
 _OF_A_DRIVE = ("force", "current", "percent")

@@ -20,7 +20,7 @@ from symid.data.quality.checks import inspect_finite
 from symid.data.quality.clock import inspect_clock
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
-from symid.identification.signals.fitting_columns import for_sensor
+from symid.identification.signals import for_sensor
 from symid.report.figures.colours import palette_of
 from symid.report.tables.console import TextTable, report_console
 from symid.units import to_si

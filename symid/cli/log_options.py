@@ -25,8 +25,8 @@ from symid.cli.terminal import say
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import LogMapping, Preparation, read_axis_log, read_mapping
-from symid.identification.rows.settings import DIFFERENCE_ORDER
-from symid.identification.signals.mapping import require_known
+from symid.identification.rows import DIFFERENCE_ORDER
+from symid.identification.signals import require_known
 
 log_options = shared(
     option("--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal (t is the time)."),

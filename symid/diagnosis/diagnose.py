@@ -42,7 +42,7 @@ from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, nominal_shows_hold, shows_hold
 from symid.diagnosis.selection.step import SelectionStep, accepted_of, fits_of
 from symid.identification import Preparation
-from symid.identification.signals.axis_logs import LogLike, logs_of, require_changing
+from symid.identification.signals import LogLike, logs_of, require_changing
 from symid.simulation import Cascade
 
 _FAR_LESS = 0.5

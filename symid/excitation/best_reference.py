@@ -12,7 +12,7 @@ from typing import TypeAlias
 from symid.errors import SettingError
 from symid.excitation.identification_trial import Expectation, IdentificationTrial
 from symid.excitation.references import DEFAULTS, references, references_apart
-from symid.identification.parameters.physical import open_by_structure
+from symid.identification.parameters import open_by_structure
 from symid.simulation import Trajectory, plant_of
 
 Paths: TypeAlias = tuple[Trajectory, ...]

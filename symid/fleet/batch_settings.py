@@ -12,7 +12,7 @@ from symid.data.resampling import Rate
 from symid.errors import SettingError
 from symid.fleet.worker_limits import LONGEST
 from symid.identification import Preparation
-from symid.identification.signals.axis_logs import axis_columns
+from symid.identification.signals import axis_columns
 from symid.verbs.methods import method_of
 
 ROW_METHODS = ("wls", "ols")

@@ -8,7 +8,7 @@ from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
 from symid.estimation import TriangularFactor, triangular_factors
 from symid.identification import Identification
-from symid.identification.deviations.discrepancy import Discrepancy
+from symid.identification.deviations import Discrepancy
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,9 +27,8 @@ from symid.errors import SettingError
 from symid.estimation import LeastSquares, estimate
 from symid.fleet.factors import LogFactors
 from symid.identification import PhysicalEstimate, physical_estimates
-from symid.identification.deviations.log_agreement import LogEstimate, disagreement_between
-from symid.identification.results.identification_result import EstimatedParameters
-from symid.identification.results.verdict import Status, verdict
+from symid.identification.deviations import LogEstimate, disagreement_between
+from symid.identification.results import EstimatedParameters, Status, verdict
 
 
 @dataclass(frozen=True, eq=False)

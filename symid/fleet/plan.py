@@ -20,7 +20,7 @@ from symid.errors import EliminationError, SettingError, SymidError
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.results import holds_results
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS
-from symid.identification.signals.axis_logs import axis_columns
+from symid.identification.signals import axis_columns
 
 PathLike = str | os.PathLike[str]
 

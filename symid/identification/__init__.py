@@ -5,6 +5,8 @@ them, `parameters` maps minimal to physical parameters; `delays` and `deviations
 it with its status, and `faults` finds what contradicts it.
 """
 
+from symid.identification.criteria import CRITERIA
+from symid.identification.cutoff import Estimation
 from symid.identification.delays.timing import Timing, delays_of
 from symid.identification.deviations.bias import Bias
 from symid.identification.force_steps import identify_with_steps, logs_with_steps
@@ -27,9 +29,11 @@ from symid.identification.signals.mapping import LogMapping, read_mapping
 from symid.identification.signals.stated_period import stated_period
 
 __all__ = [
+    "CRITERIA",
     "Bias",
     "Constraints",
     "EquationResidual",
+    "Estimation",
     "Identification",
     "IdentificationResult",
     "LogMapping",

@@ -31,7 +31,7 @@ from symid.identification import (
     with_checks,
     with_constraint_check,
 )
-from symid.identification.parameters.physical import open_by_structure
+from symid.identification.parameters import open_by_structure
 from symid.instrumental.instrumental_fit import InstrumentalFit, estimate_by_instruments
 from symid.instrumental.recorded_gains import cascade_of_log
 from symid.simulation import ClosedLoop, feedthrough_of, plant_of

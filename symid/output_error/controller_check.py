@@ -16,8 +16,7 @@ import scipy
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.estimation import LeastSquares, corrected_covariance, estimate, triangular_factors
-from symid.identification.deviations.stability import scatter
-from symid.identification.deviations.whitened import segments_of_rows
+from symid.identification.deviations import scatter, segments_of_rows
 from symid.output_error.closed_loop_error import ORDER, ClosedLoopError, whitening_of
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.search import Search

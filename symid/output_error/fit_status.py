@@ -5,13 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.identification import Identification
-from symid.identification.criteria import CRITERIA
-from symid.identification.deviations.log_agreement import LogEstimate, disagreement_between
-from symid.identification.faults.poor_fit import unexplained_statement
-from symid.identification.parameters.physical import negative_parameters, open_by_structure
-from symid.identification.results.verdict import not_by_structure
-from symid.identification.rows.noise import noise_deviations
+from symid.identification import CRITERIA, Identification
+from symid.identification.deviations import LogEstimate, disagreement_between
+from symid.identification.faults import unexplained_statement
+from symid.identification.parameters import negative_parameters, open_by_structure
+from symid.identification.results import not_by_structure
+from symid.identification.rows import noise_deviations
 from symid.output_error.controller_check import controller_mismatch
 from symid.output_error.likelihood_result import OutputErrorIdentification, Status
 

@@ -21,9 +21,8 @@ from symid.estimation import (
     estimate,
     triangular_factors,
 )
-from symid.identification.deviations.stability import Change, greatest_change, scatter
-from symid.identification.deviations.whitened import Segment, segments_of_rows
-from symid.identification.parameters.physical import jacobian
+from symid.identification.deviations import Change, Segment, greatest_change, scatter, segments_of_rows
+from symid.identification.parameters import jacobian
 from symid.output_error.prediction_error import PredictionError
 from symid.output_error.search import RunError, Search
 from symid.simulation import ForwardDynamics

@@ -12,9 +12,9 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log, in_memory
 from symid.errors import SettingError
-from symid.identification.parameters.physical import jacobian
-from symid.identification.results.identification_result import frame_of, headline_of
-from symid.identification.signals.axis_logs import LogLike, log_of
+from symid.identification.parameters import jacobian
+from symid.identification.results import frame_of, headline_of
+from symid.identification.signals import LogLike, log_of
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.predicted_log import OutputErrorPrediction

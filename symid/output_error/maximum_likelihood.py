@@ -10,7 +10,7 @@ from symid.codegen import GeneratedModel, declared_delays, passed_over
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify_with_steps
-from symid.identification.rows.settings import notes_on_declared
+from symid.identification.rows import notes_on_declared
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.fit_status import fault_of, remarks_on, undetermined, verdict_of
 from symid.output_error.hidden_laws import Models, models_of

@@ -12,8 +12,7 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Preparation, identify
-from symid.identification.rows.bands import coherent_band, completed
-from symid.identification.rows.noise import noise_deviations
+from symid.identification.rows import coherent_band, completed, noise_deviations
 from symid.signal_processing import LowPass
 from symid.simulation import Replay, Trajectory, plant_of, tuned_cascades
 from symid.tuning.bound import Track

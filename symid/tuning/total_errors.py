@@ -12,6 +12,7 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.identification import (
+    Estimation,
     Observation,
     PhysicalEstimate,
     Preparation,
@@ -19,10 +20,8 @@ from symid.identification import (
     observe,
     physical_estimates,
 )
-from symid.identification.cutoff import Estimation
-from symid.identification.deviations.bias import MOST_TAKEN, NoiseBias
-from symid.identification.rows.bands import widening_of
-from symid.identification.rows.noise import noise_of_rows, response_of_rows
+from symid.identification.deviations import MOST_TAKEN, NoiseBias
+from symid.identification.rows import noise_of_rows, response_of_rows, widening_of
 
 _HIGHEST_CONDITION = 1e10
 """Condition of the scaled normal matrix beyond which parameters are not determined."""

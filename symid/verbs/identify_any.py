@@ -20,7 +20,7 @@ from symid.identification import (
     identify_with_known,
     measured_signals,
 )
-from symid.identification.signals.axis_logs import LogLike, each_of, log_of, require_changing
+from symid.identification.signals import LogLike, each_of, log_of, require_changing
 from symid.verbs.methods import (
     IdentificationMethod,
     IdentificationProblem,

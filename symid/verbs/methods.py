@@ -21,7 +21,7 @@ from symid.identification import (
     identify_with_steps,
     with_fixed,
 )
-from symid.identification.parameters.constraints import Bounds, Priors
+from symid.identification.parameters import Bounds, Priors
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification

@@ -14,7 +14,7 @@ import symid
 from symid.data import write_log
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import DelayEffect
-from symid.identification.results.residual_correlation import correlation
+from symid.report.figures.residual_correlation import correlation
 from symid.report.pages.diagnosis_page import write_html
 from symid.report.tables.number_text import interval_end
 

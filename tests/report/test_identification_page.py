@@ -12,7 +12,7 @@ from command_line import run
 
 import symid
 from symid.estimation.residual_measures import fit_percent
-from symid.identification.results.residual_correlation import (
+from symid.report.figures.residual_correlation import (
     PredictedOutput,
     correlation,
     residual_correlations,

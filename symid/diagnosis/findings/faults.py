@@ -15,8 +15,7 @@ from symid.diagnosis.effects import Placed, force_at
 from symid.diagnosis.findings.fit_faults import cut_force
 from symid.diagnosis.findings.force_sign import wrong_sign
 from symid.diagnosis.fitting.fit import Fit
-from symid.identification.faults.recording import channel_fault, held_fault
-from symid.identification.faults.smoothing import uneven_averaging
+from symid.identification.faults import channel_fault, held_fault, uneven_averaging
 
 _LOST = 0.05
 _REPEATED = 0.4

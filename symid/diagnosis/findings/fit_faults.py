@@ -10,9 +10,9 @@ from symid.diagnosis.fitting.gauss_newton import fitted
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError
-from symid.identification.criteria import CRITERIA
-from symid.identification.deviations.stability import greatest_change
-from symid.identification.faults.constant_force import CONSTANT, is_constant
+from symid.identification import CRITERIA
+from symid.identification.deviations import greatest_change
+from symid.identification.faults import CONSTANT, is_constant
 from symid.text import moment
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray, norms_or_one
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.identification.deviations.whitened import Segment
+from symid.identification.deviations import Segment
 
 N_BLOCKS = 16
 """Long enough that errors of different blocks hardly correlate, enough of them to draw from."""

@@ -21,7 +21,7 @@ from symid.diagnosis.prediction.record import LEAST_SAMPLES
 from symid.diagnosis.prediction.scaled_sensors import with_quantities
 from symid.errors import LogError
 from symid.identification import Preparation
-from symid.identification.faults.smoothing import interpolated_from, updated_every
+from symid.identification.faults import interpolated_from, updated_every
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from symid.codegen import model_of
 from symid.data import Log
 from symid.errors import EliminationError, SettingError, SymidError
 from symid.identification import Preparation, identify
-from symid.identification.parameters.physical import open_by_structure
+from symid.identification.parameters import open_by_structure
 
 _CONTRADICTS = 5.0
 """Deviations by which a gain of the log must differ from the nominal one to be taken instead."""

@@ -17,9 +17,9 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Observation, OutputPrediction
-from symid.identification.results.residual_correlation import PredictedOutput
 from symid.report.figures.colours import Palette
 from symid.report.figures.panels import Panel, SensorMotion
+from symid.report.figures.residual_correlation import PredictedOutput
 from symid.simulation.frequency_response import (
     FrequencyResponse,
     ResponseBand,

@@ -13,10 +13,10 @@ from symid.diagnosis.findings.waterfall import waterfall
 from symid.errors import SettingError
 from symid.fleet import Batch
 from symid.fleet.results import parameter_names, without_repeats
-from symid.identification.results.residual_correlation import OutputCorrelations
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn, label_log_scales, title_lines
 from symid.report.figures.panels import draw_over_time
+from symid.report.figures.residual_correlation import OutputCorrelations
 from symid.text import visible
 
 _WIDTH, _ROW, _NARROW_WIDTH = 10.0, 1.9, 4.2

@@ -12,7 +12,7 @@ from symid import __version__
 from symid.axis import shipped_folder
 from symid.diagnosis import Diagnosis
 from symid.files import write_whole
-from symid.identification.results.residual_correlation import MOST_LAGS, OutputCorrelations, correlation
+from symid.report.figures.residual_correlation import MOST_LAGS, OutputCorrelations, correlation
 from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
 from symid.report.pages.plot_data import correlation_fields
 from symid.report.tables.diagnosis import diagnosis_record

@@ -16,7 +16,6 @@ from symid.estimation.correlation import correlation_matrix
 from symid.estimation.residual_measures import fit_percent
 from symid.files import write_whole
 from symid.identification import Identification, OutputPrediction
-from symid.identification.results.residual_correlation import PredictedOutput, residual_correlations
 from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
 from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.identification_curves import (
@@ -25,6 +24,7 @@ from symid.report.figures.identification_curves import (
     parameters_shown,
 )
 from symid.report.figures.identification_figure import identification_figure
+from symid.report.figures.residual_correlation import PredictedOutput, residual_correlations
 from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
 from symid.report.pages.plot_data import correlation_fields, curve_data
 from symid.report.tables.identification import identification_record

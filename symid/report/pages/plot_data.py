@@ -11,12 +11,12 @@ from urllib.parse import quote
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.identification.results.residual_correlation import Correlation, OutputCorrelations
 from symid.report.figures.drawn import wide_and_narrow
 from symid.report.figures.envelope import envelope, envelope_places
 from symid.report.figures.identification_curves import IdentificationCurves
 from symid.report.figures.overviews import correlation_figure
 from symid.report.figures.panels import Panel
+from symid.report.figures.residual_correlation import Correlation, OutputCorrelations
 from symid.simulation.frequency_response import FrequencyResponse, ResponseBand
 
 _PLAIN, _MOST_SAVED = 3_000, 30_000
