@@ -22,6 +22,7 @@ from symid.identification.results.result_protocol import IdentificationResult
 from symid.identification.results.shared_identification import SharedIdentification
 from symid.identification.rows.excerpts import excerpts
 from symid.identification.rows.observation import Observation, observe
+from symid.identification.rows.row_blocks import Run
 from symid.identification.rows.settings import Preparation
 from symid.identification.signals.axis_logs import measured_signals, open_axis_log, read_axis_log
 from symid.identification.signals.guessed_mapping import guessed_mapping
@@ -41,6 +42,7 @@ __all__ = [
     "OutputPrediction",
     "PhysicalEstimate",
     "Preparation",
+    "Run",
     "SharedIdentification",
     "Timing",
     "delays_of",

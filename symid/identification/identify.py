@@ -9,7 +9,7 @@ noise in W and differences that only approximate derivatives (`Correction`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
@@ -23,7 +23,6 @@ from symid.errors import SettingError
 from symid.estimation import (
     LeastSquares,
     Method,
-    ObservationBlock,
     corrected_covariance_of_blocks,
     estimate,
 )
@@ -36,7 +35,7 @@ from symid.identification.deviations.discrepancy import discrepancies_of
 from symid.identification.deviations.explained import explained_by_instruments
 from symid.identification.deviations.log_agreement import LogEstimate, disagreement_between
 from symid.identification.deviations.stability import greatest_change, scatter
-from symid.identification.deviations.whitened import segments
+from symid.identification.deviations.whitened import Segment, segments
 from symid.identification.faults.examined_faults import faults_of
 from symid.identification.faults.lagging import lag_of
 from symid.identification.faults.poor_fit import unexplained
@@ -47,7 +46,7 @@ from symid.identification.results.contradiction import with_constraint_check
 from symid.identification.results.identification_result import Identification, best_covariance
 from symid.identification.results.reliability import with_discrepancies, with_faults
 from symid.identification.results.verdict import OPEN, verdict
-from symid.identification.rows.excerpts import Excerpt, blocks_of, excerpts, whole_logs
+from symid.identification.rows.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.rows.observation import Observation
 from symid.identification.rows.row_blocks import Run, blocks_of_runs
 from symid.identification.rows.settings import Preparation, notes_on_declared
@@ -159,8 +158,7 @@ def _found_at(
     model: GeneratedModel, logs: Sequence[AnyLog], trial: CutoffTrial, **settings: Any
 ) -> Identification:
     """Identification of the rows and the estimate at a cutoff; settings as in `found_from`."""
-    seen = tuple(run.observation for run in trial.runs)
-    return found_from(model, logs, seen, trial.fit, blocks=lambda: blocks_of_runs(trial.runs), **settings)
+    return found_from(model, logs, trial.runs, trial.fit, **settings)
 
 
 def _disagreement_of_logs(
@@ -187,10 +185,9 @@ def _disagreement_of_logs(
 def found_from(
     model: GeneratedModel,
     logs: Sequence[AnyLog],
-    observations: tuple[Observation, ...],
+    runs: Sequence[Run],
     fit: LeastSquares,
     *,
-    blocks: Callable[[], Iterable[ObservationBlock]] | None = None,
     instruments: tuple[FloatArray, ...] | None = None,
     nominal: Mapping[str, float] | None = None,
     constraints: Constraints | None = None,
@@ -198,22 +195,23 @@ def found_from(
 ) -> Identification:
     """Identification of an estimate: its corrected covariance, physical parameters and status.
 
-    `observations` are the rows of each log; of a long log, its first block, and `blocks` returns all rows at each call.
-    An estimate by instrumental variables has `instruments`, for each observation an array of the shape of its W. On the
-    excerpts `parts_of` the observations, the bias by noise is estimated and taken off, and what widens the deviations
-    is added.
+    `runs` are the rows of each log. An estimate by instrumental variables has `instruments`, for each log an array of
+    the shape of W. On the excerpts `parts_of` the observations, the bias by noise is estimated and taken off, and what
+    widens the deviations is added.
     """
-    rows = blocks or partial(iter, blocks_of(observations, instruments))
-    correlated = corrected_covariance_of_blocks(rows, fit)
+    observations = tuple(run.observation for run in runs)
+    by_instruments = None if instruments is None else blocks_of(observations, instruments)
+    correlated = corrected_covariance_of_blocks(lambda: by_instruments or blocks_of_runs(runs), fit)
     bias: Bias | None = None
-    spread: FloatArray | None = None
+    sums, spread = tuple[Segment, ...](), None
     if parts_of and fit.status == "ok":
         # Noise in W attenuates the parameters. The expected error is taken off, and what is uncertain in it widens the
         # covariances: that of the correlated residual, and that of the scatter between segments.
         parts = parts_of(observations)
         correction = Correction.of(model, parts, fit)
         bias = correction.bias
-        spread = correction.grown(scatter(segments(whole_logs(parts, logs, observations), fit), fit))
+        sums = segments(runs, fit)
+        spread = correction.grown(scatter(sums, fit))
         fit, correlated = correction.applied(fit, correlated)
     wide = best_covariance(fit, correlated)
     physical = physical_of(model, fit.parameters, wide, nominal, constraints) if fit.status == "ok" else ()
@@ -231,6 +229,7 @@ def found_from(
         message="",
         notes=(*(note for log in logs for note in log.notes), *notes),
         bias=bias,
+        segments=sums,
         scatter=spread,
     )
     return _judged(found, logs, has_start=nominal is not None)
@@ -260,15 +259,14 @@ def with_checks(
     tried: Sequence[Identification] = (),
 ) -> Identification:
     """The identification after checks on excerpts, and against those tried at other cutoffs; else as `found_from`."""
-    model, fit, bias, spread = found.model, found.fit, found.bias, found.scatter
+    model, fit, bias, sums = found.model, found.fit, found.bias, found.segments
     if bias is not None and bias.removed is not None:
         fit = replace(fit, solution=fit.solution + bias.removed)  # its residual is orthogonal to the columns
-    whole, own = found.observations, fit
+    own, spread = fit, found.scatter
     if instruments is not None:
-        bias = bias_of_instruments(model, list(map(in_memory, logs)), whole, fit, instruments)
-        whole, own = explained_by_instruments(whole, instruments, fit)
-    sums = segments(whole_logs(parts, logs, whole), own)
-    if spread is None:
+        bias = bias_of_instruments(model, list(map(in_memory, logs)), found.observations, fit, instruments)
+        whole, own = explained_by_instruments(found.observations, instruments, fit)
+        sums = segments([Run.again(model, *pair) for pair in zip(logs, whole, strict=True)], own)
         spread = scatter(sums, own)
     # Signals that are late by a constant time, by one that grows along the log, or by the lag of a filter
     delays = delays_of(model, parts, fit)

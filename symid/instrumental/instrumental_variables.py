@@ -23,6 +23,7 @@ from symid.identification import (
     Constraints,
     Identification,
     Preparation,
+    Run,
     excerpts,
     found_from,
     identify,
@@ -138,6 +139,7 @@ def _refined(
     # with its motion. They improve with the estimate until that settles.
     given: Any = {"nominal": nominal or start, "constraints": constraints}
     Z: tuple[FloatArray, ...] = ()
+    rows = [Run.again(model, *pair) for pair in zip(logs, first.observations, strict=True)]
     found, weak, parameters = first, "", start
     for _ in range(_MOST_ROUNDS):
         try:
@@ -149,7 +151,7 @@ def _refined(
         result = estimate_by_instruments(first.observations, Z, first.fit)
         if result.correlation < _NONE:
             return found, Z, f"the simulated axis does not move as the log does: {_CURE}"
-        latest = found_from(model, logs, first.observations, result.fit, instruments=Z, **given)
+        latest = found_from(model, logs, rows, result.fit, instruments=Z, **given)
         moved = np.abs(latest.fit.solution - found.fit.solution) / latest.standard_deviations
         found, weak = latest, _weakness(latest, result)
         if np.all(moved < _SETTLED):

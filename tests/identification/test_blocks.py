@@ -98,6 +98,16 @@ def test_several_logs_of_which_one_is_long() -> None:
     )
 
 
+def test_the_scatter_of_a_log_longer_than_its_excerpts_is_that_of_all_rows() -> None:
+    log, model, preparation = rigid(80_000), load_generated("rigid_1m"), Preparation(cutoff_hz=20.0)
+    blocks, whole = (identify(model, one, preparation=preparation) for one in (LongLog.of(log, 30_000), log))
+    compared(blocks, whole)
+    assert blocks.scatter is not None
+    assert whole.scatter is not None
+    np.testing.assert_allclose(blocks.scatter, whole.scatter, rtol=1e-6, atol=1e-9 * np.max(whole.scatter))
+    np.testing.assert_allclose(blocks.standard_deviations, whole.standard_deviations, rtol=1e-9)
+
+
 def test_rows_of_the_first_block_are_kept_with_the_preparation_of_the_whole_log() -> None:
     log, model = rigid(20_000), load_generated("rigid_1m")
     settings = Preparation(cutoff_hz=80.0)

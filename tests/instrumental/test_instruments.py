@@ -112,7 +112,8 @@ def test_noise_in_the_columns_is_no_change_within_a_log() -> None:
         fit = estimate_by_instruments([seen], [z[None]], start).fit
         (explained,), own = explained_by_instruments([seen], [z[None]], fit)
         assert explained.y - explained.W @ fit.solution == pytest.approx(y[None] - W @ fit.solution, abs=1e-9)
-        sums = segments([SimpleNamespace(observation=explained, of=0)], own)
+        rows = SimpleNamespace(read=lambda one=explained: (one,), n_rows=t.size)
+        sums = segments([rows], own)
         change = greatest_change(sums, own.solution, own.rank.inverse_root)
         assert change is not None
         assert np.max(np.abs(change.inside - change.outside) / change.deviations) < 5

@@ -41,6 +41,8 @@ from symid.identification.deviations.whitened import WhitenedRows, segments, whi
 from symid.identification.rows.coulomb import direction
 from symid.identification.rows.excerpts import Excerpt
 from symid.identification.rows.noise import coefficients
+from symid.identification.rows.observation import Observation
+from symid.identification.rows.row_blocks import Run
 from symid.signal_names import split_derivative
 
 _LATE = "a delay of"
@@ -264,7 +266,8 @@ def _between_bands(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[Disc
     """Changes of the parameters if only slow parts of the rows are used."""
     root = fit.rank.inverse_root
     for band, passes in _PASSES.items():
-        sums = segments([_slower(part, passes) for part in parts], fit)
+        slower = [Run.again(part.model, part.log, _slower(part.observation, passes)) for part in parts]
+        sums = segments(slower, fit, [part.of for part in parts])
         if len(sums) < CRITERIA.fewest_segments:
             return
         normals, slopes = np.stack([s.normal for s in sums]), np.stack([s.slope for s in sums])
@@ -275,14 +278,14 @@ def _between_bands(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[Disc
         yield Discrepancy(f"other values below {band} of the cutoff", (root @ change)[None], noise)
 
 
-def _slower(part: Excerpt, passes: int) -> Excerpt:
-    """A part whose rows have passed a binomial low-pass; those that others than used rows reach are left out."""
-    seen, ends, size = part.observation, ((0, 0), (passes, passes)), 2 * passes + 1
+def _slower(seen: Observation, passes: int) -> Observation:
+    """Rows that have passed a binomial low-pass; those that others than used rows reach are left out."""
+    ends, size = ((0, 0), (passes, passes)), 2 * passes + 1
     windows = np.lib.stride_tricks.sliding_window_view
     valid = np.asarray(windows(np.pad(seen.valid, ends), size, 1).all(axis=2))
     rows = np.pad(np.concatenate([seen.W, seen.y[..., None]], axis=2), (*ends, (0, 0)))
     smooth = windows(rows, size, 1) @ _binomial(2 * passes)
-    return replace(part, observation=replace(seen, W=smooth[..., :-1], y=smooth[..., -1], valid=valid))
+    return replace(seen, W=smooth[..., :-1], y=smooth[..., -1], valid=valid)
 
 
 @cache

@@ -13,6 +13,8 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.estimation import LeastSquares
 from symid.identification.rows.excerpts import Excerpt
+from symid.identification.rows.observation import Observation
+from symid.identification.rows.row_blocks import Run
 
 _SEGMENTS = 15
 """Segments of all logs together: spans from a fifteenth of a log to the half are compared with the rest."""
@@ -45,16 +47,10 @@ class WhitenedRows:
 
 def whitened(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[WhitenedRows]:
     """Rows of each part of the logs and each equation; all parameters of the fit are determined."""
-    root = fit.rank.inverse_root
     for k, part in enumerate(parts):
-        seen = part.observation
-        n_equations = seen.y.shape[0]
-        for j in range(n_equations):
-            weight, used = fit.weights[part.of * n_equations + j], seen.valid[j]
-            W = weight * seen.W[j][used]
-            prediction = W @ fit.solution
-            rest = weight * seen.y[j][used] - prediction
-            yield WhitenedRows(k, j, W @ root, rest, prediction, np.flatnonzero(used) / max(used.size, 1))
+        for j, used in enumerate(part.observation.valid):
+            place = np.flatnonzero(used) / max(used.size, 1)
+            yield WhitenedRows(k, j, *_orthonormal(part.observation, j, part.of, fit), place)
 
 
 def segments_of_rows(
@@ -74,28 +70,43 @@ def segments_of_rows(
     return tuple(found)
 
 
-def segments(parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Segment, ...]:
-    """Segments of equal length in time order; those with few rows are left out."""
-    each, p = max(1, round(_SEGMENTS / len(parts))), fit.solution.size
-    normal, slope = np.zeros((len(parts), each, p, p)), np.zeros((len(parts), each, p))
-    square, count = np.zeros((len(parts), each)), np.zeros((len(parts), each), dtype=int)
-    for rows in whitened(parts, fit):
-        edges = np.searchsorted(rows.place, np.linspace(0, 1, each + 1))
-        some = np.flatnonzero(np.diff(edges))
-        whole = np.concatenate([rows.Z, rows.residual[:, None]], axis=1)
-        products = np.add.reduceat(whole[:, :, None] * whole[:, None, :], edges[some]) if some.size else 0.0
-        sums = np.zeros((each, p + 1, p + 1))
-        sums[some] = products
-        normal[rows.part] += sums[:, :p, :p]
-        slope[rows.part] += sums[:, p, :p]
-        square[rows.part] += sums[:, p, p]
-        count[rows.part] += np.diff(edges)
-    found = []
-    for k, part in enumerate(parts):
-        time = part.observation.time
-        for i in np.flatnonzero(count[k] >= _LEAST_ROWS).tolist():
-            begins = float(time[i * time.size // each])
-            found.append(
-                Segment(begins, part.of, normal[k, i], slope[k, i], float(square[k, i]), int(count[k, i]))
-            )
-    return tuple(found)
+def segments(runs: Sequence[Run], fit: LeastSquares, of: Sequence[int] | None = None) -> tuple[Segment, ...]:
+    """Segments of equal length in time order; those with few rows are left out.
+
+    Each run is a log; if several are parts of one log, `of` are the numbers of their logs.
+    """
+    each = max(1, round(_SEGMENTS / len(runs)))
+    numbered = zip(range(len(runs)) if of is None else of, runs, strict=True)
+    return tuple(segment for k, run in numbered for segment in _segments_of(run, k, each, fit))
+
+
+def _segments_of(run: Run, of: int, each: int, fit: LeastSquares) -> Iterator[Segment]:
+    """The segments of a run, from sums over its blocks."""
+    p, first = fit.solution.size, 0
+    bounds = -(-np.arange(each + 1) * run.n_rows // each)  # first row of each segment, and the end
+    sums, count, begins = np.zeros((each, p + 1, p + 1)), np.zeros(each, dtype=int), np.zeros(each)
+    for seen in run.read():
+        stop = first + seen.time.size
+        here = (bounds[:-1] >= first) & (bounds[:-1] < stop)
+        begins[here] = seen.time[bounds[:-1][here] - first]
+        for j, used in enumerate(seen.valid):
+            Z, rest, _ = _orthonormal(seen, j, of, fit)
+            rows, cuts = np.column_stack([Z, rest]), np.searchsorted(np.flatnonzero(used), bounds - first)
+            for i in np.flatnonzero(np.diff(cuts)):
+                part = rows[cuts[i] : cuts[i + 1]]
+                sums[i] += part.T @ part
+            count += np.diff(cuts)
+        first = stop
+    for i in np.flatnonzero(count >= _LEAST_ROWS):
+        normal, slope, square = sums[i, :p, :p], sums[i, p, :p], float(sums[i, p, p])
+        yield Segment(float(begins[i]), of, normal, slope, square, int(count[i]))
+
+
+def _orthonormal(
+    seen: Observation, equation: int, of: int, fit: LeastSquares
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Columns Z, residual and prediction of the used rows of an equation of log number `of`."""
+    weight, used = fit.weights[of * len(seen.y) + equation], seen.valid[equation]
+    W = weight * seen.W[equation][used]
+    prediction = W @ fit.solution
+    return W @ fit.rank.inverse_root, weight * seen.y[equation][used] - prediction, prediction

@@ -16,6 +16,7 @@ from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.delays.timing import Timing
 from symid.identification.deviations.bias import Bias
 from symid.identification.deviations.discrepancy import Discrepancy
+from symid.identification.deviations.whitened import Segment
 from symid.identification.parameters.physical import PhysicalEstimate
 from symid.identification.results.predicted_output import OutputPrediction, predict
 from symid.identification.results.residuals import EquationResidual
@@ -94,6 +95,8 @@ class Identification(EstimatedParameters, Shown):
     """Estimated delay of the force; None if it was not examined or cannot be estimated."""
     bias: Bias | None = None
     """Expected error of the minimal parameters; None if that was not examined."""
+    segments: tuple[Segment, ...] = ()
+    """Sums over segments of the logs, with the residual before the bias is taken off; empty if not examined."""
     scatter: FloatArray | None = None
     """Covariance of the minimal parameters by their scatter between segments of the logs; None if not examined;
     shape (n_minimal, n_minimal), optional."""

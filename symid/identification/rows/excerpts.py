@@ -100,16 +100,6 @@ def excerpts(
     )
 
 
-def whole_logs(
-    parts: Sequence[Excerpt], logs: Sequence[AnyLog], observations: Sequence[Observation]
-) -> tuple[Excerpt, ...]:
-    """All rows of logs in memory, for checks that need no more than rows; else the given excerpts of them."""
-    if not all(isinstance(log, Log) for log in logs):
-        return tuple(parts)
-    pairs = enumerate(zip(logs, observations, strict=True))
-    return tuple(Excerpt(parts[0].model, log, seen, k) for k, (log, seen) in pairs if isinstance(log, Log))
-
-
 def _all_of(model: GeneratedModel, log: AnyLog, whole: Observation, number: int) -> Excerpt:
     if isinstance(log, Log):
         return Excerpt(model, log, whole, number)

@@ -50,6 +50,7 @@ class Run:
     read: Callable[[], Iterable[Observation]]
     # returns the run without friction of given levels beside the drives; this one can no longer be used
     without: Callable[[tuple[float, ...]], Run]
+    n_rows: int  # of all blocks
 
     @classmethod
     def of(
@@ -73,6 +74,7 @@ class Run:
             whole,
             lambda: (whole,),
             lambda levels: cls._in_memory(model, without_levels(model, whole, levels)),
+            whole.time.size,
         )
 
     @classmethod
@@ -84,7 +86,10 @@ class Run:
             return cls._in_blocks(replace(blocks, chosen=chosen, friction=False))
 
         return cls(
-            first, lambda: chain((first,), map(blocks.observation, range(1, len(blocks.rows)))), without
+            first,
+            lambda: chain((first,), map(blocks.observation, range(1, len(blocks.rows)))),
+            without,
+            blocks.layout.n_rows,
         )
 
     def factors(self) -> tuple[TriangularFactor, ...]:
