@@ -12,8 +12,7 @@ import click
 from symid.axis import Axis
 from symid.cli.options import named_values, number
 from symid.data import ForeignColumn
-from symid.data.text_files.column_names import split_header
-from symid.data.text_files.foreign import with_unit
+from symid.data.text_files import with_unit
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping
 from symid.identification.signals import UNITS_TO_GIVE, for_drive, for_sensor
@@ -126,7 +125,7 @@ def _column_of(text: str, columns: Sequence[ForeignColumn]) -> ForeignColumn | N
     name = text.strip()
     if name in ("", "-"):
         return None
-    found = next((c for c in columns if name in (c.header, split_header(c.header)[0])), None)
+    found = next((c for c in columns if name in (c.header, c.name)), None)
     if found is None and name.isascii() and name.isdigit() and 1 <= int(name) <= len(columns):
         return columns[int(name) - 1]
     if found is None:

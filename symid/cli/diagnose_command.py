@@ -30,8 +30,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.terminal import say, with_options, working
-from symid.data import write_log
-from symid.data.writing import WRITTEN_SUFFIXES
+from symid.data import WRITTEN_SUFFIXES, write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
 from symid.files import written_path

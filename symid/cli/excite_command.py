@@ -28,8 +28,7 @@ from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.simulate_command import cascades_of, with_imperfections
 from symid.cli.terminal import say, tracked
 from symid.codegen import model_of
-from symid.data import REFERENCE, Log, write_log
-from symid.data.writing import WRITTEN_SUFFIXES
+from symid.data import REFERENCE, WRITTEN_SUFFIXES, Log, write_log
 from symid.errors import SettingError
 from symid.excitation import Design, IdentificationTrial, design
 from symid.excitation.best_reference import FINAL_RUNS, LEAST_RUNS

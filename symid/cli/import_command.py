@@ -16,8 +16,7 @@ from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import with_options
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, open_table
 from symid.data.formats import layout_found
-from symid.data.quality.checks import inspect_finite
-from symid.data.quality.clock import inspect_clock
+from symid.data.quality import inspect_clock, inspect_finite
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
 from symid.identification.signals import for_sensor

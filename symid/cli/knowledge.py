@@ -11,7 +11,7 @@ from click import option
 
 from symid.axis import Axis
 from symid.cli.options import named_values, number, shared
-from symid.data.columns import split_unit
+from symid.data import split_unit
 from symid.errors import SettingError, SymidError
 from symid.files import read_json, require_regular
 from symid.identification import known_of_logs

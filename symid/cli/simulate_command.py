@@ -31,8 +31,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.terminal import say, tracked
-from symid.data import columns_in, read_log, write_log
-from symid.data.writing import WRITTEN_SUFFIXES
+from symid.data import WRITTEN_SUFFIXES, columns_in, read_log, write_log
 from symid.errors import SettingError
 from symid.files import written_path
 from symid.simulation import (

@@ -19,7 +19,7 @@ from symid.shown import Shown
 
 Kept = TypeVar("Kept")
 
-SHORT = 65_536
+SHORT_LOG = 65_536
 """Samples of a log up to which intermediate results of its length are kept."""
 _MOST_KEPT = 16
 _LARGEST = 1e30
@@ -215,7 +215,7 @@ class Log(Shown):
         >>> [log.kept("length", lambda: 2), log.kept("length", lambda: 3)]
         [2, 2]
         """
-        if self.n_samples > SHORT:
+        if self.n_samples > SHORT_LOG:
             return computed()
         if key not in self._kept:
             while len(self._kept) >= _MOST_KEPT:

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
 from symid.axis import Axis
-from symid.data import MEMORY, Layout
-from symid.data.resampling import Rate
+from symid.data import MEMORY, Layout, Rate
 from symid.errors import SettingError
 from symid.fleet.worker_limits import LONGEST
 from symid.identification import Preparation

@@ -12,7 +12,7 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.table import POLARS_FAILURES, require_memory, source_of
+from symid.data import POLARS_FAILURES, require_memory, source_of
 from symid.errors import LogError, SettingError
 from symid.files import require_regular
 from symid.fleet.row import BEFORE, TEXT_COLUMNS, TIMES

@@ -13,7 +13,7 @@ import time
 from collections.abc import Iterator
 from typing import Final
 
-from symid.data.table import whole_memory
+from symid.data import whole_memory
 
 LONGEST: Final = 3600.0
 """Default time limit of a log, s."""

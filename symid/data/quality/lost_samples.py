@@ -8,7 +8,7 @@ import scipy
 from symid.arrays import BoolArray, FloatArray, IntArray, runs_of_true
 from symid.text import counted
 
-FEWEST = 3
+FEWEST_LOST = 3
 """Fewest lost samples of one channel that are reported for that channel alone."""
 _LONGEST = 3
 """Most consecutive lost samples that are restored; the motion across a longer gap is unknown."""
@@ -153,7 +153,7 @@ def restored(
         rows[:] = False
     values, notes = dict(signals), []
     for name, x in signals.items():
-        lost = rows | alone[name] if np.count_nonzero(alone[name]) >= FEWEST else rows
+        lost = rows | alone[name] if np.count_nonzero(alone[name]) >= FEWEST_LOST else rows
         if not lost.any() or np.mean(lost) > _MOST:
             continue
         values[name] = _filled(x, ~lost, smooth=name in smooth)
@@ -176,7 +176,7 @@ def without_repeated_rows(
     """
     rows = np.stack([np.diff(x, prepend=np.nan) == 0.0 for x in signals.values()]).all(axis=0)
     odd = np.stack([repeated(x) for x in signals.values()]).any(axis=0) & rows
-    least = max(FEWEST, _LEAST_REPEATED * rows.size)
+    least = max(FEWEST_LOST, _LEAST_REPEATED * rows.size)
     if len(signals) < 2 or np.count_nonzero(odd) < least or np.mean(odd) > _MOST_REPEATED:
         return dict(signals), []
     lost = _short(np.asarray(rows))

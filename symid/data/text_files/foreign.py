@@ -1,7 +1,7 @@
 """Guesses about the columns of a foreign log: quantity, unit and part, each with its reason."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Final
 
@@ -22,8 +22,8 @@ from symid.data.text_files.column_words import (
     TORQUE,
     Quantity,
 )
+from symid.data.text_files.foreign_column import ForeignColumn
 from symid.data.text_files.unit_by_motion import Rate, unit_by_motion
-from symid.errors import LogError
 from symid.units import to_si
 
 _SIGN_BITS: Final = (10, 11, 15)
@@ -39,36 +39,6 @@ LONGEST_STROKE: Final = (
 _MOST_TURNS: Final = 1e3
 _MOST_WHOLE: Final = 10.0  # range of whole numbers above which rounding of SI is no cause of them
 _ENCODER: Final = "enc(?:oder)?"
-
-
-@dataclass(frozen=True)
-class ForeignColumn:
-    """A column with its guessed meaning."""
-
-    header: str
-    """As written in the file."""
-    quantity: Quantity | None
-    """Guessed quantity; None without evidence."""
-    unit: str | None
-    """Unit that `to_si` reads; None where none is known."""
-    setpoint: bool
-    """Whether it seems to be commanded, not measured."""
-    reason: str
-    """Reason for the guess."""
-    stated: bool
-    """Whether the file states the unit; otherwise it is guessed, or unknown."""
-    doubt: str = ""
-    """Evidence that the values are not numbers of a quantity; empty without such evidence."""
-    scaled: bool = False
-    """Whether the values cannot be in SI and their unit is unknown, such as counts of an encoder."""
-    constant: bool = False
-    """Whether all values are equal."""
-    extent: tuple[float, float] = (0.0, 0.0)
-    """Lowest and highest value."""
-    coarse: bool = False
-    """Whether it is a time that several samples share, as it is rounded."""
-    row_period: float | None = None
-    """Period by which the numbers of the rows give a coarse time, in its unit; None where it does not rise evenly."""
 
 
 def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
@@ -203,17 +173,6 @@ def quantity_named(header: str) -> Quantity | None:
     ('force', None)
     """
     return _guessed(header, np.zeros(1)).quantity
-
-
-def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
-    """A column in a unit that the user gives; LogError if no quantity of a log has this unit."""
-    quantity, read = measured_in(unit)
-    if quantity is None:
-        to_si(unit)
-        raise LogError(
-            f"unit {unit!r} is not a unit of any signal of an axis: give one such as ms, mm, rpm, N or A"
-        )
-    return replace(column, quantity=quantity, unit=read, reason="its unit is given", stated=True)
 
 
 def _sign_and_magnitude(values: FloatArray) -> str:

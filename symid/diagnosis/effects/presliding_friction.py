@@ -8,7 +8,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
-from symid.data.quality.lost_samples import step_of
+from symid.data.quality import step_of
 from symid.diagnosis.effects.effect import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import HOLDING, joints_with as _declared
 from symid.diagnosis.prediction.hidden_motion import Pointwise

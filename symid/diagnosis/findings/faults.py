@@ -9,8 +9,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data import Log
-from symid.data.quality.lost_samples import dropped
-from symid.data.quality.stuck import inspect_spans, is_switched
+from symid.data.quality import dropped, inspect_spans, is_switched
 from symid.diagnosis.effects import Placed, force_at
 from symid.diagnosis.findings.fit_faults import cut_force
 from symid.diagnosis.findings.force_sign import wrong_sign

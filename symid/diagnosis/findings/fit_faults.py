@@ -3,7 +3,7 @@
 import numpy as np
 
 from symid.axis import CoulombFriction
-from symid.data.quality.stuck import is_switched
+from symid.data.quality import is_switched
 from symid.diagnosis.effects.declared_friction import places_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted

@@ -15,7 +15,7 @@ import scipy
 from symid.arrays import FloatArray
 from symid.axis import Axis, Body, CoulombFriction, OffsetForce, Position, Velocity
 from symid.data import Log
-from symid.data.quality.lost_samples import restored, without_repeated_rows
+from symid.data.quality import restored, without_repeated_rows
 from symid.diagnosis.prediction.data import LogsByPurpose, logs_by_purpose
 from symid.diagnosis.prediction.record import LEAST_SAMPLES
 from symid.diagnosis.prediction.scaled_sensors import with_quantities

@@ -7,7 +7,7 @@ slowly. Its spectrum follows from rounding the motion itself, with zero at sever
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.quality.lost_samples import step_of
+from symid.data.quality import step_of
 from symid.signal_processing.density import power_density
 
 _PLACES = (0.125, 0.375, 0.625, 0.875)

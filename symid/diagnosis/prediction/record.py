@@ -15,7 +15,7 @@ import numpy as np
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Body, Spring
 from symid.data import Log
-from symid.data.quality.lost_samples import step_of
+from symid.data.quality import step_of
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.motion_band import force_noise, motion_band, noise_beyond
 from symid.diagnosis.prediction.periodic_log import FEWEST_BINS, PeriodicLog

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symid.arrays import FloatArray, unexplained_by
-from symid.data.quality.clock import CLOCK_DIFFERENCE
+from symid.data.quality import CLOCK_DIFFERENCE
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import scan

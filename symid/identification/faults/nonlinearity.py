@@ -15,7 +15,7 @@ import numpy as np
 
 from symid.arrays import FloatArray, unexplained_by
 from symid.codegen import GeneratedModel
-from symid.data.quality.stuck import is_switched
+from symid.data.quality import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import shiftable

@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray, runs_of_true
 from symid.codegen import GeneratedModel
 from symid.data import cut_in_motion
-from symid.data.quality.stuck import is_switched
+from symid.data.quality import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.rows.excerpts import Excerpt, estimate_of

@@ -13,9 +13,7 @@ import numpy as np
 from symid.arrays import FloatArray, runs_of_true, unexplained_by
 from symid.codegen import GeneratedModel
 from symid.data import Log
-from symid.data.quality.checks import jumps_of
-from symid.data.quality.lost_samples import FEWEST, dropped, repeated, step_of
-from symid.data.quality.stuck import is_switched
+from symid.data.quality import FEWEST_LOST, dropped, is_switched, jumps_of, repeated, step_of
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA
 from symid.identification.faults.smoothing import slow_update
@@ -84,7 +82,7 @@ def channel_fault(
     """
     if is_force and is_switched(x):
         return ""
-    most = max(FEWEST, dead_share * x.size)
+    most = max(FEWEST_LOST, dead_share * x.size)
     if (lost := int(np.count_nonzero(dropped(x)))) >= most:
         return f"{name} is exactly 0 in {lost} single samples between others: samples were lost and filled with 0"
     if (again := int(np.count_nonzero(repeated(x)))) >= most:
@@ -92,7 +90,7 @@ def channel_fault(
             f"{name} repeats the last value in {again} samples ({100 * again / x.size:.2g} %) while it moves: "
             "samples were lost and held, or the channel is updated more rarely than it is recorded"
         )
-    if (wrapped := _wrapped(x)) >= FEWEST:
+    if (wrapped := _wrapped(x)) >= FEWEST_LOST:
         return f"{name} jumps across its whole range {wrapped} times: its number overflows"
     if is_force and (limited := _slew_limited(x)) > _LIMITED_SHARE:  # a position does so at constant speed
         share = f"{100 * limited:.2g} %"
@@ -124,7 +122,7 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
     spans = spans[(spans[:, 1] - spans[:, 0] >= _SPAN - 1) & (spans[:, 1] < step.size)]
     length = spans[:, 1] - spans[:, 0]
     alike = np.count_nonzero(step == 0.0) - int(length.sum())
-    if len(spans) < FEWEST or alike > _ALIKE * x.size or length.sum() > _MOSTLY * x.size:
+    if len(spans) < FEWEST_LOST or alike > _ALIKE * x.size or length.sum() > _MOSTLY * x.size:
         return 0
     inside = (x[spans[:, 0]] > x.min()) & (x[spans[:, 0]] < x.max())
     free = np.ones(step.size, dtype=bool)
@@ -141,7 +139,7 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
         if not is_noise or np.mean(rough[1:] * rough[:-1] < 0.0) < _ROUGH:
             odd &= [_bends(mover, *span) for span in spans]
     found = int(np.count_nonzero(inside & odd))
-    return found if found >= FEWEST else 0
+    return found if found >= FEWEST_LOST else 0
 
 
 def _bends(mover: FloatArray, start: int, stop: int) -> bool:

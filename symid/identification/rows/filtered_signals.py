@@ -8,8 +8,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log
-from symid.data.log import SHORT
+from symid.data import SHORT_LOG, Log
 from symid.identification.rows.settings import Preparation
 from symid.signal_processing import LowPass, QuinticSpline, ZeroPhaseFilter
 
@@ -39,7 +38,7 @@ class Filtered:
 
     def __getitem__(self, part: slice) -> FloatArray:
         first, last, _ = part.indices(self.size)
-        return self._short[first:last] if self.size <= SHORT else self._read(first, last)
+        return self._short[first:last] if self.size <= SHORT_LOG else self._read(first, last)
 
     @cached_property
     def _short(self) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, Unpack, cast
 
 from symid.axis import Axis, of_any_axis
 from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, LongLog, in_memory, open_log, read_log
-from symid.data.quality.checks import constant_fault
+from symid.data.quality import constant_fault
 from symid.errors import LogError, SettingError
 from symid.units import Unit
 

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symid.data import ForeignColumn
-from symid.data.text_files.column_names import match, split_header, words_of
-from symid.data.text_files.column_words import ANGLES, TORQUE, TORQUE_CURRENT
+from symid.data.text_files import ANGLES, TORQUE, TORQUE_CURRENT
 from symid.errors import LogError, SettingError
 from symid.units import Unit, to_si
 
@@ -34,7 +33,7 @@ def makes_torque(column: ForeignColumn) -> bool:
     >>> [makes_torque(ForeignColumn(c, "current", "A", False, "", True)) for c in ("iq_mA", "q_current", "Strom U [A]")]
     [True, True, False]
     """
-    return match(words_of(split_header(column.header)[0]), TORQUE_CURRENT) is not None
+    return column.is_named(TORQUE_CURRENT)
 
 
 def for_sensor(column: ForeignColumn, signal: str, unit: Unit) -> ForeignColumn:
@@ -51,7 +50,7 @@ def for_sensor(column: ForeignColumn, signal: str, unit: Unit) -> ForeignColumn:
     if column.header == signal and not column.stated:
         return in_si(column) if is_long and unit in _POSSIBLE else as_called(column, signal)
     is_open = not (column.stated or column.scaled) and (is_long or not column.unit) and column.quantity
-    is_small_angle = not is_long and match(words_of(split_header(column.header)[0]), ANGLES)
+    is_small_angle = not is_long and column.is_named(ANGLES)
     if is_open and unit in _POSSIBLE and not is_small_angle:
         return replace(column, unit=None, scaled=True, reason=f"it may be in {_POSSIBLE[unit]}")
     if not is_unit_of(column.unit, unit):
@@ -80,7 +79,7 @@ def for_drive(column: ForeignColumn, signal: str, *, in_percent: bool) -> Foreig
     [True, False]
     """
     is_open = column.quantity == "force" and not (column.unit or column.scaled or column.header == signal)
-    if is_open and not in_percent and match(words_of(split_header(column.header)[0]), TORQUE):
+    if is_open and not in_percent and column.is_named(TORQUE):
         why = f"a torque without a unit, in N*m (`units` {signal}=Nm) or per cent of its rated value"
         return replace(column, scaled=True, reason=why)
     return as_called(column, signal)
@@ -110,9 +109,7 @@ def column_called(
 ) -> ForeignColumn:
     """The column with a header, or with a name before its unit."""
     wanted = name.strip()
-    for column in (
-        c for part in (0, 1) for c in columns if wanted == (c.header, split_header(c.header)[0])[part]
-    ):
+    for column in (c for part in (0, 1) for c in columns if wanted == (c.header, c.name)[part]):
         return column
     if wanted in left_out:
         raise SettingError(f"column {name!r} for {signal} {left_out[wanted]}")

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from symid.axis import Axis, Drive, Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
-from symid.data.text_files.foreign import LONGEST_STROKE, quantity_named, with_unit
+from symid.data.text_files import LONGEST_STROKE, quantity_named, with_unit
 from symid.identification.signals.fitting_columns import (
     UNITS_TO_GIVE,
     column_called,

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from symid.data import Layout
-from symid.data.text_files.layout import first_lines
+from symid.data.text_files import first_lines
 from symid.units import to_si
 
 _PERIOD = re.compile(
