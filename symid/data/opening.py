@@ -33,7 +33,7 @@ _BYTES_OF_A_ROW: Final = 4
 class ForeignColumns(TypedDict, total=False):
     """Options for a file whose columns are not named after signals, or not in SI units.
 
-    Parameters
+    Attributes
     ----------
     columns, units, gains : mapping of str to str, str, float
         For signals, ``t``, ``reference`` and alternative columns: the column of the file, its unit, and a factor that

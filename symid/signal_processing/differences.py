@@ -139,6 +139,8 @@ def sparse_derivatives(
 ) -> list[FloatArray]:
     """Samples `kept` of a vector and of its `derivatives`, without those of all others.
 
+    Examples
+    --------
     >>> [x.tolist() for x in sparse_derivatives(np.arange(9.0) ** 2, 1.0, 2, slice(1, 9, 3))]
     [[1.0, 16.0, 49.0], [2.0, 8.0, 14.0], [1.5, 2.0, 1.5]]
     """
