@@ -27,7 +27,7 @@ from symid.axis.laws.law import *
 from symid.axis.laws.spring import *
 from symid.axis.sensors import *
 from symid.codegen import compiled as compiled, load_generated as load_generated
-from symid.codegen.generate import generate as generate
+from symid.codegen.generation import generate as generate
 from symid.data import Log as Log, read_log as read_log
 from symid.diagnosis import Diagnosis as Diagnosis, diagnose as diagnose
 from symid.errors import SymidError as SymidError

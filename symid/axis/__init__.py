@@ -4,23 +4,36 @@ from symid.axis import drive_imperfections, elements, imperfections, laws, senso
 from symid.axis.axis import Axis, Element
 from symid.axis.carriers import carrier_of
 from symid.axis.drive_imperfections import *
+from symid.axis.drive_imperfections import imperfections_in_order, ripples_of
 from symid.axis.elements import *
+from symid.axis.elements import Parameter, joint_label
 from symid.axis.imperfections import *
 from symid.axis.laws.along_stroke import *
 from symid.axis.laws.constant import *
 from symid.axis.laws.friction import *
 from symid.axis.laws.law import *
 from symid.axis.laws.spring import *
-from symid.axis.loading import AnyAxis, axis_file, axis_names, axis_of, load_axis, of_any_axis, shipped_folder
+from symid.axis.loading import (
+    AnyAxis,
+    axis_file,
+    axis_names,
+    axis_of,
+    installed_folder,
+    load_axis,
+    of_any_axis,
+    shipped_folder,
+)
 from symid.axis.quantities import force_unit, length_unit
 from symid.axis.sensors import *
+from symid.axis.sensors import controlled_of
 from symid.axis.sketch import chain, sketch, sketch_source
-from symid.axis.source import axis_path, axis_source, write_axis
+from symid.axis.source import axis_path, axis_source, declared_lines, write_axis
 
 __all__ = [
     "AnyAxis",
     "Axis",
     "Element",
+    "Parameter",
     "axis_file",
     "axis_names",
     "axis_of",
@@ -28,10 +41,16 @@ __all__ = [
     "axis_source",
     "carrier_of",
     "chain",
+    "controlled_of",
+    "declared_lines",
     "force_unit",
+    "imperfections_in_order",
+    "installed_folder",
+    "joint_label",
     "length_unit",
     "load_axis",
     "of_any_axis",
+    "ripples_of",
     "shipped_folder",
     "sketch",
     "sketch_source",

@@ -162,20 +162,20 @@ class ForceConstantRipple(DriveImperfection):
     shown: ClassVar = "f = F - F ({sine:.4g} sin(2 pi q/{pitch:.4g}) + {cosine:.4g} cos(2 pi q/{pitch:.4g}))"
 
 
-def ripples(drive: Iterable[DriveImperfection]) -> tuple[ForceConstantRipple, ...]:
+def ripples_of(drive: Iterable[DriveImperfection]) -> tuple[ForceConstantRipple, ...]:
     """Ripples among the imperfections of a drive, which act in its joint.
 
-    >>> ripples([ActuatorLag(1e-3)])
+    >>> ripples_of([ActuatorLag(1e-3)])
     ()
     """
     return tuple(item for item in drive if isinstance(item, ForceConstantRipple))
 
 
-def in_order(drive: Iterable[DriveImperfection]) -> tuple[DriveImperfection, ...]:
+def imperfections_in_order(drive: Iterable[DriveImperfection]) -> tuple[DriveImperfection, ...]:
     """Imperfections of a drive in the order in which a force passes them: gain, limit, lag, delay; without ripples.
 
-    >>> [type(item).__name__ for item in in_order([ActuatorLag(1e-3), ForceLimit(9.0), GainAsymmetry(0.1)])]
-    ['GainAsymmetry', 'ForceLimit', 'ActuatorLag']
+    >>> [type(item).__name__ for item in imperfections_in_order([ForceLimit(9.0), GainAsymmetry(0.1)])]
+    ['GainAsymmetry', 'ForceLimit']
     """
     kinds = (GainNonlinearity, GainAsymmetry, ForceLimit, ActuatorLag, ActuatorDelay)
     items = tuple(drive)

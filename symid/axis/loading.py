@@ -11,13 +11,18 @@ from symid.axis.axis import Axis
 from symid.errors import SettingError, SymidError
 from symid.text import similar
 
-PACKAGE = Path(__file__).resolve().parents[1]
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def installed_folder(name: str) -> Path:
+    """Folder inside the installed package that ships with symid; a source tree does not have it."""
+    return _PACKAGE / "shipped" / name
 
 
 def shipped_folder(name: str) -> Path:
     """Folder that ships with symid: inside an installed package, at the top of a source tree."""
-    installed = PACKAGE / "shipped" / name
-    return installed if installed.is_dir() else PACKAGE.parent / name
+    installed = installed_folder(name)
+    return installed if installed.is_dir() else _PACKAGE.parent / name
 
 
 def models_folders() -> tuple[Path, ...]:

@@ -32,10 +32,9 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import say, tracked, working
-from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
-from symid.fleet.worker_limits import LONGEST
+from symid.fleet import MOST_SECONDS, BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
 from symid.report.tables.fleet import print_batch
-from symid.verbs.methods import METHODS
+from symid.verbs import METHODS
 
 batch_options = shared(
     option(
@@ -66,7 +65,7 @@ batch_options = shared(
     option(
         "--timeout",
         type=POSITIVE,
-        default=LONGEST,
+        default=MOST_SECONDS,
         metavar="SECONDS",
         help="Longest time for a log; a worker that takes longer is ended. A cluster has its own limits.",
     ),

@@ -30,8 +30,7 @@ from symid.cli.terminal import say, tracked
 from symid.codegen import model_of
 from symid.data import REFERENCE, WRITTEN_SUFFIXES, Log, write_log
 from symid.errors import SettingError
-from symid.excitation import Design, IdentificationTrial, design
-from symid.excitation.best_reference import FINAL_RUNS, LEAST_RUNS
+from symid.excitation import FINAL_RUNS, LEAST_RUNS, Design, IdentificationTrial, design
 from symid.files import written_path
 from symid.simulation import Limits, Trajectory, plant_of
 from symid.units import Unit

@@ -8,8 +8,8 @@ from click import argument, option
 from symid.cli.options import json_option, measured_option, signal_list, write_json
 from symid.cli.outputs import SafeCommand
 from symid.cli.terminal import say, tracked
-from symid.codegen.generate import plan
-from symid.codegen.store import write
+from symid.codegen import write_stale
+from symid.codegen.generation import plan
 
 
 @click.command("generate", cls=SafeCommand, epilog="Example: symid generate direct_2m1s")
@@ -31,7 +31,7 @@ def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file:
     )
     stale = [file for file in files if not file.is_current]
     if not check:
-        write(files)
+        write_stale(files)
     if json_file:
         write_json(
             {

@@ -65,8 +65,7 @@ from symid.report.tables.identification import (
     print_shared,
     shared_record,
 )
-from symid.verbs.identify_any import identify
-from symid.verbs.methods import METHODS
+from symid.verbs import METHODS, identify
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification

@@ -73,7 +73,7 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
         return load_generated(axis, signals)
     except SymidError:
         # sympy is imported only if there is no module.
-        from symid.codegen.module import module_text
+        from symid.codegen.generation.module import module_text
         from symid.symbolic import derive
 
         text = module_text(derive(declared, signals))
@@ -168,7 +168,7 @@ def compiled(axis: AnyAxis, measured: Sequence[str] | None = None) -> GeneratedM
     """
     if isinstance(axis, GeneratedModel):
         return axis
-    from symid.codegen.module import module_text  # loads sympy
+    from symid.codegen.generation.module import module_text  # loads sympy
     from symid.symbolic import DerivedModel, derive
 
     model = axis if isinstance(axis, DerivedModel) else derive(axis, measured)

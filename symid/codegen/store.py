@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from symid.axis import Axis, axis_file
-from symid.axis.loading import PACKAGE
+from symid.axis import Axis, axis_file, installed_folder
 from symid.errors import SymidError
 from symid.files import free_name, write_whole
 
@@ -74,7 +73,7 @@ def orphans(folder: Path, wanted: Sequence[Path], axes: Sequence[str]) -> Iterat
     Nothing is removed from the folder that ships with an installed symid: an axis of the same name elsewhere shadows
     the shipped one and does not replace it.
     """
-    if folder.resolve() == (PACKAGE / "shipped" / "generated").resolve():
+    if folder.resolve() == installed_folder("generated").resolve():
         return
     for path in sorted((*folder.glob("*__*.py"), *folder.glob(f"*{_DYNAMICS_END}"))):
         axis = path.name.split("__")[0]
@@ -95,7 +94,7 @@ def sensor_sets_in(folder: Path, axis: Axis) -> tuple[tuple[str, ...], ...]:
     return tuple(found)
 
 
-def write(files: Sequence[GeneratedFile]) -> None:
+def write_stale(files: Sequence[GeneratedFile]) -> None:
     """Write the files that are not current, each atomically; remove those without a required text."""
     for file in files:
         if file.is_current:

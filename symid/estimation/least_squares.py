@@ -255,3 +255,13 @@ def _with_nan(array: FloatArray, undetermined: list[int]) -> FloatArray:
     array = array.copy()
     array[undetermined] = np.nan
     return array
+
+
+def fit_percent(y: FloatArray, predicted: FloatArray) -> float:
+    """Fit of a prediction, 100 (1 - |y - predicted| / |y - mean y|), %: 100 where it is exact, 0 of the mean.
+
+    >>> fit_percent(np.array([0.0, 2.0]), np.array([0.5, 1.5]))
+    50.0
+    """
+    spread = float(np.linalg.norm(y - y.mean())) if y.size else 0.0
+    return 100.0 * (1.0 - float(np.linalg.norm(y - predicted)) / spread) if spread else float("nan")

@@ -11,8 +11,7 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 
 from symid.axis import Axis, axis_of
-from symid.codegen.lowering import minimal_parameter_code, signal_names
-from symid.codegen.module import model_signals
+from symid.codegen.generation import minimal_parameter_code, model_signals, symbol_names
 from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_delays import SHORTEST_STEP, delay_fields
@@ -206,7 +205,7 @@ def _settle_fields(dynamics: SymbolicDynamics) -> dict[str, str]:
 
 def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:
     """Body of a function that computes expressions of the signals."""
-    used = set(signal_names(list(entries.values())))
+    used = set(symbol_names(list(entries.values())))
     read = [f"const double {c_name(s)} = signals[{i}];" for i, s in enumerate(signals) if s in used]
     unused = [] if read else ["(void)signals;"]
     return lines(

@@ -16,9 +16,10 @@ from symid.axis import (
     JointImperfection,
     PayloadChange,
     PreslidingFriction,
+    imperfections_in_order,
+    joint_label,
+    ripples_of,
 )
-from symid.axis.drive_imperfections import in_order, ripples
-from symid.axis.elements import joint_label
 from symid.symbolic.expressions import (
     FORCE,
     MEMORY,
@@ -106,7 +107,10 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
         return JointForce(element.at, law.xreplace(known), memory)
 
     def path(drive: Drive) -> DrivePath:
-        passed, place = in_order(axis.imperfections_of(drive)), drive.signal if several else "drive"
+        passed, place = (
+            imperfections_in_order(axis.imperfections_of(drive)),
+            drive.signal if several else "drive",
+        )
         late = sum(e.seconds for e in passed if isinstance(e, ActuatorDelay))
         kept = (e for e in passed if not isinstance(e, ActuatorDelay))
         return DrivePath(drive, tuple((e, remembered(e, place, acting(drive))) for e in kept), late)
@@ -117,7 +121,7 @@ def imperfections_of(axis: Axis, first: int) -> Imperfect:
     load = sp.Add(*map(sp.Abs, forces)) if several else forces[0]
     drives = tuple(map(path, axis.drives))
     joints = [force(e) for e in axis.elements if isinstance(e, JointImperfection)]
-    joints += [_ripple(drive, e) for drive in axis.drives for e in ripples(axis.imperfections_of(drive))]
+    joints += [_ripple(drive, e) for drive in axis.drives for e in ripples_of(axis.imperfections_of(drive))]
     changes = tuple(e for e in axis.elements if isinstance(e, PayloadChange))
     is_timed = bool(changes) or any(NOW in joint.law.free_symbols for joint in joints)
     return Imperfect(

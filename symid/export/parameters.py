@@ -7,7 +7,7 @@ import numpy as np
 
 from symid.codegen import compiled
 from symid.errors import SettingError
-from symid.estimation.correlation import correlation_matrix
+from symid.estimation import correlation_matrix
 from symid.export.exported import require_physical
 from symid.symbolic import DerivedModel
 

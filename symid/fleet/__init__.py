@@ -7,12 +7,14 @@ from symid.fleet.control_chart import ControlChart
 from symid.fleet.factors import log_factors
 from symid.fleet.joint_estimate import JointIdentification, identify_jointly
 from symid.fleet.kept_factors import join_results
-from symid.fleet.results import read_results, units_in
+from symid.fleet.results import numbers_in, parameter_names, read_results, units_in, without_repeats
 from symid.fleet.review import AxisReview, FleetReview, ParameterReview, review_fleet
 from symid.fleet.segments import TrendChange
-from symid.fleet.spread import Spread
+from symid.fleet.spread import Spread, robust_deviation
+from symid.fleet.worker_limits import MOST_SECONDS
 
 __all__ = [
+    "MOST_SECONDS",
     "AxisReview",
     "Batch",
     "BatchSettings",
@@ -27,8 +29,12 @@ __all__ = [
     "identify_jointly",
     "join_results",
     "log_factors",
+    "numbers_in",
+    "parameter_names",
     "read_results",
     "review_fleet",
+    "robust_deviation",
     "summary_of",
     "units_in",
+    "without_repeats",
 ]

@@ -9,10 +9,10 @@ from typing import Any, Literal
 from symid.axis import Axis
 from symid.data import MEMORY, Layout, Rate
 from symid.errors import SettingError
-from symid.fleet.worker_limits import LONGEST
+from symid.fleet.worker_limits import MOST_SECONDS
 from symid.identification import Preparation
 from symid.identification.signals import axis_columns
-from symid.verbs.methods import method_of
+from symid.verbs import method_of
 
 ROW_METHODS = ("wls", "ols")
 """Methods that need only the triangular factors of a log."""
@@ -86,7 +86,7 @@ class BatchSettings:
     examine: bool = True
     joint: bool = False
     memory: int = MEMORY
-    seconds: float = LONGEST
+    seconds: float = MOST_SECONDS
 
     def __post_init__(self) -> None:
         method_of(self.method, {"ddof": self.ddof, "bounds": self.bounds, "prior": self.prior})
@@ -101,7 +101,7 @@ class BatchSettings:
     @property
     def canonical(self) -> str:
         """Text that is equal for equal settings in every process."""
-        return repr(_sorted(replace(self, memory=MEMORY, seconds=LONGEST)))  # limits change no result
+        return repr(_sorted(replace(self, memory=MEMORY, seconds=MOST_SECONDS)))  # limits change no result
 
     def of_axis(self, axis: Axis) -> BatchSettings:
         """The settings restricted to the signals and parameters of one axis."""

@@ -26,7 +26,7 @@ from symid.errors import SettingError
 from symid.fleet.segments import Series, TrendChange, TrendSegment, cut, places_of_step
 from symid.fleet.spread import variance_where_zero
 
-LEAST_RUNS = 8
+_LEAST_RUNS = 8
 """Smallest number of runs for which changes are sought."""
 _LIMIT = 3.0  # control limits, in standard deviations
 _OUTLYING = 4.5  # distance of an outlier from the median of its neighbours, in standard deviations
@@ -172,7 +172,7 @@ def _segmented(
     segments: tuple[TrendSegment, ...] = ()
     if not x.size:
         return outlying, segments, 0.0
-    if x.size < LEAST_RUNS:
+    if x.size < _LEAST_RUNS:
         segments = (Series(time, x, 1 / variance).segment(0, x.size, sloping=False),)
         return outlying, segments, _variance_within(x, variance, time, segments, ~outlying)
     # Outliers, segments and variance depend on each other: they are computed in turn until the segments do not change.

@@ -13,8 +13,7 @@ from pathlib import Path
 
 import symid
 from symid.axis import AnyAxis, Axis, axis_of
-from symid.codegen import GeneratedModel, model_of
-from symid.codegen.generated_models import StoredModule, stored_module
+from symid.codegen import GeneratedModel, StoredModule, model_of, stored_module
 from symid.data.formats import FOLDER_SUFFIXES, suffix_of
 from symid.errors import EliminationError, SettingError, SymidError
 from symid.fleet.batch_settings import BatchSettings

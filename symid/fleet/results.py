@@ -191,10 +191,10 @@ def _sensors(table: pl.DataFrame) -> pl.Expr:
     return column.cast(pl.String).replace("", None)
 
 
-def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
+def numbers_in(rows: pl.DataFrame, column: str) -> FloatArray:
     """A column as numbers; nan for a missing value and for one whose square is not finite.
 
-    >>> numbers(pl.DataFrame({"M": [1.0, None]}), "M").tolist()
+    >>> numbers_in(pl.DataFrame({"M": [1.0, None]}), "M").tolist()
     [1.0, nan]
     """
     if rows.schema[column].is_nested() or rows.schema[column].is_temporal():

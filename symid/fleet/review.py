@@ -18,7 +18,7 @@ from symid.fleet.results import (
     count_effects,
     groups,
     moments,
-    numbers,
+    numbers_in,
     parameter_names,
     without_repeats,
 )
@@ -163,10 +163,12 @@ def review_fleet(
 def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], units: Units) -> AxisReview:
     rows = group.rows.filter(pl.col("status").is_in(list(statuses)))
     own = units.get(group.axis, {}).get(",".join(group.sensors), {})
-    known = [name for name in names if np.isfinite(numbers(rows, name)).any()]
+    known = [name for name in names if np.isfinite(numbers_in(rows, name)).any()]
     # A minimal parameter that equals a physical one has the same numbers under a second name and is left out.
-    last = {numbers(rows, name).tobytes(): name for name in known}
-    distinct = [name for name in without_repeats(known, own) if last[numbers(rows, name).tobytes()] == name]
+    last = {numbers_in(rows, name).tobytes(): name for name in known}
+    distinct = [
+        name for name in without_repeats(known, own) if last[numbers_in(rows, name).tobytes()] == name
+    ]
     found = tuple(one for one in (_parameter_review(rows, name, own) for name in distinct) if one is not None)
     return AxisReview(
         name=group.name,
@@ -181,7 +183,7 @@ def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], un
 
 def _parameter_review(rows: pl.DataFrame, name: str, units: Mapping[str, str]) -> ParameterReview | None:
     """A parameter over the logs; None if no log has it."""
-    values, deviations = numbers(rows, name), numbers(rows, f"{name}_std")
+    values, deviations = numbers_in(rows, name), numbers_in(rows, f"{name}_std")
     known = np.isfinite(values)
     if not known.any():
         return None

@@ -18,7 +18,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from symid.errors import SettingError, SymidError
 from symid.fleet.worker_limits import (
-    LONGEST,
+    MOST_SECONDS,
     end_with,
     ending_after,
     limit_memory,
@@ -53,7 +53,7 @@ class Processes:
     """
 
     jobs: int
-    seconds: float = LONGEST
+    seconds: float = MOST_SECONDS
 
     def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
         """Run tasks, as `Scheduler.run`."""
@@ -214,7 +214,9 @@ def _distributed() -> Any:
     return distributed
 
 
-def scheduler_of(jobs: int | None, address: str | None, n_tasks: int, seconds: float = LONGEST) -> Scheduler:
+def scheduler_of(
+    jobs: int | None, address: str | None, n_tasks: int, seconds: float = MOST_SECONDS
+) -> Scheduler:
     """The cluster at an address, else the given number of processes, or one per core.
 
     SettingError if the number of processes or the time limit is not positive, or Dask is not installed.

@@ -23,7 +23,7 @@ import scipy
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 
-LEAST_RUNS = 3
+_LEAST_RUNS = 3
 """Smallest number of runs for a spread."""
 _TAIL = 0.025
 _LEAST_SHARE = 0.1
@@ -109,7 +109,7 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
         raise SettingError(f"values of shape {x.shape}, deviations {s.shape}: one of each for each run")
     known = np.isfinite(x) & np.isfinite(s) & (s > 0)
     x, s = x[known], s[known]
-    if x.size < LEAST_RUNS:
+    if x.size < _LEAST_RUNS:
         return _without_spread(x, s)
     freedom = x.size - 1
     # In units of the mean deviation, squares of very small parameters do not underflow.
@@ -188,7 +188,7 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
     known = {name: one for name, one in spreads.items() if math.isfinite(one.probability)}
     if not known:
         most = max((one.runs for one in spreads.values()), default=0)
-        sentence = f"not known: {most} runs with intervals; {LEAST_RUNS} are required"
+        sentence = f"not known: {most} runs with intervals; {_LEAST_RUNS} are required"
         return SpreadVerdict(False, (), sentence, {})
     adjusted = dict(zip(known, _holm([one.probability for one in known.values()]), strict=True))
     differing = [n for n in known if adjusted[n] < level and known[n].exceeds_tolerance]

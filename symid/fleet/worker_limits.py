@@ -15,7 +15,7 @@ from typing import Final
 
 from symid.data import whole_memory
 
-LONGEST: Final = 3600.0
+MOST_SECONDS: Final = 3600.0
 """Default time limit of a log, s."""
 _LEAST_MEMORY: Final = 4e9
 _SHARES: Final = 2.0

@@ -17,7 +17,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
-from symid.estimation.autoregression import Autoregression, autoregression
+from symid.estimation import Autoregression, autoregression
 from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.simulation import ClosedLoop
 

@@ -6,8 +6,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
-from symid.signal_processing import QuinticSpline
-from symid.signal_processing.density import NOISE_FROM
+from symid.signal_processing import NOISE_FROM, QuinticSpline
 
 Course = Literal["held", "smooth"]
 """Course of the drive force between two samples: held from each to the next, or the smooth one through all values."""

@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.errors import SymidError
-from symid.estimation.levenberg_marquardt import Minimum, central_slope, levenberg_marquardt
+from symid.estimation import Minimum, central_slope, levenberg_marquardt
 from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.simulation import ForwardDynamics
 

@@ -10,8 +10,7 @@ from typing import Any
 from rich.console import Console
 
 from symid import __version__
-from symid.axis import Axis, load_axis
-from symid.axis.source import declared_lines
+from symid.axis import Axis, declared_lines, load_axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.diagnosis import Diagnosis

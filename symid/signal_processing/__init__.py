@@ -1,5 +1,15 @@
 """Processing of sampled signals: zero-phase filters, differences, splines, spectra."""
 
+from symid.signal_processing.density import (
+    NOISE_FROM,
+    density_of,
+    explained_power,
+    incoherent_density,
+    incoherent_density_of,
+    mean_power,
+    power_density,
+    segment_spectra,
+)
 from symid.signal_processing.differences import (
     central_difference,
     central_difference_gain,
@@ -13,6 +23,7 @@ from symid.signal_processing.splines import QuinticSpline
 from symid.signal_processing.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
+    "NOISE_FROM",
     "LowPass",
     "Piece",
     "QuinticSpline",
@@ -20,11 +31,18 @@ __all__ = [
     "central_difference",
     "central_difference_gain",
     "decimation_filter",
+    "density_of",
     "derivatives",
     "difference_factors",
     "differencing_bandwidth",
+    "explained_power",
     "in_pieces",
+    "incoherent_density",
+    "incoherent_density_of",
     "kept_indices",
     "kept_of",
+    "mean_power",
+    "power_density",
+    "segment_spectra",
     "sparse_derivatives",
 ]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from symid.axis import Axis, Imperfection, Law
-from symid.codegen.store import stored_dynamics
+from symid.codegen import stored_dynamics
 from symid.errors import DeclarationError
 from symid.simulation.law_code import array_function, law_code, moves
 from symid.simulation.plant import direction_of

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection
-from symid.axis.drive_imperfections import in_order
+from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection, imperfections_in_order
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
 from symid.simulation.imperfect_plant import imperfection_code, imperfection_function
 
@@ -49,7 +48,9 @@ class ThroughDrive(Controller):
     @cached_property
     def _nonlinearities(self) -> tuple[DriveImperfection, ...]:
         """Gains and limits, in the order in which they act."""
-        return in_order(item for item in self.drive if not isinstance(item, (ActuatorLag, ActuatorDelay)))
+        return imperfections_in_order(
+            item for item in self.drive if not isinstance(item, (ActuatorLag, ActuatorDelay))
+        )
 
     @cached_property
     def _n_past(self) -> int:

@@ -201,7 +201,7 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
     axis = declaration.axis
     record = stored_with_laws(axis)
     if record is None:
-        from symid.codegen.dynamics_record import dynamics_record  # sympy takes half a second to load
+        from symid.codegen.generation import dynamics_record  # sympy takes half a second to load
 
         record = dynamics_record(axis)
 

@@ -9,7 +9,7 @@ import scipy
 from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from symid.axis import Axis, length_unit
 from symid.data import Log
-from symid.estimation.correlation import correlation_matrix
+from symid.estimation import correlation_matrix
 from symid.simulation.forward_dynamics import forward_dynamics, plant_of
 from symid.simulation.plant import Plant
 from symid.units import Unit

@@ -19,8 +19,8 @@ from symid.axis import (
     JointImperfection,
     PayloadChange,
     PreslidingFriction,
+    ripples_of,
 )
-from symid.axis.drive_imperfections import ripples
 from symid.simulation.forward_dynamics import forward_dynamics, plant_of
 from symid.simulation.law_code import array_function, law_code
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
@@ -62,7 +62,7 @@ def stages(axis: Axis, parameters: Mapping[str, float]) -> tuple[list[PlantStage
                 added.append((direction, _under_load(_law(element), scales)))
     for i, (drive, scale) in enumerate(zip(axis.drives, scales, strict=True)):
         direction = direction_of(drive.at, plant.bodies)
-        added += [(direction, _ripple(e, i, scale)) for e in ripples(axis.imperfections_of(drive))]
+        added += [(direction, _ripple(e, i, scale)) for e in ripples_of(axis.imperfections_of(drive))]
     found = [PlantStage(0.0, _with_laws(plant, added))]
     changes = (element for element in axis.elements if isinstance(element, PayloadChange))
     dynamics = forward_dynamics(axis)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from symid.axis.laws.law import FUNCTIONS
+from symid.axis.laws import FUNCTIONS
 from symid.errors import SymidError
 
 _ZERO, _ONE = ast.Constant(0.0), ast.Constant(1.0)

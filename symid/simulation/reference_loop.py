@@ -10,8 +10,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
-from symid.axis import Axis
-from symid.axis.sensors import controlled_of
+from symid.axis import Axis, controlled_of
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.cascade_tuning import tuned_cascades

@@ -8,7 +8,7 @@ import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
 from symid.axis import Axis, EncoderRipple, Imperfection
-from symid.axis.laws.law import FUNCTIONS
+from symid.axis.laws import FUNCTIONS
 from symid.errors import SymidError
 
 

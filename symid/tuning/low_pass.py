@@ -11,7 +11,7 @@ import sympy as sp
 
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
-from symid.codegen.lowering import code
+from symid.codegen.generation import numpy_code
 from symid.estimation import estimate, triangular_factors
 from symid.signal_processing import LowPass
 from symid.symbolic.expressions import is_smooth, parameter_symbol
@@ -94,7 +94,7 @@ def standard_model(axis: Axis) -> StandardModel:
 
 
 def _function(expression: sp.Expr, symbols: list[sp.Symbol]) -> _Column:
-    text = f"lambda {', '.join(map(str, symbols))}: {code(expression)}"
+    text = f"lambda {', '.join(map(str, symbols))}: {numpy_code(expression)}"
     return eval(text, {"np": np})  # type: ignore[no-any-return]  # eval is untyped
 
 

@@ -82,7 +82,7 @@ _COUNTED: Final = """
     count counts cts cnt cnts ct inc incs incr incrs increment increments Inkr Ink Inkremente Inkrement pulse pulses
     Impulse step steps lsb LSB LSBs bit bits Bit Bits digit digits tick ticks qc
 """
-COUNTS: Final = frozenset(_COUNTED.split())
+COUNT_UNITS: Final = frozenset(_COUNTED.split())
 """Units of encoder or converter counts, whose size only the user knows."""
 PER_TURN: Final = frozenset({"cpr", "ppr", "CPR", "PPR"})
 """Counts per turn."""
@@ -103,5 +103,5 @@ def _table() -> dict[str, tuple[float, Unit]]:
     return known
 
 
-NAMES: Final = _table()
+UNIT_NAMES: Final = _table()
 """Factor to SI and unit by name."""

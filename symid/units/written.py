@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Final
 
 from symid.errors import LogError
-from symid.units.names import COUNTS, NAMES, PER_TURN
+from symid.units.names import COUNT_UNITS, PER_TURN, UNIT_NAMES
 from symid.units.unit import BASE_UNITS, Unit
 
 _LONGEST: Final = 60
@@ -127,7 +127,7 @@ def _in(expected: Unit, read: _Read, text: str) -> float:
 
 
 def _is_counted(read: _Read) -> bool:
-    return any(name in COUNTS for name in read.names)
+    return any(name in COUNT_UNITS for name in read.names)
 
 
 def _says_nothing(text: str) -> LogError:
@@ -200,9 +200,9 @@ def _factor(token: re.Match[str]) -> _Read:
     power = int((token["power"] or "1").translate(_SUPERSCRIPTS).replace("**", "").lstrip(" ^"))
     if abs(power) > _LARGEST_POWER:
         raise ValueError(name)
-    if name in COUNTS:
+    if name in COUNT_UNITS:
         return _Read(names=(name,))
     if name in PER_TURN:
         return _Read(1.0 / (2.0 * math.pi), Unit() / _RADIAN, (name,))
-    factor, unit = NAMES[name]
+    factor, unit = UNIT_NAMES[name]
     return _Read(factor**power, unit**power, (name,))

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from symid import load_axis
-from symid.codegen.dynamics_record import dynamics_record
-from symid.codegen.generate import generate
+from symid.codegen.generation.dynamics_record import dynamics_record
+from symid.codegen.generation.generate import generate
 from symid.codegen.store import dynamics_text, stored_dynamics
 from symid.errors import SymidError
 from symid.simulation import plant_of

@@ -6,7 +6,7 @@ import pytest
 from sympy import QQ
 from sympy.polys.rings import PolyRing
 
-from symid.codegen.lowering import minimal_parameter_code
+from symid.codegen.generation.lowering import minimal_parameter_code
 from symid.export.c_code import c_code
 from symid.symbolic.minimal import MinimalParameter
 from symid.symbolic.parameter_function import ParameterFunction

@@ -12,10 +12,10 @@ from axes.catalogue import cases, every_set, generated
 
 from symid.axis import load_axis
 from symid.codegen import GeneratedModel, load_generated
-from symid.codegen.generate import plan
 from symid.codegen.generated_models import compile_module
-from symid.codegen.module import module_text
-from symid.codegen.store import module_name, planned_file, write
+from symid.codegen.generation.generate import plan
+from symid.codegen.generation.module import module_text
+from symid.codegen.store import module_name, planned_file, write_stale
 from symid.errors import GeneratedModuleError
 from symid.symbolic import derive
 
@@ -55,7 +55,7 @@ def test_text_is_the_same_for_every_hash_seed() -> None:
     program = (
         "import hashlib\n"
         "from symid.axis import load_axis\n"
-        "from symid.codegen.module import module_text\n"
+        "from symid.codegen.generation.module import module_text\n"
         "from symid.symbolic import derive\n"
         "for name in ('direct_3m2s', 'ballscrew_2m1s', 'emps_asymmetric'):\n"
         "    axis = load_axis(name)\n"
@@ -167,7 +167,7 @@ def current(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A working folder whose axis `mine` has its module."""
     declare(tmp_path)
     monkeypatch.chdir(tmp_path)
-    write(plan(("mine",)))
+    write_stale(plan(("mine",)))
     assert load_generated("mine").output_names == ("F",)
     return tmp_path / "generated" / "mine__q.py"
 
@@ -181,7 +181,7 @@ def test_a_stale_module_is_refused_until_it_is_generated_again(
         GeneratedModuleError, match=r"is older than the declaration of 'mine'; run: symid generate mine"
     ):
         load_generated("mine")
-    write(plan(("mine",)))
+    write_stale(plan(("mine",)))
     assert list(load_generated("mine").physical_units) == ["M", "Fviscous"]
 
 
@@ -213,7 +213,7 @@ def test_a_module_that_is_not_text_is_refused(tmp_path: Path, monkeypatch: pytes
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(GeneratedModuleError, match="run: symid generate mine"):
         load_generated("mine")
-    write(plan(("mine",)))
+    write_stale(plan(("mine",)))
     assert load_generated("mine").output_names == ("F",)
 
 
@@ -230,7 +230,7 @@ def test_a_failure_while_writing_leaves_the_old_module(
 
     monkeypatch.setattr(os, "replace", full)
     with pytest.raises(OSError, match="no space left"):
-        write(files)
+        write_stale(files)
     assert path.read_text(encoding="utf-8") == before
     assert sorted(path.parent.iterdir()) == [path.parent / "mine__dynamics.json", path]
 
@@ -239,7 +239,7 @@ def test_what_fails_in_deriving_one_axis_writes_nothing(folder: Path) -> None:
     declare(folder)
     (folder / "models" / "zzz.py").write_text("axis = 1", encoding="utf-8")
     with pytest.raises(Exception, match=r"zzz\.py defines no axis"):
-        write(plan(("mine", "zzz")))
+        write_stale(plan(("mine", "zzz")))
     assert not (folder / "generated").exists()
 
 
@@ -248,30 +248,30 @@ def test_modules_that_nothing_declares_are_removed(tmp_path: Path, monkeypatch: 
     declare(tmp_path, sensors='(Position("q", body), Acceleration("ddq", body))')
     (tmp_path / "models" / "other.py").write_text("", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    write(plan(("mine",)))
+    write_stale(plan(("mine",)))
     folder = tmp_path / "generated"
     for name in ("other__q.py", "gone__q.py", "gone__dynamics.json", "notes.py"):
         (folder / name).write_text("", encoding="utf-8")
     declare(tmp_path)
-    write(plan(("mine",)))
+    write_stale(plan(("mine",)))
     left = {"mine__dynamics.json", "mine__q.py", "notes.py", "other__q.py"}
     assert {path.name for path in folder.iterdir()} == left
 
 
 def test_one_set_of_sensors_touches_no_other_module(folder: Path) -> None:
     declare(folder, sensors='(Position("q", body), Acceleration("ddq", body))')
-    write(plan(("mine",), ("q", "ddq")))
+    write_stale(plan(("mine",), ("q", "ddq")))
     assert [path.name for path in (folder / "generated").iterdir()] == ["mine__q_ddq.py"]
-    write(plan(("mine",), ("q",)))
+    write_stale(plan(("mine",), ("q",)))
     assert {path.name for path in (folder / "generated").iterdir()} == {"mine__q.py", "mine__q_ddq.py"}
 
 
 def test_a_file_that_is_current_is_not_written_again(tmp_path: Path) -> None:
     path = tmp_path / "a__q.py"
-    write([planned_file(path, "text\n")])
+    write_stale([planned_file(path, "text\n")])
     path.chmod(0o444)
     before = path.stat().st_mtime_ns
-    write([planned_file(path, "text\n")])
+    write_stale([planned_file(path, "text\n")])
     assert path.stat().st_mtime_ns == before
     assert planned_file(path, "other\n").diff().splitlines()[-2:] == ["-text", "+other"]
 
@@ -279,7 +279,7 @@ def test_a_file_that_is_current_is_not_written_again(tmp_path: Path) -> None:
 def test_an_axis_in_memory_is_read_from_a_given_folder(tmp_path: Path) -> None:
     axis = cases()["triangle"].declared
     path = tmp_path / f"{module_name(axis.name, ('qa',))}.py"
-    write([planned_file(path, module_text(derive(axis, ("qa",))))])
+    write_stale([planned_file(path, module_text(derive(axis, ("qa",))))])
     model = load_generated(axis, ("qa",), folder=tmp_path)
     assert isinstance(model, GeneratedModel)
     assert model.axis == "triangle"

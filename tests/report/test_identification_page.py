@@ -11,7 +11,7 @@ import pytest
 from command_line import run
 
 import symid
-from symid.estimation.residual_measures import fit_percent
+from symid.estimation.least_squares import fit_percent
 from symid.report.figures.residual_correlation import (
     PredictedOutput,
     correlation,

@@ -9,7 +9,7 @@ from hand_made import RATE, plain_force, rigid_log
 from symid import Log, load_axis
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import DelayEffect
-from symid.estimation.residual_measures import means_over
+from symid.report.figures.binned_means import means_over
 from symid.report.pages.interactive import error_maps, plots_of
 from symid.report.pages.page_bode import bode_plots
 from symid.simulation.frequency_response import response_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from symid.axis import Axis, Body, Drive, PayloadChange, Position, Spring, load_axis
-from symid.codegen.dynamics_record import dynamics_record
+from symid.codegen.generation.dynamics_record import dynamics_record
 from symid.diagnosis.effects import LIBRARY, LawEffect
 from symid.simulation.added_laws import stored_with_laws
 from symid.simulation.law_code import array_function

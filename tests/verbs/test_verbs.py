@@ -44,7 +44,9 @@ def test_all_ways_of_naming_an_axis_and_a_log_are_alike(folder: Path) -> None:
 def test_an_axis_without_module_is_derived_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = symid.identify(own("Fvisc"), "a.csv")
     assert found.physical_parameters["Fvisc"] == pytest.approx(TRUE["Fv"], rel=0.05)
-    monkeypatch.setattr("symid.codegen.module.module_text", lambda *_: pytest.fail("derived again"))
+    monkeypatch.setattr(
+        "symid.codegen.generation.module.module_text", lambda *_: pytest.fail("derived again")
+    )
     assert symid.identify(own("Fvisc"), "a.csv").status == found.status
     assert not (folder / "generated").exists()
 

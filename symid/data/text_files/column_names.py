@@ -7,8 +7,7 @@ from typing import Final
 
 from symid.data.text_files.column_words import COUNTS, EFFORTS, SPELLED, UNITS, WEIGHTS, WORDS, Quantity
 from symid.errors import LogError
-from symid.units import Unit, to_si
-from symid.units.names import NAMES
+from symid.units import UNIT_NAMES, Unit, to_si
 
 _BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*")
 _MOTION: Final = r"(?:[nmcuµμ]?m|m?rad|deg|°|м|мм|мкм|рад|град)(?:[/_][sс](?:\^?2|²)?)?"
@@ -139,7 +138,7 @@ def measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
 
 def _folded() -> dict[str, list[str]]:
     folded: dict[str, list[str]] = {}
-    for name in NAMES:
+    for name in UNIT_NAMES:
         folded.setdefault(name.upper(), []).append(name)
     return folded
 

@@ -10,8 +10,7 @@ from typing import Final
 from symid.data.text_files.grouped_numbers import is_grouped
 from symid.data.text_files.time_stamps import is_stamp
 from symid.errors import LogError
-from symid.units import to_si
-from symid.units.names import COUNTS
+from symid.units import COUNT_UNITS, to_si
 
 LEAST_ROWS: Final = 5
 """Adjacent lines with the same fields that make a table."""
@@ -209,7 +208,7 @@ def are_units(texts: Sequence[str]) -> bool:
 
 
 def _is_unit(text: str) -> bool:
-    if text in COUNTS:
+    if text in COUNT_UNITS:
         return True
     try:
         to_si(text)

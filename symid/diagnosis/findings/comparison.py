@@ -19,7 +19,7 @@ from symid.diagnosis.prediction.corners import SLOW, near_reversals
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
-from symid.signal_processing.density import power_density
+from symid.signal_processing import power_density
 
 _REVERSAL = 0.02
 """Seconds around a reversal that do not count for the strength of an effect: the longest response of its band."""

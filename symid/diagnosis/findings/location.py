@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
-from symid.axis import Axis, length_unit
-from symid.axis.elements import joint_label
+from symid.axis import Axis, joint_label, length_unit
 from symid.diagnosis.effects.effect import ACTUATOR
 from symid.diagnosis.findings.comparison import ENOUGH, Comparison
 from symid.diagnosis.findings.gap import Location, MapCell

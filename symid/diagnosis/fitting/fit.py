@@ -15,7 +15,7 @@ from symid.diagnosis.fitting.cross_validation import Blocks, cross_validation_bl
 from symid.diagnosis.fitting.sensitivity import initial_motion_jacobian, prediction_jacobian
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.estimation.autoregression import autoregression
+from symid.estimation import autoregression
 
 _ALLOWED_ERROR = 0.1
 """Share of the remaining error that the weights allow for as error of the model."""

@@ -29,7 +29,7 @@ from symid.diagnosis.prediction.data import Controllers, LogsByPurpose
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError, SettingError, SymidError
-from symid.estimation.residual_measures import fit_percent
+from symid.estimation import fit_percent
 from symid.simulation import Cascade
 
 _SAME = 0.01

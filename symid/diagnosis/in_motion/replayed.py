@@ -26,7 +26,7 @@ from symid.diagnosis.prediction.corners import SLOW, near_reversals
 from symid.diagnosis.prediction.joined_logs import JoinedLogs
 from symid.diagnosis.prediction.record import Record
 from symid.errors import SettingError
-from symid.instrumental.recorded_gains import cascade_of_log
+from symid.instrumental import cascade_of_log
 from symid.signal_processing import LowPass, derivatives
 from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
 from symid.simulation.imperfect_plant import misreading

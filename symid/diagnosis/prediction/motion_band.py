@@ -5,7 +5,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.diagnosis.prediction.quantisation import rounding_error
-from symid.signal_processing.density import NOISE_FROM, incoherent_density, power_density
+from symid.signal_processing import NOISE_FROM, incoherent_density, power_density
 
 WIDEST = 0.3
 """Share of the sampling frequency up to which motion may reach."""

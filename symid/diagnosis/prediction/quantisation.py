@@ -8,7 +8,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.quality import step_of
-from symid.signal_processing.density import power_density
+from symid.signal_processing import power_density
 
 _PLACES = (0.125, 0.375, 0.625, 0.875)
 """Assumed positions of zero between two steps, in steps; the densities are averaged over them."""

@@ -12,7 +12,7 @@ from symid.arrays import ComplexArray, FloatArray, norms_or_one
 from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_equivalents
 from symid.diagnosis.fitting.fit import AR_ORDER, Fit
 from symid.diagnosis.thresholds import THRESHOLDS
-from symid.estimation.autoregression import Autoregression, autoregression, unweighted
+from symid.estimation import Autoregression, autoregression, unweighted
 
 _BATCH = 200_000
 """Values in the columns of the shapes that are tried together: as many as fit in a processor's cache."""

@@ -21,9 +21,9 @@ from symid.estimation import (
     TriangularFactor,
     corrected_covariance_of_blocks,
     estimate,
+    triangle,
     triangular_factors,
 )
-from symid.estimation.triangular import triangle
 from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import shiftable
 from symid.identification.faults.redundancy import high_pass_of

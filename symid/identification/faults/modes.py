@@ -14,7 +14,7 @@ from symid.codegen import GeneratedModel
 from symid.identification.rows.excerpts import Excerpt
 from symid.identification.rows.noise import coefficients
 from symid.signal_names import split_derivative
-from symid.signal_processing.density import NOISE_FROM, explained_power, mean_power, segment_spectra
+from symid.signal_processing import NOISE_FROM, explained_power, mean_power, segment_spectra
 
 _POINTS = 32
 """Points on the circle: more than the degree of any determinant."""

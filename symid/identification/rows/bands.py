@@ -14,8 +14,14 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, require_times_within
 from symid.identification.rows.noise import noise_levels, noise_limited_widening, spread_excerpts
 from symid.identification.rows.settings import LOW_PASSED, Preparation
-from symid.signal_processing import derivatives, differencing_bandwidth
-from symid.signal_processing.density import NOISE_FROM, explained_power, mean_power, segment_spectra
+from symid.signal_processing import (
+    NOISE_FROM,
+    derivatives,
+    differencing_bandwidth,
+    explained_power,
+    mean_power,
+    segment_spectra,
+)
 
 _COHERENT = 0.8
 _MARGIN, _HIGHEST_MARGIN = 1.5, 3.0

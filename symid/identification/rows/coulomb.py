@@ -12,8 +12,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.estimation import TriangularFactor
-from symid.estimation.triangular import triangle
+from symid.estimation import TriangularFactor, triangle
 from symid.identification.rows.filtered_signals import Filtered, low_pass_of
 from symid.identification.rows.sampling import STANDSTILL_SHARE, Sampling, linear_part, sample_into
 from symid.signal_names import split_derivative

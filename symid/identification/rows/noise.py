@@ -18,8 +18,15 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, in_memory
 from symid.identification.rows.settings import Preparation
 from symid.signal_names import split_derivative
-from symid.signal_processing import LowPass, central_difference_gain, decimation_filter
-from symid.signal_processing.density import NOISE_FROM, density_of, incoherent_density_of, segment_spectra
+from symid.signal_processing import (
+    NOISE_FROM,
+    LowPass,
+    central_difference_gain,
+    decimation_filter,
+    density_of,
+    incoherent_density_of,
+    segment_spectra,
+)
 
 _QUIET_SHARE = 3e-3
 _LEAST_WIDENING = 2.0

@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from symid.arrays import FloatArray
-from symid.estimation.residual_measures import Means
 from symid.files import replacing, written_path
+from symid.report.figures.binned_means import Means
 
 
 class Drawn(Figure):

@@ -11,8 +11,7 @@ from symid.data import Log
 from symid.diagnosis import Diagnosis
 from symid.diagnosis.findings.waterfall import waterfall
 from symid.errors import SettingError
-from symid.fleet import Batch
-from symid.fleet.results import parameter_names, without_repeats
+from symid.fleet import Batch, parameter_names, without_repeats
 from symid.report.figures.colours import LIGHT, Palette
 from symid.report.figures.drawn import Drawn, label_log_scales, title_lines
 from symid.report.figures.panels import draw_over_time

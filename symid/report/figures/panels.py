@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
 from symid.data import Log
-from symid.estimation.residual_measures import means_over
+from symid.report.figures.binned_means import means_over
 from symid.report.figures.colours import Palette
 from symid.report.figures.drawn import seen_range, title_lines
 from symid.report.figures.envelope import envelope, envelope_places

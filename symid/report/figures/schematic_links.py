@@ -19,10 +19,10 @@ from symid.axis import (
     Joint,
     JointImperfection,
     Law,
+    Parameter,
     Spring,
     ViscousFriction,
 )
-from symid.axis.elements import Parameter
 from symid.report.figures import symbols
 from symid.report.figures.symbols import Sign
 

@@ -8,8 +8,7 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.fleet import ControlChart, ParameterReview
-from symid.fleet.spread import robust_deviation
+from symid.fleet import ControlChart, ParameterReview, robust_deviation
 from symid.report.tables.fleet import change_sentence
 
 WIDTH, HEIGHT = 760, 190

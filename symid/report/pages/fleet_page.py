@@ -12,8 +12,7 @@ import polars as pl
 
 from symid import __version__
 from symid.files import write_whole
-from symid.fleet import AxisReview, FleetReview, JointIdentification
-from symid.fleet.results import numbers, parameter_names
+from symid.fleet import AxisReview, FleetReview, JointIdentification, numbers_in, parameter_names
 from symid.report.pages import control_chart_svg
 from symid.report.pages.control_chart_svg import (
     ChartShapes,
@@ -146,4 +145,4 @@ def _logs(found: FleetReview) -> dict[str, Any]:
 
 def _plain(table: pl.DataFrame, name: str) -> list[float | None]:
     """Numbers of seven digits; None for nan."""
-    return [float(f"{value:.7g}") if math.isfinite(value) else None for value in numbers(table, name)]
+    return [float(f"{value:.7g}") if math.isfinite(value) else None for value in numbers_in(table, name)]

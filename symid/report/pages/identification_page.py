@@ -12,8 +12,7 @@ from symid import __version__
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.in_motion.identified_motion import IdentifiedMotion, identified_motion
-from symid.estimation.correlation import correlation_matrix
-from symid.estimation.residual_measures import fit_percent
+from symid.estimation import correlation_matrix, fit_percent
 from symid.files import write_whole
 from symid.identification import Identification, OutputPrediction
 from symid.output_error import OutputErrorIdentification, OutputErrorPrediction

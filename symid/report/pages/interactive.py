@@ -16,7 +16,7 @@ from bokeh.resources import Resources
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import length_unit
 from symid.diagnosis import Diagnosis
-from symid.estimation.residual_measures import Means, means_over
+from symid.report.figures.binned_means import Means, means_over
 from symid.report.figures.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE, NOMINAL, PAPER
 from symid.report.figures.drawn import seen_range
 from symid.report.figures.envelope import envelope, envelope_places

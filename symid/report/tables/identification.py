@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from symid.arrays import FloatArray
-from symid.estimation.least_squares import relative_standard_deviation
+from symid.estimation import relative_standard_deviation
 from symid.identification import (
     Bias,
     EquationResidual,

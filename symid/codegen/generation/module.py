@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator, Sequence
 
 import sympy as sp
 
-from symid.codegen.jumps import coulomb_at_drive, sliding_velocities
-from symid.codegen.lowering import code, minimal_parameter_code, signal_names
+from symid.codegen.generation.jumps import coulomb_at_drive, sliding_velocities
+from symid.codegen.generation.lowering import minimal_parameter_code, numpy_code, symbol_names
 from symid.codegen.store import FORMAT
 from symid.codegen.vetting import signed
 from symid.signal_names import split_derivative
@@ -163,7 +163,7 @@ def _unused(name: str, taken: Sequence[str]) -> str:
 def model_signals(model: DerivedModel) -> tuple[str, ...]:
     """Signals of a model: forces, then sensors in the order of the declaration, each by order of derivative."""
     minimal = model.minimal
-    written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
+    written = symbol_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
     names = [name for name in written if name not in minimal.source.source.numbers]
     forces = (drive.signal for drive in model.axis.drives)
     ranks = {signal: i for i, signal in enumerate((*forces, *model.measured))}
@@ -223,7 +223,7 @@ def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
         elif entry.is_Add and len(entry.args) == 2 and all(arg.is_Symbol for arg in entry.args):
             lines.append(f"np.add({', '.join(sorted(map(str, entry.args)))}, out={target})")
         else:
-            lines.append(f"{target} = {code(entry)}")
+            lines.append(f"{target} = {numpy_code(entry)}")
     return textwrap.indent("\n".join(lines), "    ") if lines else "    # nothing to fill"
 
 
@@ -263,10 +263,10 @@ def _inverse(model: DerivedModel, solution: TriangularSolution) -> str:
         name = names[step.unknown]
         if step.branches == 1:
             below, above = step.coefficients
-            lines.append(f"{name} = {code(factored(-above, below))}")
+            lines.append(f"{name} = {numpy_code(factored(-above, below))}")
         else:
             parts = zip((a, b, c), step.coefficients, strict=True)
-            lines += [f"{letter} = {code(expression(part))}" for letter, part in parts]
+            lines += [f"{letter} = {numpy_code(expression(part))}" for letter, part in parts]
             lines.append(f"{sign} = 1 - 2*(branch // {passed} % 2)")
             lines.append(f"{name} = ({sign}*np.sqrt(np.maximum({b}*{b} - 4*{a}*{c}, 0.0)) - {b})/(2*{a})")
             passed *= 2

@@ -7,7 +7,7 @@ import sympy as sp
 from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Sensor
-from symid.codegen.lowering import code
+from symid.codegen.generation.lowering import numpy_code
 from symid.symbolic.forward_terms import ForwardTerms, Functional, forward_terms
 from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import by_power
@@ -36,7 +36,7 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
             {
                 "direction": written.row(law.displacement),
                 "parameter": written.polynomial(law.parameter),
-                "code": code(law.expression),
+                "code": numpy_code(law.expression),
             }
             for law in terms.laws
         ],

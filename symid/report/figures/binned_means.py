@@ -1,4 +1,4 @@
-"""Measures of a residual: the fit in per cent, and means in bins of position or velocity."""
+"""Means of a residual in bins of position or velocity."""
 
 from dataclasses import dataclass
 
@@ -39,13 +39,3 @@ def means_over(x: FloatArray, residual: FloatArray) -> Means:
         np.array([np.mean(residual[part]) for part in parts]),
         np.array([2 * np.std(residual[part]) / np.sqrt(part.size) for part in parts]),
     )
-
-
-def fit_percent(y: FloatArray, predicted: FloatArray) -> float:
-    """Fit of a prediction, 100 (1 - |y - predicted| / |y - mean y|), %: 100 where it is exact, 0 of the mean.
-
-    >>> fit_percent(np.array([0.0, 2.0]), np.array([0.5, 1.5]))
-    50.0
-    """
-    spread = float(np.linalg.norm(y - y.mean())) if y.size else 0.0
-    return 100.0 * (1.0 - float(np.linalg.norm(y - predicted)) / spread) if spread else float("nan")

@@ -35,10 +35,10 @@ class _ModulePrinter(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
         return f"np.heaviside({self._print(expression.args[0])}, 0.0)"
 
 
-def code(expression: sp.Expr) -> str:
+def numpy_code(expression: sp.Expr) -> str:
     """NumPy code of an expression.
 
-    >>> code(sp.sympify("-sign(q_d1) + 2*q"))
+    >>> numpy_code(sp.sympify("-sign(q_d1) + 2*q"))
     '2*q - np.sign(q_d1)'
     """
     return str(_ModulePrinter().doprint(expression))
@@ -50,7 +50,7 @@ class PolynomialLowering:
     Each generator has the name of a variable, or None if it never occurs; `write` writes a coefficient.
     """
 
-    def __init__(self, names: Sequence[str | None], write: Callable[[sp.Expr], str] = code) -> None:
+    def __init__(self, names: Sequence[str | None], write: Callable[[sp.Expr], str] = numpy_code) -> None:
         self.names = tuple(names)
         self._write, self._one = write, write(sp.S.One)
         self.assignments: list[tuple[str, str]] = []
@@ -98,7 +98,7 @@ class PolynomialLowering:
 def minimal_parameter_code(
     parameters: Sequence[MinimalParameter],
     names: Sequence[str | None],
-    write: Callable[[sp.Expr], str] = code,
+    write: Callable[[sp.Expr], str] = numpy_code,
 ) -> tuple[list[tuple[str, str]], list[str]]:
     """Assignments of common subexpressions of minimal parameters, and the code of each parameter."""
     lowering, results = PolynomialLowering(names, write), []
@@ -134,6 +134,6 @@ def as_factor(text: str) -> str:
     return text if text.isidentifier() or text.isdigit() else f"({text})"
 
 
-def signal_names(expressions: Sequence[sp.Expr]) -> tuple[str, ...]:
+def symbol_names(expressions: Sequence[sp.Expr]) -> tuple[str, ...]:
     """Names of all signals in some expressions, sorted."""
     return tuple(sorted({str(symbol) for expression in expressions for symbol in expression.free_symbols}))

@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from symid.axis import AnyAxis, axis_file, axis_names, axis_of, load_axis
-from symid.codegen.dynamics_record import dynamics_record
-from symid.codegen.module import module_text
+from symid.codegen.generation.dynamics_record import dynamics_record
+from symid.codegen.generation.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
     dynamics_file,
@@ -16,7 +16,7 @@ from symid.codegen.store import (
     orphans,
     planned_file,
     sensor_sets_in,
-    write,
+    write_stale,
 )
 from symid.errors import EliminationError, SettingError, SymidError
 from symid.symbolic import derive
@@ -75,7 +75,7 @@ def generate(axes: AnyAxis | Sequence[AnyAxis] = (), measured: Sequence[str] | N
     """
     several = axes if isinstance(axes, Sequence) and not isinstance(axes, str) else (axes,)
     files = plan([_file_name(axis) for axis in several], measured)
-    write(files)
+    write_stale(files)
     return [file.path for file in files if not file.is_current]
 
 
