@@ -6,7 +6,7 @@ import numpy as np
 
 from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
-from symid.estimation import TriangularFactor, triangular_factors
+from symid.estimation import TriangularFactor
 from symid.identification import Identification
 from symid.identification.deviations import Discrepancy
 
@@ -62,10 +62,8 @@ def log_factors(found: Identification) -> LogFactors:
     """
     if len(found.logs) != 1:
         raise SettingError(f"identified from {len(found.logs)} logs: identify each log alone to join them")
-    (seen,) = found.observations
     count = found.correlated.effective_samples
     dependence = max(1.0, max(found.fit.rows) / count) if np.isfinite(count) and count > 0 else 1.0
-    factors = triangular_factors(seen.W, seen.y, seen.valid)
     own, by_segments = np.diag(found.covariance), 0.0 if found.scatter is None else np.diag(found.scatter)
     wider = np.sqrt(np.maximum(np.divide(by_segments, own, out=np.ones_like(own), where=own > 0), 1.0))
     errors = [_likely_change(one) for one in found.discrepancies]
@@ -73,7 +71,7 @@ def log_factors(found: Identification) -> LogFactors:
         errors.append(found.bias.total)
     systematic = sum((np.outer(error, error) for error in errors), start=np.zeros((own.size, own.size)))
     covariance = found.covariance * np.outer(wider, wider)
-    return LogFactors(found.logs[0], factors, covariance, systematic, dependence)
+    return LogFactors(found.logs[0], found.fit.factors, covariance, systematic, dependence)
 
 
 def _likely_change(one: Discrepancy) -> FloatArray:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from symid import Log, Preparation, identify, load_generated
+from symid.data import LongLog
 from symid.errors import SettingError
 from symid.estimation import TriangularFactor
 from symid.fleet import identify_jointly, log_factors
@@ -109,6 +110,14 @@ def test_a_log_keeps_the_deviations_that_its_identification_prints() -> None:
     assert np.sqrt(np.diag(kept.covariance + kept.systematic)) == pytest.approx(
         found.standard_deviations, rel=1e-6
     )
+
+
+def test_a_log_that_is_read_in_blocks_brings_all_its_rows() -> None:
+    log = run(6, 1.0)
+    whole, blocks = (log_factors(alone(one)) for one in (log, LongLog.of(log, block=500)))
+    assert blocks.factors[0].rows == whole.factors[0].rows
+    joined, expected = (identify_jointly(MODEL, [one]) for one in (blocks, whole))
+    assert joined.fit.parameters == pytest.approx(expected.fit.parameters, rel=1e-9)
 
 
 def test_a_log_that_cannot_stand_alone_adds_what_it_knows() -> None:

@@ -118,6 +118,15 @@ def test_rows_of_the_first_block_are_kept_with_the_preparation_of_the_whole_log(
     assert first.preparation == every.preparation
 
 
+def test_all_rows_are_kept_where_they_take_no_more_than_a_block() -> None:
+    log, model = rigid(20_000), load_generated("rigid_1m")
+    settings = Preparation(cutoff_hz=20.0, decimation=8)
+    long, whole = (identify(model, one, preparation=settings) for one in (LongLog.of(log, 5000), log))
+    for one, other in zip(long.observations, whole.observations, strict=True):
+        np.testing.assert_allclose(one.W, other.W, rtol=1e-9, atol=1e-9)
+        np.testing.assert_array_equal(one.valid, other.valid)
+
+
 def test_peak_memory_does_not_grow_with_the_length_of_the_log() -> None:
     """Sums and one block are all that is held; only the lags of the correlation grow, as a square root."""
     model, period = load_generated("rigid_1m"), 1 / RATE

@@ -3,7 +3,8 @@
 Whatever `identify` needs of a whole log is one of three things.
 
 - *Sums over rows*: triangular factors, the refinement and the covariance of a correlated residual. They are added up
-  block by block. A long log's rows are made again for each of them, since W is larger than the log.
+  block by block. A long log's rows are made again for each of them, unless after decimation they are no more than the
+  samples of a block: W is larger than the log.
 - *Local operations*: filters, differences, shifts in time, laws, decimation, standstill. A recursive filter forgets:
   a window that reaches as far to either side as its filters do gives the rows of the whole log, to rounding. Rows of a
   block are cut out of those of a wider window; at the ends of the log the window ends where the log does.
@@ -79,6 +80,12 @@ class Run:
 
     @classmethod
     def _in_blocks(cls, blocks: _Blocks) -> Run:
+        if (
+            blocks.layout.n_rows <= blocks.log.block
+        ):  # decimated rows of all blocks take what the samples of one do
+            return cls._in_memory(
+                blocks.model, _joined([blocks.observation(i) for i in range(len(blocks.rows))])
+            )
         first = blocks.observation(0)
 
         def without(levels: tuple[float, ...]) -> Run:
@@ -178,6 +185,19 @@ class _Blocks:
             more,
             seen.highest,
         )
+
+
+def _joined(blocks: Sequence[Observation]) -> Observation:
+    """The rows of consecutive blocks."""
+    friction = [seen.with_friction for seen in blocks if seen.with_friction is not None]
+    return replace(
+        blocks[0],
+        W=np.concatenate([seen.W for seen in blocks], axis=1),
+        y=np.concatenate([seen.y for seen in blocks], axis=1),
+        valid=np.concatenate([seen.valid for seen in blocks], axis=1),
+        time=np.concatenate([seen.time for seen in blocks]),
+        with_friction=np.concatenate(friction, axis=1) if friction else None,
+    )
 
 
 def _settled(model: GeneratedModel, log: LongLog, given: Preparation) -> _Blocks:
