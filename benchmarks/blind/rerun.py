@@ -26,7 +26,7 @@ import polars as pl
 from symid import Axis, load_axis
 from symid.errors import SymidError
 from symid.simulation import Trajectory, simulate
-from symid.simulation.controller import Command, Controller, LinearLaw
+from symid.simulation.controllers.controller import Command, Controller, LinearLaw
 
 from . import answers, draw, engine, gap, laws, score, seal
 

@@ -13,7 +13,7 @@ from symid.axis import Between, Geared, PendulumWeight
 from symid.axis.axis import Element
 from symid.axis.imperfections import Imperfection
 from symid.simulation import Trajectory, plant_of, simulate, trapezoids, tuned_cascade
-from symid.simulation.excitation import chirp
+from symid.simulation.trajectories.excitation import chirp
 
 RATES = (500.0, 1000.0, 2000.0, 4000.0)
 _SCALES = (1e-8, 1e-7, 1e-6)

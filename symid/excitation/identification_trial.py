@@ -25,7 +25,7 @@ from symid.simulation import (
     plant_of,
     simulate,
 )
-from symid.simulation.equilibrium import equilibrium
+from symid.simulation.plants import equilibrium
 
 _TRIES = 4
 _MARGIN = 0.99

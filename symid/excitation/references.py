@@ -11,7 +11,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation import Limits, Trajectory, chirp, trapezoids, whole_periods
-from symid.simulation.multisine import Quantity
+from symid.simulation.trajectories import Quantity
 
 DEFAULTS = ("default trapezoids", "default chirp")
 """Names of the references that `symid simulate` uses within the same limits."""

@@ -13,7 +13,7 @@ from sympy.polys.rings import PolyElement
 from symid.axis import Axis, Drive, Joint, Sensor
 from symid.errors import SettingError
 from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of
-from symid.simulation.plant import condensed
+from symid.simulation.plants import condensed
 from symid.symbolic.forward_terms import ForwardTerms, Functional, forward_terms
 from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import by_power

@@ -21,7 +21,7 @@ from symid.output_error.closed_loop_error import ORDER, ClosedLoopError, whiteni
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.search import Search
 from symid.simulation import ClosedLoop, Command, Controller, LinearLaw
-from symid.simulation.controller import linear_law
+from symid.simulation.controllers import linear_law
 
 TERMS = (
     "proportional gain",

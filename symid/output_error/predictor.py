@@ -53,7 +53,7 @@ class StateSpace:
         >>> system.response(np.array([[1.0], [0.0], [0.0], [1.0]]), [0, 2]).ravel().tolist()
         [0.0, 1.0, 0.0, 0.0]
         """
-        from symid.simulation.sample_loop import recursion  # numba takes 0.3 s to import
+        from symid.simulation.compiled_loop import recursion  # numba takes 0.3 s to import
 
         A, gained, outputs = np.ascontiguousarray(self.A), inputs @ self.B.T, inputs @ self.D.T
         for start, stop in pairwise([*starts, len(inputs)]):

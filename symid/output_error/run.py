@@ -14,7 +14,7 @@ from symid.data import Log
 from symid.output_error.force_course import Course, force_between
 from symid.signal_processing import LowPass, central_difference
 from symid.simulation import ForwardDynamics
-from symid.simulation.plant import JointLaw, ScaledLaw
+from symid.simulation.plants import JointLaw, ScaledLaw
 
 _FINEST = 8
 _FINE_ENOUGH = 8000.0

@@ -11,15 +11,15 @@ from symid.arrays import FloatArray
 from symid.axis import Axis, of_any_axis
 from symid.data import Log, require_times_within
 from symid.errors import SettingError
-from symid.simulation.controller import Controller
+from symid.simulation.controllers.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
-from symid.simulation.equilibrium import equilibrium
-from symid.simulation.imperfect_plant import PlantStage, misread_code, stages, steps_for
-from symid.simulation.loop import Loop
-from symid.simulation.plant import Plant
-from symid.simulation.sensor_channel import MotionRecord, SensorChannel, in_steps
+from symid.simulation.loops.loop import Loop
+from symid.simulation.loops.sensor_channel import MotionRecord, SensorChannel, in_steps
+from symid.simulation.plants.equilibrium import equilibrium
+from symid.simulation.plants.imperfect_plant import PlantStage, misread_code, stages, steps_for
+from symid.simulation.plants.plant import Plant
 from symid.simulation.stepping import SimulationRun
-from symid.simulation.trajectory import Trajectory
+from symid.simulation.trajectories.trajectory import Trajectory
 
 _PART = 8192
 """Samples between two reports of progress."""
@@ -96,7 +96,7 @@ def simulate(
     >>> import numpy as np
     >>> from symid.axis import load_axis
     >>> from symid.simulation import plant_of, tuned_cascade
-    >>> from symid.simulation.excitation import chirp
+    >>> from symid.simulation.trajectories.excitation import chirp
     >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 3.0, "Fs": 2.0}
     >>> reference = chirp(0.5, 3.0, 1.0, 0.01, sampling_period=1e-3)
     >>> run = simulate(axis, values, reference, tuned_cascade(plant_of(axis, values), "q"))

@@ -10,8 +10,8 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection, imperfections_in_order
-from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
-from symid.simulation.imperfect_plant import imperfection_code, imperfection_function
+from symid.simulation.controllers.controller import Command, Controller, LinearLaw, linear_law
+from symid.simulation.plants.imperfect_plant import imperfection_code, imperfection_function
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,7 @@ class ThroughDrive(Controller):
     A force is held from sample to sample. Where a lag or a fractional delay changes it between two samples, its mean
     over the sample acts.
 
-    >>> from symid.simulation.controller import OpenLoop
+    >>> from symid.simulation.controllers.controller import OpenLoop
     >>> late = ThroughDrive(OpenLoop(np.array([0.0, 4.0, 4.0])), (ActuatorDelay(0.25),), np.zeros(3), 1.0)
     >>> state, acting = late.start, []
     >>> for k in range(3):
@@ -122,7 +122,7 @@ class ThroughDrive(Controller):
 
     def sent_along(self, inputs: FloatArray) -> FloatArray:
         """Commanded force of a linear controller along references and readings, of shape (n_samples, 3 + n_signals)."""
-        from symid.simulation.sample_loop import recursion  # numba takes 0.3 s to import
+        from symid.simulation.compiled_loop.sample_loop import recursion  # numba takes 0.3 s to import
 
         law = linear_law(self.inner, self.period)
         assert law is not None

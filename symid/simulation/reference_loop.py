@@ -13,11 +13,11 @@ from symid.arrays import FloatArray
 from symid.axis import Axis, controlled_of
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
-from symid.simulation.cascade_tuning import tuned_cascades
 from symid.simulation.closed_loop import simulate
-from symid.simulation.controller import Cascade, Controller
-from symid.simulation.forward_dynamics import plant_of
-from symid.simulation.trajectory import Trajectory
+from symid.simulation.controllers.cascade_tuning import tuned_cascades
+from symid.simulation.controllers.controller import Cascade, Controller
+from symid.simulation.plants.forward_dynamics import plant_of
+from symid.simulation.trajectories.trajectory import Trajectory
 
 _SPLINE = 5
 _SLOWEST_HZ = 1000.0

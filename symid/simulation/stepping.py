@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from symid.simulation.loop import Loop, LoopLaw, runaway
-from symid.simulation.loop_numbers import ChannelNumbers, KnownModes, LawNumbers
-from symid.simulation.sensor_channel import MotionRecord
+from symid.simulation.loops.loop import Loop, LoopLaw, runaway
+from symid.simulation.loops.loop_numbers import ChannelNumbers, KnownModes, LawNumbers
+from symid.simulation.loops.sensor_channel import MotionRecord
 
 
 class SimulationRun:
     """A simulation in progress: it begins at the first state of its record, or continues the run `after`."""
 
     def __init__(self, loop: Loop, record: MotionRecord, after: SimulationRun | None = None) -> None:
-        from symid.simulation import sample_loop  # numba takes 0.3 s to import
+        from symid.simulation.compiled_loop import sample_loop  # numba takes 0.3 s to import
 
         self.loop, self.record, self._compiled = loop, record, sample_loop
         self._made: int = after._made if after else 0

@@ -23,8 +23,8 @@ from symid.simulation import (
     plant_of,
     simulate,
 )
-from symid.simulation.excitation import Sweep
-from symid.simulation.plant import JointLaw
+from symid.simulation.plants import JointLaw
+from symid.simulation.trajectories import Sweep
 
 _PLACE, _PROBE = "place_of_{}", "probe_of_{}"
 """Names of the virtual sensors that record the motion of every body."""

@@ -12,7 +12,7 @@ from symid.codegen.generation.generate import generate
 from symid.codegen.store import dynamics_text, stored_dynamics
 from symid.errors import SymidError
 from symid.simulation import plant_of
-from symid.simulation.dynamics_terms import LawTerm, Polynomial
+from symid.simulation.plants.dynamics_terms import LawTerm, Polynomial
 
 AXIS = """
 from symid import Axis, Body, CoulombFriction, Drive, Position

@@ -18,7 +18,7 @@ from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import record_of
 from symid.errors import SettingError
 from symid.simulation import forward_dynamics, plant_of
-from symid.simulation.evaluation import evaluate
+from symid.simulation.compiled_loop.evaluation import evaluate
 
 LAWS = [effect for effect in LIBRARY if isinstance(effect, LawEffect)]
 EVERY_LAW = pytest.mark.parametrize("effect", LAWS, ids=lambda e: f"{e.name}-{'-'.join(e.amplitudes)}")

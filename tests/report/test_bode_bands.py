@@ -10,7 +10,7 @@ from matplotlib.collections import PolyCollection
 import symid
 from symid.arrays import ComplexArray, FloatArray
 from symid.report.figures.identification_figure import identification_figure
-from symid.simulation.frequency_response import FrequencyResponse, identified_response, response_band
+from symid.simulation.plants.frequency_response import FrequencyResponse, identified_response, response_band
 
 FREQUENCY = np.array([1.0, 8.0, 20.0, 28.0, 60.0])
 DRAWS = 4000

@@ -12,7 +12,7 @@ from symid.diagnosis.effects import DelayEffect
 from symid.report.figures.binned_means import means_over
 from symid.report.pages.interactive import error_maps, plots_of
 from symid.report.pages.page_bode import bode_plots
-from symid.simulation.frequency_response import response_of
+from symid.simulation.plants.frequency_response import response_of
 
 AXIS = load_axis("rigid_1m")
 LATE = 4e-3

@@ -22,7 +22,7 @@ from symid.report.figures.identification_curves import (
     draw_ellipse,
 )
 from symid.report.figures.identification_figure import identification_figure
-from symid.simulation.frequency_response import response_of
+from symid.simulation.plants.frequency_response import response_of
 
 AXIS = load_axis("rigid_1m")
 

@@ -8,8 +8,8 @@ import pytest
 from symid.axis import Axis, Body, Drive, PayloadChange, Position, Spring, load_axis
 from symid.codegen.generation.dynamics_record import dynamics_record
 from symid.diagnosis.effects import LIBRARY, LawEffect
-from symid.simulation.added_laws import stored_with_laws
-from symid.simulation.law_code import array_function
+from symid.simulation.plants.added_laws import stored_with_laws
+from symid.simulation.plants.law_code import array_function
 
 EVERY_LAW = [effect for effect in LIBRARY if isinstance(effect, LawEffect)]
 MATRICES = ("stiffness", "damping", "mass", "drives", "constant")

@@ -28,7 +28,7 @@ from symid import (
 )
 from symid.errors import SettingError
 from symid.simulation import Cascade, Controller, OpenLoop, Trajectory, plant_of, simulate, steps
-from symid.simulation.equilibrium import equilibrium
+from symid.simulation.plants.equilibrium import equilibrium
 
 G, PERIOD = 9.80665, 1e-3
 MOTOR, LOAD = Body("motor", mass="Mm"), Body("load", mass="Ml")

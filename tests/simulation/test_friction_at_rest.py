@@ -20,7 +20,7 @@ from symid import (
     Weight,
     load_axis,
 )
-from symid.simulation.forward_dynamics import forward_dynamics, plant_of
+from symid.simulation.plants.forward_dynamics import forward_dynamics, plant_of
 
 STEP = 1 / 4000
 DIRECT = {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 80.0}

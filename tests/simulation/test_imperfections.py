@@ -29,7 +29,7 @@ from symid import (
 )
 from symid.errors import DeclarationError
 from symid.simulation import Cascade, OpenLoop, Trajectory, plant_of, simulate, trapezoids
-from symid.simulation.plant import direction_of
+from symid.simulation.plants.plant import direction_of
 
 AXIS = load_axis("rigid_1m")
 MOTOR = AXIS.bodies[0]

@@ -9,7 +9,7 @@ import pytest
 from symid.data import Log
 from symid.errors import LogError, SettingError
 from symid.simulation import Extremes, Limits, Trajectory, chirp, from_log, multisine, steps
-from symid.simulation.multisine import Multisine
+from symid.simulation.trajectories.multisine import Multisine
 
 T = 0.001
 

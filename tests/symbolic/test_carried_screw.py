@@ -6,7 +6,7 @@ import pytest
 from symid import Axis, Between, Body, Drive, Position, Spring, derive
 from symid.codegen.generated_models import compiled
 from symid.simulation import plant_of
-from symid.simulation.plant import direction_of
+from symid.simulation.plants.plant import direction_of
 
 RATIO = 0.05
 COLUMN = Body("column", mass="Mc")

@@ -4,7 +4,7 @@ import numpy as np
 
 from symid.axis import Law, ViscousFriction
 from symid.diagnosis.prediction.prediction import Prediction
-from symid.simulation.plant import direction_of
+from symid.simulation.plants import direction_of
 
 
 def places_of(prediction: Prediction, law: Law) -> dict[str, float]:

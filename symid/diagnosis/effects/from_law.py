@@ -35,7 +35,7 @@ from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_named, place_of
 from symid.diagnosis.prediction.prediction import Prediction
-from symid.simulation.law_code import array_function, has_jumps, law_code, level_code, not_below_zero
+from symid.simulation.plants import array_function, has_jumps, law_code, level_code, not_below_zero
 from symid.units import Unit
 
 _STRONG = (0.3, 1.0, 2.5, 5.0)

@@ -29,8 +29,8 @@ from symid.simulation import (
     plant_of,
     simulate,
     tuned_cascades,
+    without_noise,
 )
-from symid.simulation.reference_loop import without_noise
 
 _LEAST_RATE = 1000.0  # lowest rate of the simulated controller, Hz
 _MARGIN = 0.02  # relative excess over a limit that controller and noise may cause

@@ -16,8 +16,7 @@ from symid.diagnosis.prediction.hidden_motion import IntegratedEffects, Pointwis
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.response import ForcePath
-from symid.simulation.law_code import dry_level, not_below_zero
-from symid.simulation.plant import ScaledLaw
+from symid.simulation.plants import ScaledLaw, dry_level, not_below_zero
 
 
 def changes_by_others(prediction: Prediction, placed: Sequence[Placed], *, integrates: bool) -> ComplexArray:

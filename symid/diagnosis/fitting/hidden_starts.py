@@ -26,7 +26,7 @@ from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
-from symid.simulation.plant import direction_of
+from symid.simulation.plants import direction_of
 
 _STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
 _MASSES = (0.9, 1.1)

@@ -18,7 +18,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError, SymidError
 from symid.identification import identify
 from symid.output_error import identify_output_error
-from symid.simulation.law_code import dry_level
+from symid.simulation.plants import dry_level
 
 _SAMPLES = 4000
 """Most samples of a log from which values to begin with are sought by the output error."""

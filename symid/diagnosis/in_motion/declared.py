@@ -25,7 +25,7 @@ from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.errors import SettingError
-from symid.simulation.frequency_response import FrequencyResponse, has_response, identified_response
+from symid.simulation.plants import FrequencyResponse, has_response, identified_response
 
 Values: TypeAlias = dict[str, float]
 """Value of each new parameter, SI."""

@@ -15,8 +15,7 @@ from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.record import record_of
 from symid.diagnosis.prediction.response import axis_response
 from symid.errors import SymidError
-from symid.simulation import forward_dynamics
-from symid.simulation.reference_loop import without_noise
+from symid.simulation import forward_dynamics, without_noise
 
 _MOST_SAMPLES = 200_000  # that are simulated
 

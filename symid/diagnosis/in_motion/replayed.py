@@ -28,10 +28,8 @@ from symid.diagnosis.prediction.record import Record
 from symid.errors import SettingError
 from symid.instrumental import cascade_of_log
 from symid.signal_processing import LowPass, derivatives
-from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
-from symid.simulation.imperfect_plant import misreading
-from symid.simulation.plant import JUST_MOVING
-from symid.simulation.reference_loop import without_noise
+from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate, without_noise
+from symid.simulation.plants import JUST_MOVING, misreading
 
 _LEAST_RATE = 1000.0
 """Least rate of the simulated controller, Hz."""

@@ -14,7 +14,7 @@ from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import Response
-from symid.simulation.plant import direction_of
+from symid.simulation.plants import direction_of
 
 
 @dataclass(frozen=True, eq=False)

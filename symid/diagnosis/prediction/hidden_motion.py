@@ -31,7 +31,7 @@ from symid.diagnosis.prediction.hidden_equation import (
 )
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Plant
-from symid.simulation.postfix import Program, program
+from symid.simulation.plants import Program, program
 
 ARGUMENTS = ("q", "v", "_course", "_z", "_load")
 """First arguments of the programs of laws, written at each step; the values of the law follow."""

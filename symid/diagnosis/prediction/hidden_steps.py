@@ -3,7 +3,7 @@
 import numpy as np
 
 from symid.jit import compiled, part
-from symid.simulation.evaluation import built_up, evaluate
+from symid.simulation.compiled_loop import built_up, evaluate
 
 _SETTLED = 1e-6
 """Relative change at which the level of dry friction and the speed in a step have settled."""

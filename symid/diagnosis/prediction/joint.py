@@ -9,7 +9,7 @@ from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.prediction.corners import Reversals, reversals_of, with_corners
 from symid.diagnosis.prediction.record import SLOW_SHARE, Record
 from symid.last_values import LastValues
-from symid.simulation.dynamics_terms import LawTerm
+from symid.simulation.plants import LawTerm
 
 _BACK = 0.02
 """Share of the way against the usual direction up to which a joint moves in one direction (single moves of drawn racks

@@ -24,7 +24,7 @@ from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
 from symid.last_values import LastValues
 from symid.simulation import ForwardDynamics
-from symid.simulation.law_code import dry_level
+from symid.simulation.plants import dry_level
 
 _JUMPS = re.compile(r"np\.(sign|heaviside)\(-?v\b")
 """Code of a law that jumps where the velocity changes its sign."""

@@ -20,13 +20,7 @@ from symid.identification import Identification, Observation, OutputPrediction
 from symid.report.figures.colours import Palette
 from symid.report.figures.panels import Panel, SensorMotion
 from symid.report.figures.residual_correlation import PredictedOutput
-from symid.simulation.frequency_response import (
-    FrequencyResponse,
-    ResponseBand,
-    has_response,
-    response_band,
-    response_of,
-)
+from symid.simulation.plants import FrequencyResponse, ResponseBand, has_response, response_band, response_of
 from symid.text import visible
 
 if TYPE_CHECKING:

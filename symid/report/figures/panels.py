@@ -16,7 +16,7 @@ from symid.report.figures.binned_means import means_over
 from symid.report.figures.colours import Palette
 from symid.report.figures.drawn import seen_range, title_lines
 from symid.report.figures.envelope import envelope, envelope_places
-from symid.simulation.frequency_response import COHERENT, FrequencyResponse, ResponseBand, degrees_of
+from symid.simulation.plants import COHERENT, FrequencyResponse, ResponseBand, degrees_of
 
 _SMOOTHED_HZ = 50.0
 

@@ -14,13 +14,7 @@ from symid.diagnosis import Diagnosis
 from symid.diagnosis.in_motion.declared import explained_response
 from symid.report.figures.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE
 from symid.report.pages.page_plots import Curve, draw_curves, new_plot, stacked, with_one_crosshair
-from symid.simulation.frequency_response import (
-    COHERENT,
-    FrequencyResponse,
-    degrees_of,
-    has_response,
-    response_of,
-)
+from symid.simulation.plants import COHERENT, FrequencyResponse, degrees_of, has_response, response_of
 
 _MOST_SENSORS = 2
 _BEYOND = 1.25

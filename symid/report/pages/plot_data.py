@@ -17,7 +17,7 @@ from symid.report.figures.identification_curves import IdentificationCurves
 from symid.report.figures.overviews import correlation_figure
 from symid.report.figures.panels import Panel
 from symid.report.figures.residual_correlation import Correlation, OutputCorrelations
-from symid.simulation.frequency_response import FrequencyResponse, ResponseBand
+from symid.simulation.plants import FrequencyResponse, ResponseBand
 
 _PLAIN, _MOST_SAVED = 3_000, 30_000
 """Rows up to which a table is saved as text, and those up to which it is saved whole, compressed; of a longer one the

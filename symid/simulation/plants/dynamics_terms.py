@@ -14,9 +14,9 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.law_code import array_function
-from symid.simulation.plant import LawFunction, SensorRow
-from symid.simulation.postfix import program
+from symid.simulation.plants.law_code import array_function
+from symid.simulation.plants.plant import LawFunction, SensorRow
+from symid.simulation.plants.postfix import program
 
 Factors = tuple[tuple[int, int], ...]
 """Index and power of each parameter in a product."""

@@ -14,10 +14,16 @@ from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis, of_any_axis
 from symid.errors import SettingError
 from symid.last_values import LastValues
-from symid.simulation.added_laws import stored_with_laws
-from symid.simulation.dynamics_terms import JointTerms, LawTerm, Polynomial, PolynomialArrays, SensorTerms
-from symid.simulation.massless_bodies import without_massless_bodies
-from symid.simulation.plant import JointLaw, Plant, ScaledLaw, SensorRow
+from symid.simulation.plants.added_laws import stored_with_laws
+from symid.simulation.plants.dynamics_terms import (
+    JointTerms,
+    LawTerm,
+    Polynomial,
+    PolynomialArrays,
+    SensorTerms,
+)
+from symid.simulation.plants.massless_bodies import without_massless_bodies
+from symid.simulation.plants.plant import JointLaw, Plant, ScaledLaw, SensorRow
 
 _MATRICES = ("stiffness", "damping", "mass")
 _DERIVED = 32

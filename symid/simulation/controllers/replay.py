@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.simulation.controller import Cascade, Command, Controller, LinearLaw
+from symid.simulation.controllers.controller import Cascade, Command, Controller, LinearLaw
 
 
 @dataclass(frozen=True)

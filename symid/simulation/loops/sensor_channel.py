@@ -11,8 +11,8 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.axis import Sensor
-from symid.simulation.law_code import array_function
-from symid.simulation.plant import Plant
+from symid.simulation.plants.law_code import array_function
+from symid.simulation.plants.plant import Plant
 
 _WHOLE = 1e-9
 """Distance from a whole number of samples, relative to one, below which a delay counts as whole."""

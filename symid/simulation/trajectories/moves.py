@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.limits import Extremes, Limits, intervals, positive
-from symid.simulation.trajectory import Trajectory
+from symid.simulation.trajectories.limits import Extremes, Limits, intervals, positive
+from symid.simulation.trajectories.trajectory import Trajectory
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ from symid.arrays import FloatArray
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.signal_processing import derivatives
-from symid.simulation.limits import Limits, fade_envelope, intervals, positive
-from symid.simulation.multisine import DERIVATIVE_ORDER, Quantity
-from symid.simulation.trajectory import Trajectory
+from symid.simulation.trajectories.limits import Limits, fade_envelope, intervals, positive
+from symid.simulation.trajectories.multisine import DERIVATIVE_ORDER, Quantity
+from symid.simulation.trajectories.trajectory import Trajectory
 
 Sweep = Literal["linear", "logarithmic"]
 """How the frequency of a chirp changes over time."""

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
-from symid.simulation.limits import MOST_SAMPLES, Limits, faded, intervals, positive
-from symid.simulation.trajectory import Trajectory
+from symid.simulation.trajectories.limits import MOST_SAMPLES, Limits, faded, intervals, positive
+from symid.simulation.trajectories.trajectory import Trajectory
 
 Quantity = Literal["position", "velocity", "acceleration"]
 """Quantity to which an amplitude refers."""

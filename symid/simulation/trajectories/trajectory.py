@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray, read_only
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
-from symid.simulation.limits import Extremes, Limits, intervals, positive
+from symid.simulation.trajectories.limits import Extremes, Limits, intervals, positive
 
 _JOINT: Final = 1e-9  # share of the greatest value by which two trajectories may differ where they join
 

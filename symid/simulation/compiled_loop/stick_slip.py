@@ -12,9 +12,9 @@ that is constant over a step, taken at its midpoint (exponential midpoint rule, 
 import numpy as np
 
 from symid.jit import inner, part
-from symid.simulation.evaluation import law_value
-from symid.simulation.loop_numbers import SLIDING, STUCK, VARYING
-from symid.simulation.plant import JUST_MOVING
+from symid.simulation.compiled_loop.evaluation import law_value
+from symid.simulation.loops.loop_numbers import SLIDING, STUCK, VARYING
+from symid.simulation.plants.plant import JUST_MOVING
 
 UNKNOWN = -1
 """In place of a mode that is not in the table: its signs are in `wanted`."""

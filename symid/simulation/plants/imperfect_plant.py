@@ -21,9 +21,9 @@ from symid.axis import (
     PreslidingFriction,
     ripples_of,
 )
-from symid.simulation.forward_dynamics import forward_dynamics, plant_of
-from symid.simulation.law_code import array_function, law_code
-from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
+from symid.simulation.plants.forward_dynamics import forward_dynamics, plant_of
+from symid.simulation.plants.law_code import array_function, law_code
+from symid.simulation.plants.plant import JointLaw, Plant, ScaledLaw, direction_of
 
 _FINE, _MOST_STEPS = 0.5, 50
 """Largest phase advance in a step, rad, of a joint vibrating on its presliding stiffness; and most steps."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.plant import JUST_MOVING, JointLaw, Plant
+from symid.simulation.plants.plant import JUST_MOVING, JointLaw, Plant
 
 ORDER = 20
 """Terms of the Taylor series; within `Flow.reach` the next one is below 1/20! = 4e-19 of the first."""
@@ -27,7 +27,7 @@ class Flow:
     """Motion under a constant generalised force with the joints of some laws, by their indices, stuck.
 
     >>> from symid.axis import load_axis
-    >>> from symid.simulation.forward_dynamics import plant_of
+    >>> from symid.simulation.plants.forward_dynamics import plant_of
     >>> flow = Flow(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 0.0}), ())
     >>> of_state, of_force = flow.transition(0.5)
     >>> (of_state @ [1.0, 3.0] + of_force @ [4.0]).tolist()
@@ -117,7 +117,7 @@ class StickSlipModes:
     """All stick-slip modes of a plant, each computed when it first occurs.
 
     >>> from symid.axis import load_axis
-    >>> from symid.simulation.forward_dynamics import plant_of
+    >>> from symid.simulation.plants.forward_dynamics import plant_of
     >>> modes = StickSlipModes(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 4.0}))
     >>> [modes.of((sign,)).constant.tolist() for sign in (1.0, -1.0, 0.0)]
     [[-4.0], [4.0], [0.0]]

@@ -7,7 +7,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.plant import JointLaw, Plant
+from symid.simulation.plants.plant import JointLaw, Plant
 
 _ROUNDS, _SETTLED = 50, 1e-12
 _STEP = 1e-6

@@ -7,8 +7,8 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.controller import Cascade
-from symid.simulation.plant import Plant
+from symid.simulation.controllers.controller import Cascade
+from symid.simulation.plants.plant import Plant
 
 _SLOWEST, _FASTEST = 1e-6, 1e6
 """Range of bandwidths, Hz: beyond it powers of them overflow."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from symid.jit import compiled, inner
-from symid.simulation.loop_numbers import ModeNumbers
-from symid.simulation.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MINIMUM, MULTIPLY, POWER
+from symid.simulation.loops.loop_numbers import ModeNumbers
+from symid.simulation.plants.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MINIMUM, MULTIPLY, POWER
 
 
 @compiled

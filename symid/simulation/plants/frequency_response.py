@@ -10,8 +10,8 @@ from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from symid.axis import Axis, length_unit
 from symid.data import Log
 from symid.estimation import correlation_matrix
-from symid.simulation.forward_dynamics import forward_dynamics, plant_of
-from symid.simulation.plant import Plant
+from symid.simulation.plants.forward_dynamics import forward_dynamics, plant_of
+from symid.simulation.plants.plant import Plant
 from symid.units import Unit
 
 COHERENT = 0.6
@@ -181,7 +181,7 @@ def response_band(
     covariance; `deviations` are infinite or nan where undetermined.
 
     >>> from symid.axis import load_axis
-    >>> from symid.simulation.frequency_response import identified_response
+    >>> from symid.simulation.plants.frequency_response import identified_response
     >>> axis, values = load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 1.0}
     >>> f, none = np.array([1.0]), np.zeros(1)
     >>> identified = identified_response(axis, values, "q", f, 1)

@@ -49,7 +49,7 @@ class Program:
 def program(code: str, arguments: tuple[str, ...]) -> Program:
     """Program of a law, given as NumPy code of the arguments; SymidError for any other code.
 
-    >>> from symid.simulation.evaluation import evaluate
+    >>> from symid.simulation.compiled_loop.evaluation import evaluate
     >>> short = program("v*np.abs(q)/2", ("q", "v"))
     >>> evaluate(short.operations, short.operands, np.array([-3.0, 4.0]), np.zeros(short.depth))
     6.0

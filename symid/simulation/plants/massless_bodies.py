@@ -7,7 +7,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.errors import SettingError
-from symid.simulation.plant import Plant, condensed
+from symid.simulation.plants.plant import Plant, condensed
 
 _FASTER, _FASTER_BESIDE_FRICTION = 1e5, 1e3
 """Rate at which a node with a light mass comes to its balance, over the rate at which that relaxes. Events of friction

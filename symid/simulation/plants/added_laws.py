@@ -9,8 +9,8 @@ import numpy as np
 from symid.axis import Axis, Imperfection, Law
 from symid.codegen import stored_dynamics
 from symid.errors import DeclarationError
-from symid.simulation.law_code import array_function, law_code, moves
-from symid.simulation.plant import direction_of
+from symid.simulation.plants.law_code import array_function, law_code, moves
+from symid.simulation.plants.plant import direction_of
 
 
 def stored_with_laws(axis: Axis) -> dict[str, Any] | None:

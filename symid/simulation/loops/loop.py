@@ -12,11 +12,11 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
-from symid.simulation.imperfect_plant import DahlMemory
-from symid.simulation.plant import Plant
-from symid.simulation.sensor_channel import SensorChannel
-from symid.simulation.trajectory import Trajectory
+from symid.simulation.controllers.controller import Command, Controller, LinearLaw, linear_law
+from symid.simulation.loops.sensor_channel import SensorChannel
+from symid.simulation.plants.imperfect_plant import DahlMemory
+from symid.simulation.plants.plant import Plant
+from symid.simulation.trajectories.trajectory import Trajectory
 
 RUNAWAY = 1e100
 """Drive force beyond which the loop counts as unstable."""

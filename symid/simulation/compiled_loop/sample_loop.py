@@ -7,9 +7,15 @@ The arguments `law`, `channels`, `laws`, `mode`, `modes` and `record` are record
 import numpy as np
 
 from symid.jit import compiled, inner, part
-from symid.simulation.evaluation import built_up, law_value, numbers_of_mode, program_value, slide
-from symid.simulation.plant import JUST_MOVING
-from symid.simulation.stick_slip import UNKNOWN, acceleration, pass_events
+from symid.simulation.compiled_loop.evaluation import (
+    built_up,
+    law_value,
+    numbers_of_mode,
+    program_value,
+    slide,
+)
+from symid.simulation.compiled_loop.stick_slip import UNKNOWN, acceleration, pass_events
+from symid.simulation.plants.plant import JUST_MOVING
 
 MADE, UNKNOWN_MODE, RUNAWAY, REFUSED = range(4)
 """Why `advance` returns: all samples are made, a mode is not in the table, the axis runs away, or `ask` failed."""

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.simulation.loop import Loop
-from symid.simulation.mode import StickSlipMode, StickSlipModes
-from symid.simulation.postfix import Program, program
+from symid.simulation.loops.loop import Loop
+from symid.simulation.loops.mode import StickSlipMode, StickSlipModes
+from symid.simulation.plants.postfix import Program, program
 
 _ARGUMENTS: tuple[str, ...] = ("q", "v", "F", "t", "z")
 """Arguments of a formula, before the forces F0, F1, ... of the drives; F is the load of the joints."""

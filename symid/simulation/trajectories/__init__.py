@@ -1,0 +1,9 @@
+"""Commanded motions: moves, chirps, multisines, steps, motions of a log, and their limits."""
+
+from symid.simulation.trajectories.excitation import Sweep
+from symid.simulation.trajectories.multisine import Quantity
+
+__all__ = [
+    "Quantity",
+    "Sweep",
+]
