@@ -12,6 +12,7 @@ from symid.axis.laws.along_stroke import *
 from symid.axis.laws.constant import *
 from symid.axis.laws.friction import *
 from symid.axis.laws.law import *
+from symid.axis.laws.law import LAW_FUNCTIONS
 from symid.axis.laws.spring import *
 from symid.axis.loading import (
     AnyAxis,
@@ -30,6 +31,7 @@ from symid.axis.sketch import chain, sketch, sketch_source
 from symid.axis.source import axis_path, axis_source, declared_lines, write_axis
 
 __all__ = [
+    "LAW_FUNCTIONS",
     "AnyAxis",
     "Axis",
     "Element",

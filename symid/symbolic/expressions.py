@@ -7,8 +7,7 @@ from typing import Any
 import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
-from symid.axis import Axis, EncoderRipple, Imperfection
-from symid.axis.laws import FUNCTIONS
+from symid.axis import LAW_FUNCTIONS, Axis, EncoderRipple, Imperfection
 from symid.errors import SymidError
 
 
@@ -30,7 +29,7 @@ class positive(sp.Function):  # type: ignore[misc]  # noqa: N801  sympy has no t
 _LANGUAGE = {
     "q": sp.Symbol("q"),
     "v": sp.Symbol("v"),
-    **{name: {"positive": positive, "abs": sp.Abs}.get(name) or getattr(sp, name) for name in FUNCTIONS},
+    **{name: {"positive": positive, "abs": sp.Abs}.get(name) or getattr(sp, name) for name in LAW_FUNCTIONS},
 }
 _OF_IMPERFECTIONS = {"min": sp.Min, "max": sp.Max}
 FORCE, READING, TIME, MEMORY = (sp.Symbol(name) for name in "Fytz")

@@ -13,10 +13,10 @@ from symid.axis.laws import along_stroke, constant, friction, spring
 from symid.axis.laws.along_stroke import *
 from symid.axis.laws.constant import *
 from symid.axis.laws.friction import *
-from symid.axis.laws.law import FUNCTIONS, Hypothesis, Law, ShapeParameter, Term
+from symid.axis.laws.law import Hypothesis, Law, ShapeParameter, Term
 from symid.axis.laws.spring import *
 
-__all__ = ["FUNCTIONS", "Hypothesis", "Law", "ShapeParameter", "Term"]
+__all__ = ["Hypothesis", "Law", "ShapeParameter", "Term"]
 __all__ += along_stroke.__all__
 __all__ += constant.__all__
 __all__ += friction.__all__

@@ -14,7 +14,7 @@ from symid.units import Unit
 
 __all__ = ["Hypothesis", "Law", "ShapeParameter", "Term"]
 
-FUNCTIONS = ("sign", "positive", "sin", "cos", "exp", "abs")
+LAW_FUNCTIONS = ("sign", "positive", "sin", "cos", "exp", "abs")
 """Functions that an expression may use. positive(v) is 1 for v > 0 and 0 otherwise."""
 
 
@@ -27,7 +27,7 @@ class Term:
     parameter : str
         Name of the physical parameter; in the formula of a class, the field that holds this name.
     expression : str
-        Expression in q (displacement of the joint), v (its velocity), numbers and `FUNCTIONS`; in the formula of a
+        Expression in q (displacement of the joint), v (its velocity), numbers and `LAW_FUNCTIONS`; in the formula of a
         class, also in its shape parameters.
     length_power, time_power : int
         Dimension of the expression as length^a / time^b, which determines the unit of the parameter.

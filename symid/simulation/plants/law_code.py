@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from symid.axis.laws import FUNCTIONS
+from symid.axis import LAW_FUNCTIONS
 from symid.errors import SymidError
 
 _ZERO, _ONE = ast.Constant(0.0), ast.Constant(1.0)
@@ -89,7 +89,7 @@ def _parsed(formula: str) -> ast.expr:
         return ast.parse(formula, mode="eval").body
     except SyntaxError as error:
         raise SymidError(
-            f"law expression {formula!r} cannot be read: use q, v, numbers and {', '.join(FUNCTIONS)}"
+            f"law expression {formula!r} cannot be read: use q, v, numbers and {', '.join(LAW_FUNCTIONS)}"
         ) from error
 
 
