@@ -122,7 +122,7 @@ class ThroughDrive(Controller):
 
     def sent_along(self, inputs: FloatArray) -> FloatArray:
         """Commanded force of a linear controller along references and readings, of shape (n_samples, 3 + n_signals)."""
-        from symid.simulation.compiled_loop.sample_loop import recursion  # numba takes 0.3 s to import
+        from symid.simulation.compiled_loop.products import recursion  # numba takes 0.3 s to import
 
         law = linear_law(self.inner, self.period)
         assert law is not None

@@ -9,7 +9,7 @@ from symid import Axis, Between, Body, Drive, Law, Position, Spring, Term, Visco
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation import OpenLoop, Trajectory, plant_of, simulate
-from symid.simulation.compiled_loop.sample_loop import recursion
+from symid.simulation.compiled_loop.products import recursion
 from symid.simulation.loops.mode import Flow
 
 PERIOD = 1 / 4000

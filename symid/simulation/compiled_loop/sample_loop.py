@@ -14,6 +14,7 @@ from symid.simulation.compiled_loop.evaluation import (
     program_value,
     slide,
 )
+from symid.simulation.compiled_loop.products import copy, dot, product
 from symid.simulation.compiled_loop.stick_slip import UNKNOWN, acceleration, pass_events
 from symid.simulation.plants.plant import JUST_MOVING
 
@@ -50,7 +51,7 @@ def advance(begin, end, ask, law, given, channels, laws, modes, current, record,
         if why != MADE:
             return k - begin, why
         current[0] = known
-        _copy(after, memory)
+        copy(after, memory)
         k += 1
         if k == end:
             return k - begin, MADE
@@ -62,8 +63,8 @@ def _events(k, current, channels, laws, modes, is_accelerated, record):  # type:
     states, accelerations, forces, between = record
     n = len(modes.drives)
     state, drive, rates = np.zeros(2 * n), np.zeros(n), np.zeros(n)
-    _copy(states[k], state)
-    _product(modes.drives, forces[k], drive)
+    copy(states[k], state)
+    product(modes.drives, forces[k], drive)
     if laws.any_timed:
         _set_moment(k, forces, channels, laws)
     for piece in range(modes.durations.size):
@@ -101,10 +102,10 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
     n_known = law_after.shape[1] - n_drives
     n_remembered, is_timed, is_accelerated = laws.reaches.size, laws.any_timed, mode.is_accelerated
     inputs, out, z = np.zeros(law_after.shape[1]), np.zeros(ends.shape[1]), np.zeros(ends.shape[2])
-    _copy(states[begin], z)
+    copy(states[begin], z)
     z[z.size - 1] = 1.0
     for k in range(begin, end):
-        _copy(memory, inputs)
+        copy(memory, inputs)
         for i in range(references.shape[1]):
             inputs[n_memory + i] = references[k, i]
         # Readings of sample k depend on the motion up to it, and forces act after it: there is no algebraic loop.
@@ -120,7 +121,7 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
         for i in range(n_drives):
             inputs[n_known + i] = 0.0
         for i in range(n_drives):
-            forces[k, i] = given[k, i] + _dot(law_sent, i, inputs)
+            forces[k, i] = given[k, i] + dot(law_sent, i, inputs)
             asked |= not abs(forces[k, i]) <= limits[i]
         if asked and ask(k):
             return k - begin, False
@@ -128,8 +129,8 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
             for i in range(n_drives):
                 inputs[n_known + i] = _through_nonlinearities(i, forces[k, i], laws)
             for i in range(n_drives):
-                forces[k, i] = _dot(law_acting, i, inputs)
-            _product(law_after, inputs, after)
+                forces[k, i] = dot(law_acting, i, inputs)
+            product(law_after, inputs, after)
         # Where the mode does not hold over the whole sample, events happen in it.
         for i in range(n_drives):
             z[n_state + i] = forces[k, i]
@@ -148,13 +149,13 @@ def _in_mode(begin, end, ask, law, given, channels, laws, mode, record, memory, 
             if is_accelerated:
                 if n_varying:
                     _act(z, z, laws, mode)
-                _product(rates, z, accelerations[k + 1])
+                product(rates, z, accelerations[k + 1])
             for i in range(len(between)):
                 if channels.pieces[i] == piece:
                     between[i, k] = _exact(channels.between, i, k + 1, states, accelerations)
         if n_remembered:
             _remember(z, laws)
-        _copy(after, memory)
+        copy(after, memory)
     return end - begin, True
 
 
@@ -178,25 +179,6 @@ def _set_moment(k, forces, channels, laws):  # type: ignore[no-untyped-def]
         laws.arguments[5 + i] = forces[k, i]
     laws.arguments[2] = sizes if forces.shape[1] > 1 else forces[k, 0]
     laws.arguments[3] = (k + 0.5) * channels.period
-
-
-@compiled
-def recursion(matrix, start, inputs):  # type: ignore[no-untyped-def]
-    """States z[k + 1] = matrix @ z[k] + inputs[k] from z[0] = start; shape (n + 1, m)."""
-    states = np.zeros((len(inputs) + 1, start.size))
-    states[0] = start
-    for k in range(len(inputs)):
-        for i in range(start.size):
-            states[k + 1, i] = _dot(matrix, i, states[k]) + inputs[k, i]
-    return states
-
-
-@inner
-def _dot(rows, i, values):  # type: ignore[no-untyped-def]
-    total = 0.0
-    for j in range(values.size):
-        total += rows[i, j] * values[j]
-    return total
 
 
 @inner
@@ -228,25 +210,13 @@ def _exact(rows, i, k, states, accelerations):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _copy(values, into):  # type: ignore[no-untyped-def]
-    for i in range(values.size):
-        into[i] = values[i]
-
-
-@inner
-def _product(matrix, z, out):  # type: ignore[no-untyped-def]
-    for i in range(len(matrix)):
-        out[i] = _dot(matrix, i, z)
-
-
-@inner
 def _moves(begin, end, held, z, out):  # type: ignore[no-untyped-def]
     """Write the motion over a piece of a sample to `out`; return whether the stick-slip mode held."""
     if len(held):
-        _product(begin, z, out)
+        product(begin, z, out)
         if not _holds(out, len(begin) - len(held), held):
             return False
-    _product(end, z, out)
+    product(end, z, out)
     return _goes_on(out, len(begin) - len(held), held)
 
 
@@ -255,11 +225,11 @@ def _moves_under_varying_laws(piece, z, out, laws, mode):  # type: ignore[no-unt
     """As `_moves` with varying laws, whose force at the middle of the piece acts (exponential midpoint rule)."""
     n_state = 2 * laws.directions.shape[1]
     _act(z, z, laws, mode)
-    _product(mode.begins[piece], z, out)
+    product(mode.begins[piece], z, out)
     if not _holds(out, n_state, mode.limits):
         return False
     _act(out, z, laws, mode)
-    _product(mode.ends[piece], z, out)
+    product(mode.ends[piece], z, out)
     return _goes_on(out, n_state, mode.limits)
 
 
