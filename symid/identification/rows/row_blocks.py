@@ -3,8 +3,8 @@
 Whatever `identify` needs of a whole log is one of three things.
 
 - *Sums over rows*: triangular factors, the refinement and the covariance of a correlated residual. They are added up
-  block by block. A long log's rows are made again for each of them, unless after decimation they are no more than the
-  samples of a block: W is larger than the log.
+  block by block. A long log's rows are made again for each of them, since W is larger than the log, unless after
+  decimation they take no more memory than a block.
 - *Local operations*: filters, differences, shifts in time, laws, decimation, standstill. A recursive filter forgets:
   a window that reaches as far to either side as its filters do gives the rows of the whole log, to rounding. Rows of a
   block are cut out of those of a wider window; at the ends of the log the window ends where the log does.
@@ -39,6 +39,10 @@ from symid.identification.rows.observation import (
 from symid.identification.rows.settings import Preparation
 from symid.identification.rows.usable_rows import reaches
 from symid.signal_processing import kept_indices
+
+
+_NUMBERS_OF_A_SAMPLE = 16
+"""What a block takes while its rows are made, for each of its samples; rows of a whole log that take no more are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +166,11 @@ class _Blocks:
     layout: _Layout
     speeds: FloatArray | None
     friction: bool = False
+
+    @property
+    def n_numbers(self) -> int:
+        """Numbers in the rows of the whole log."""
+        return self.layout.n_rows * len(self.model.output_names) * (len(self.model.minimal_units) + 1)
 
     @cached_property
     def rows(self) -> list[tuple[int, int]]:
