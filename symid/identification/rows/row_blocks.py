@@ -40,9 +40,8 @@ from symid.identification.rows.settings import Preparation
 from symid.identification.rows.usable_rows import reaches
 from symid.signal_processing import kept_indices
 
-
 _NUMBERS_OF_A_SAMPLE = 16
-"""What a block takes while its rows are made, for each of its samples; rows of a whole log that take no more are kept."""
+"""What a block takes while its rows are made, for each sample; rows of a whole log that take no more are kept."""
 
 
 @dataclass(frozen=True, eq=False)
