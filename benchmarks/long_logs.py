@@ -5,7 +5,7 @@ memory as a whole. Every log is identified in a separate process, in blocks and,
 well; the two must agree. Printed are wall time, samples per second, the process' peak memory beyond what an imported
 symid takes, and the slope of log(seconds) over log(samples): 1 is linear.
 
-Usage: python -m benchmarks.long_logs [--largest 1e7] [--whole 1e7] [--kind parquet] [--folder FOLDER]
+Usage: python -m benchmarks.long_logs [--smallest 1e5] [--largest 1e7] [--whole 1e7] [--kind parquet] [--folder FOLDER]
 """
 
 import json
@@ -32,9 +32,9 @@ PART = 1_000_000
 AGREEMENT = 1e-9
 
 
-def lengths(largest: float) -> list[int]:
-    """1e5, 1e6 ... up to the largest."""
-    return [10**k for k in range(5, round(np.log10(largest)) + 1)]
+def lengths(smallest: float, largest: float) -> list[int]:
+    """Powers of ten from the smallest to the largest."""
+    return [10**k for k in range(round(np.log10(smallest)), round(np.log10(largest)) + 1)]
 
 
 def part(first: int, samples: int) -> dict[str, FloatArray]:
@@ -97,7 +97,7 @@ def slope(samples: list[int], seconds: list[float]) -> float:
 
 
 def main() -> None:
-    parser = parser_of(__doc__, largest=1e7, whole=1e7)
+    parser = parser_of(__doc__, smallest=1e5, largest=1e7, whole=1e7)
     parser.add_argument("--kind", choices=["parquet", "csv"], default="parquet")
     parser.add_argument("--folder", help="where logs are written [a temporary folder]")
     parser.add_argument("--identify", help=SUPPRESS)
@@ -109,7 +109,7 @@ def main() -> None:
     print(
         f"{'samples':>12} {'file MB':>8} {'s':>8} {'samples/s':>11} {'peak MB':>8} | {'whole s':>8} {'peak MB':>8} off"
     )
-    sizes, seconds = lengths(given.largest), []
+    sizes, seconds = lengths(given.smallest, given.largest), []
     for samples in sizes:
         with tempfile.TemporaryDirectory(dir=given.folder) as folder:
             file = Path(folder) / f"log.{given.kind}"
@@ -126,8 +126,9 @@ def main() -> None:
                 line += f"{whole['seconds']:8.2f} {whole['peak']:8.0f} {off:.1e}"
                 line += "" if off < AGREEMENT else " TOO MUCH"
             print(line, flush=True)
-    print(f"slope of log(s) over log(samples): {slope(sizes, seconds):.2f}, by steps:", end=" ")
-    print(", ".join(f"{np.log10(b / a):.2f}" for a, b in pairwise(seconds)))
+    if len(sizes) > 1:
+        print(f"slope of log(s) over log(samples): {slope(sizes, seconds):.2f}, by steps:", end=" ")
+        print(", ".join(f"{np.log10(b / a):.2f}" for a, b in pairwise(seconds)))
     print(f"a log is read in blocks by itself if it would take more than {MEMORY / 1e9:g} GB (--memory)")
 
 
