@@ -10,7 +10,7 @@ from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, SymbolicDynamics
 from symid.export.imperfect_terms import NOW, Memory, acting, added, sent
-from symid.symbolic.expressions import READING, misread
+from symid.symbolic import READING, misread
 
 
 def derivative(dynamics: SymbolicDynamics) -> str:

@@ -14,9 +14,7 @@ from symid.axis import Axis, Drive, Joint, Sensor
 from symid.errors import SettingError
 from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of
 from symid.simulation.plants import condensed
-from symid.symbolic.forward_terms import ForwardTerms, Functional, forward_terms
-from symid.symbolic.lagrange import Kinematics
-from symid.symbolic.operators import by_power
+from symid.symbolic import ForwardTerms, Functional, Kinematics, by_power, forward_terms
 
 DISPLACEMENT, VELOCITY = sp.Symbol("joint_q_"), sp.Symbol("joint_v_")
 """Motion of a joint in the force of its laws; no parameter's name ends with an underscore."""

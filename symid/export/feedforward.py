@@ -14,7 +14,7 @@ from sympy.polys.matrices import DomainMatrix
 from symid.axis import Axis
 from symid.errors import SettingError
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, symbolic_dynamics
-from symid.symbolic.expressions import positive
+from symid.symbolic import positive
 
 POSITION, SPEED, ACCELERATION = sp.symbols("position_ velocity_ acceleration_")
 """Motion of the drive; no name of a parameter ends with an underscore."""

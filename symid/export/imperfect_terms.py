@@ -20,14 +20,7 @@ from symid.axis import (
     joint_label,
     ripples_of,
 )
-from symid.symbolic.expressions import (
-    FORCE,
-    MEMORY,
-    TIME,
-    imperfection_law,
-    imperfection_rate,
-    parameter_symbol,
-)
+from symid.symbolic import FORCE, MEMORY, TIME, imperfection_law, imperfection_rate, parameter_symbol
 
 NOW = sp.Symbol("now_")
 """The time in expressions; no name of a parameter ends with an underscore."""

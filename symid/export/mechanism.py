@@ -9,7 +9,7 @@ import sympy as sp
 from symid.axis import AsymmetricFriction, Axis, Backlash, Body, Damper, Law, PendulumWeight, Spring, Weight
 from symid.errors import SettingError
 from symid.export.exported import require_physical
-from symid.symbolic.lagrange import Kinematics
+from symid.symbolic import Kinematics
 
 Path: TypeAlias = tuple[tuple[str, float], ...]
 """A displacement as coefficients of the free bodies' coordinates."""

@@ -14,8 +14,7 @@ from symid.axis import Axis
 from symid.codegen.generation import numpy_code
 from symid.estimation import estimate, triangular_factors
 from symid.signal_processing import LowPass
-from symid.symbolic.expressions import is_smooth, parameter_symbol
-from symid.symbolic.lagrange import Kinematics, inverse_dynamics
+from symid.symbolic import Kinematics, inverse_dynamics, is_smooth, parameter_symbol
 from symid.tuning.exact_run import ExactRun
 
 _Column = Callable[..., FloatArray]

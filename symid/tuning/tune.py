@@ -15,8 +15,7 @@ from symid.identification import Preparation, identify
 from symid.shown import Shown
 from symid.signal_processing import differencing_bandwidth
 from symid.simulation import Controller, Trajectory, plant_of, tuned_cascades
-from symid.symbolic import derive
-from symid.symbolic.expressions import is_smooth, law_expression
+from symid.symbolic import derive, is_smooth, law_expression
 from symid.tuning.bound import BoundSearch, Status, Track, lowest_within, verdict
 from symid.tuning.exact_run import ExactRun, exact_run, tuning_chirp
 from symid.tuning.low_pass import LowPassErrors, standard_model

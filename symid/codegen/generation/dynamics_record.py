@@ -8,9 +8,7 @@ from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Sensor
 from symid.codegen.generation.lowering import numpy_code
-from symid.symbolic.forward_terms import ForwardTerms, Functional, forward_terms
-from symid.symbolic.lagrange import Kinematics
-from symid.symbolic.operators import by_power
+from symid.symbolic import ForwardTerms, Functional, Kinematics, by_power, forward_terms
 
 
 def dynamics_record(axis: Axis) -> dict[str, Any]:

@@ -6,9 +6,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from symid.symbolic import DerivedModel
-from symid.symbolic.expressions import is_smooth
-from symid.symbolic.minimal import MinimalModel
+from symid.symbolic import DerivedModel, MinimalModel, is_smooth
 
 
 def sliding_velocities(

@@ -18,8 +18,7 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 from sympy.printing.numpy import NumPyPrinter
 
-from symid.symbolic.minimal import MinimalParameter
-from symid.symbolic.parameter_function import ParameterFunction
+from symid.symbolic import MinimalParameter, ParameterFunction
 
 _LARGEST_EXACT = 2**53
 """Integers beyond it are not all doubles."""

@@ -5,3 +5,10 @@
 `location` maps the gap, and `wording` states them. `gap`, `found_effects` and `diagnosis_result` are the records of the
 result.
 """
+
+from symid.diagnosis.findings.waterfall import Stage, waterfall
+
+__all__ = [
+    "Stage",
+    "waterfall",
+]

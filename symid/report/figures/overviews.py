@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from symid.data import Log
 from symid.diagnosis import Diagnosis
-from symid.diagnosis.findings.waterfall import waterfall
+from symid.diagnosis.findings import waterfall
 from symid.errors import SettingError
 from symid.fleet import Batch, parameter_names, without_repeats
 from symid.report.figures.colours import LIGHT, Palette

@@ -11,7 +11,7 @@ import scipy
 from symid import __version__
 from symid.axis import Axis
 from symid.data import Log
-from symid.diagnosis.in_motion.identified_motion import IdentifiedMotion, identified_motion
+from symid.diagnosis.in_motion import IdentifiedMotion, identified_motion
 from symid.estimation import correlation_matrix, fit_percent
 from symid.files import write_whole
 from symid.identification import Identification, OutputPrediction

@@ -11,7 +11,7 @@ from bokeh.models.tickers import FixedTicker
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis import Diagnosis
-from symid.diagnosis.in_motion.declared import explained_response
+from symid.diagnosis.in_motion import explained_response
 from symid.report.figures.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE
 from symid.report.pages.page_plots import Curve, draw_curves, new_plot, stacked, with_one_crosshair
 from symid.simulation.plants import COHERENT, FrequencyResponse, degrees_of, has_response, response_of

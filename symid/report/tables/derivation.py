@@ -9,8 +9,7 @@ from rich.table import Table
 
 from symid.axis import ActuatorDelay
 from symid.report.tables.console import report_console
-from symid.symbolic import DerivedModel
-from symid.symbolic.parameter_function import ParameterFunction
+from symid.symbolic import DerivedModel, ParameterFunction
 
 _MOST_LETTERS = 400
 """Longest expression that is printed as a whole."""

@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 
 from symid.diagnosis import Diagnosis, Experiment, ParameterChange, Simulator
-from symid.diagnosis.findings.waterfall import Stage, waterfall
+from symid.diagnosis.findings import Stage, waterfall
 from symid.report.tables.console import TextTable, plain, report_console
 from symid.report.tables.motion_gap import motion_line, motion_rows, motions, unit_of_errors
 from symid.report.tables.number_text import (
