@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_diagnosis_html
 
 from .diagnosis.real.rigs import emps
 
@@ -54,7 +54,7 @@ def main() -> None:
     case = next(case for case in emps() if case.name == CASE)
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "diagnosis.html"
-        write_html(case.found(), page)
+        write_diagnosis_html(case.found(), page)
         picture = FOLDER / "diagnosis_page.png"
         photograph(page, picture, WIDTH, HEIGHT)
     print(f"{picture.name}: {picture.stat().st_size / 1000:.0f} kB")

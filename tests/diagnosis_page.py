@@ -7,14 +7,14 @@ from tempfile import TemporaryDirectory
 from diagnosis_example import diagnosis_example
 
 from symid.diagnosis import Diagnosis
-from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_diagnosis_html
 
 
 def written(found: Diagnosis) -> str:
     """Text of the page of a diagnosis."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "report.html"
-        write_html(found, file)
+        write_diagnosis_html(found, file)
         return file.read_text(encoding="utf-8")
 
 

@@ -1,7 +1,10 @@
-"""Files are as short as CONTRIBUTING says; no two modules and no two classes share a name."""
+"""Files are short, no two modules and no two classes share a name, and packages keep to each other's faces."""
 
+import ast
 import re
 from collections import Counter
+from collections.abc import Collection, Iterator
+from importlib import import_module
 from pathlib import Path
 
 TESTS = Path(__file__).parent
@@ -25,3 +28,50 @@ def test_no_two_classes_have_the_same_name() -> None:
     names = Counter(name for text in texts for name in re.findall(r"^ *class (\w+)[(:]", text, re.MULTILINE))
     assert len(names) > 300
     assert [name for name, count in names.items() if count > 1] == []
+
+
+def imports_of(text: str) -> Iterator[tuple[str, str]]:
+    """Module and name of each import, those within functions and for type checkers included."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield from ((node.module, alias.name) for alias in node.names)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name.rpartition(".")[::2] for alias in node.names)
+
+
+def face_of(module: str) -> Collection[str]:
+    """Names that a package states in its `__init__`; none for a module."""
+    is_package = PACKAGE.parent.joinpath(*module.split(".")).is_dir()
+    return getattr(import_module(module), "__all__", ()) if is_package else ()
+
+
+def past_faces(text: str, package: str) -> list[str]:
+    """Imports in a module of a package of what another package does not state as its face."""
+    found = []
+    for module, name in imports_of(text):
+        root, _, rest = module.partition(".")
+        other = rest.partition(".")[0]
+        if root == "symid" and other not in ("", package) and (PACKAGE / other).is_dir():
+            found += [] if name in face_of(module) else [f"{module}.{name}"]
+    return found
+
+
+def test_no_package_reaches_past_the_face_of_another() -> None:
+    files = sorted(PACKAGE.rglob("*.py"))
+    texts = {file.relative_to(PACKAGE): file.read_text(encoding="utf-8") for file in files}
+    found = {str(file): past_faces(text, file.parts[0]) for file, text in texts.items()}
+    assert {file: names for file, names in found.items() if names} == {}
+
+
+def test_an_import_past_a_face_is_found() -> None:
+    modules = "from symid.data.log import Log", "from symid.data import log", "import symid.data.log"
+    assert [past_faces(text, "tuning") for text in modules] == [
+        ["symid.data.log.Log"],
+        *[["symid.data.log"]] * 2,
+    ]
+    within = "def f():\n    from symid.identification.rows.settings import Preparation"
+    assert past_faces(within, "tuning") == ["symid.identification.rows.settings.Preparation"]
+    faces = (
+        "from symid.data import Log\nfrom symid.identification.rows import noise_of_rows\nimport symid.errors"
+    )
+    assert past_faces(faces, "tuning") == past_faces(modules[0], "data") == []

@@ -33,7 +33,7 @@ from symid.cli.options import (
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import say, tracked, working
 from symid.fleet import MOST_SECONDS, BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
-from symid.report.tables.fleet import print_batch
+from symid.report.tables import print_batch
 from symid.verbs import METHODS
 
 batch_options = shared(

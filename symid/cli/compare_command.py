@@ -8,7 +8,7 @@ import click
 from symid.cli.options import give_result, json_option, page_of, report_option
 from symid.cli.outputs import SafeCommand
 from symid.files import read_json
-from symid.report.tables.result_comparison import comparison_record, print_comparison, values_of_record
+from symid.report.tables import comparison_record, print_comparison, values_of_record
 
 
 @click.command("compare", cls=SafeCommand, epilog="Example: symid compare monday.json friday.json")
@@ -26,7 +26,7 @@ def command(first: str, second: str, report: str | None, json_file: str | None) 
     record = comparison_record(*(values_of_record(read_json(file), file) for file in (first, second)))
     if page_of(report):
         # matplotlib takes a second to load
-        from symid.report.pages.comparison_page import write_comparison_html
+        from symid.report.pages import write_comparison_html
 
         write_comparison_html(record, str(report), shlex.join(["symid", *sys.argv[1:]]))
     give_result(record, json_file, print_comparison)

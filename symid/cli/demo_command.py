@@ -10,10 +10,8 @@ from symid.cli.terminal import say, with_options, working
 from symid.codegen import load_generated
 from symid.diagnosis import diagnose
 from symid.identification import Preparation, identify, predict, read_axis_log
-from symid.report.pages.diagnosis_page import write_html
-from symid.report.pages.page import html_path
-from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
-from symid.report.tables.identification import identification_record, print_identification
+from symid.report.pages import html_path, write_diagnosis_html
+from symid.report.tables import diagnosis_record, identification_record, print_diagnosis, print_identification
 
 PUBLISHED_RECIPE = Preparation(
     cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0, difference_order=2
@@ -40,7 +38,7 @@ def command(report: str, json_file: str | None) -> None:
     found = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)
     with working("diagnosing"):
         diagnosis = diagnose(axis, log, validation=other, nominal=found.physical_parameters)
-    write_html(diagnosis, page, with_options)
+    write_diagnosis_html(diagnosis, page, with_options)
     identified = with_options(identification_record(found, predict(found, other)))
     gap = with_options(diagnosis_record(diagnosis))
     if json_file:

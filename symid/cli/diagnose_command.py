@@ -34,7 +34,7 @@ from symid.data import WRITTEN_SUFFIXES, write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
 from symid.files import written_path
-from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
+from symid.report.tables import diagnosis_record, print_diagnosis
 from symid.simulation import ClosedLoop
 
 _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "seconds")
@@ -120,11 +120,11 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     if experiment:
         found = _with_experiment(found, limits, experiment)
     if page:
-        from symid.report.pages.diagnosis_page import (
-            write_html,  # bokeh and jinja2 are loaded only where a page is written
+        from symid.report.pages import (
+            write_diagnosis_html,  # bokeh and jinja2 are loaded only where a page is written
         )
 
-        write_html(found, page, with_options, shlex.join(["symid", *sys.argv[1:]]))
+        write_diagnosis_html(found, page, with_options, shlex.join(["symid", *sys.argv[1:]]))
     give_result(diagnosis_record(found), options["json_file"], print_diagnosis)
     if written:
         _write_axis(found, written)

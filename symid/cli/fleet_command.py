@@ -15,7 +15,7 @@ from symid.cli.terminal import working
 from symid.codegen import GeneratedModel, model_of
 from symid.errors import SettingError
 from symid.fleet import FleetReview, JointIdentification, join_results, read_results, review_fleet, units_in
-from symid.report.tables.fleet import fleet_record, print_fleet
+from symid.report.tables import fleet_record, print_fleet
 from symid.signal_names import is_signal_name
 
 
@@ -87,9 +87,7 @@ def write_review(
     found: FleetReview, page: Path, joined: Mapping[str, JointIdentification] | None = None
 ) -> None:
     """Write the page of a review."""
-    from symid.report.pages.fleet_page import (
-        write_fleet_html,  # jinja2 is loaded only where a page is written
-    )
+    from symid.report.pages import write_fleet_html  # jinja2 is loaded only where a page is written
 
     write_fleet_html(found, page, joined)
 

@@ -58,13 +58,8 @@ from symid.identification import (
     measured_signals,
     open_axis_log,
 )
-from symid.report.figures.colours import palette_of
-from symid.report.tables.identification import (
-    identification_record,
-    print_identification,
-    print_shared,
-    shared_record,
-)
+from symid.report.figures import palette_of
+from symid.report.tables import identification_record, print_identification, print_shared, shared_record
 from symid.verbs import METHODS, identify
 
 if TYPE_CHECKING:
@@ -130,7 +125,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     # output error may have no start to begin at
     validation: Any = found.predict(validating) if validating and found.fit is not None else None
     if options["method"] == "oe":
-        from symid.report.tables.output_error import output_error_record  # takes 0.3 s to load
+        from symid.report.tables import output_error_record  # takes 0.3 s to load
 
         record = output_error_record(cast("OutputErrorIdentification", found), validation)
     else:
@@ -138,16 +133,16 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     drawn = list(map(first_block, runs))
     drawn += [validating] if validating and validation is not None else []
     if options["plot"]:
-        from symid.report.figures.drawn import save_figure
-        from symid.report.figures.identification_figure import (
-            identification_figure,  # matplotlib takes a second to load
+        from symid.report.figures import (
+            plot_identification,  # matplotlib takes a second to load
+            save_figure,
         )
 
         palette = palette_of(options["dark"])
-        figure = identification_figure(found, validation, axis=known, runs=drawn, palette=palette)
+        figure = plot_identification(found, validation, axis=known, runs=drawn, palette=palette)
         save_figure(figure, options["plot"])
     if options["report"]:
-        from symid.report.pages.identification_page import write_identification_html  # as above
+        from symid.report.pages import write_identification_html  # as above
 
         write_identification_html(
             found,

@@ -20,8 +20,8 @@ from symid.data.quality import inspect_clock, inspect_finite
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
 from symid.identification.signals import for_sensor
-from symid.report.figures.colours import palette_of
-from symid.report.tables.console import TextTable, report_console
+from symid.report.figures import palette_of
+from symid.report.tables import TextTable, report_console
 from symid.units import to_si
 
 
@@ -94,7 +94,7 @@ def command(log: str, **options: Any) -> None:
     look = replace(look, period=1 / known.rate) if known.rate else look
     mapping = _mapping(look, declared, known) if declared else None
     if options["plot"]:
-        from symid.report.figures.foreign_figure import plot_foreign  # matplotlib takes a second to load
+        from symid.report.figures import plot_foreign  # matplotlib takes a second to load
 
         palette = palette_of(options["dark"])
         plot_foreign(look.table, look.columns, look.period, options["plot"], palette)

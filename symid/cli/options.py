@@ -116,7 +116,7 @@ def page_of(file: str | None) -> Path | None:
     """Path of a page; SettingError, before any work is done, if it cannot be written."""
     if not file:
         return None
-    from symid.report.pages.page import html_path  # jinja2 and sympy are loaded only where a page is written
+    from symid.report.pages import html_path  # jinja2 and sympy are loaded only where a page is written
 
     return html_path(file)
 

@@ -5,8 +5,8 @@ import click
 from symid.axis import load_axis
 from symid.cli.options import dark_option, give_result, json_option, measured_option, plot_option, signal_list
 from symid.cli.outputs import SafeCommand
-from symid.report.figures.colours import palette_of
-from symid.report.tables.derivation import derivation_record, print_derivation
+from symid.report.figures import palette_of
+from symid.report.tables import derivation_record, print_derivation
 from symid.symbolic import derive
 
 
@@ -20,9 +20,11 @@ def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_
     """Show the equations of motion, the eliminated model, the regressor and the parameter maps of AXIS."""
     declared = load_axis(axis)
     if plot:
-        from symid.report.figures.drawn import save_figure  # matplotlib takes a second to load
-        from symid.report.figures.schematic import schematic
+        from symid.report.figures import (
+            draw_schematic,
+            save_figure,  # matplotlib takes a second to load
+        )
 
-        save_figure(schematic(declared, palette_of(dark)), plot)
+        save_figure(draw_schematic(declared, palette_of(dark)), plot)
     model = derive(declared, signal_list(measured))
     give_result(derivation_record(model), json_file, lambda _: print_derivation(model))

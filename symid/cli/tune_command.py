@@ -37,10 +37,8 @@ from symid.cli.simulate_command import (
 from symid.cli.terminal import tracked
 from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
-from symid.report.figures.colours import palette_of
-from symid.report.figures.drawn import save_figure
-from symid.report.figures.tuning_figure import total_tuning_figure, tuning_figure
-from symid.report.tables.tuning import print_total_tuning, print_tuning, total_record, tuning_record
+from symid.report.figures import palette_of, plot_total_tuning, plot_tuning, save_figure
+from symid.report.tables import print_total_tuning, print_tuning, total_record, tuning_record
 from symid.simulation import Controller, Plant, Trajectory, plant_of
 from symid.tuning import (
     TotalTuning,
@@ -133,11 +131,11 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
     if options["noise_from"] or options["noise"]:
         total = _total(axis, declared, parameters, options)
         record = total_record(total)
-        draw, show = partial(total_tuning_figure, total), partial(print_total_tuning, total)
+        draw, show = partial(plot_total_tuning, total), partial(print_total_tuning, total)
     else:
         found = _bounded(declared, parameters, options)
         record = tuning_record(found)
-        draw, show = partial(tuning_figure, found), partial(print_tuning, found)
+        draw, show = partial(plot_tuning, found), partial(print_tuning, found)
     if options["plot"]:
         save_figure(draw(palette_of(options["dark"])), options["plot"])
     give_result(record, json_file, lambda _: show())

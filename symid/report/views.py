@@ -20,11 +20,11 @@ from symid.fleet import Batch, review_fleet, summary_of
 from symid.identification import Identification, SharedIdentification, read_axis_log
 from symid.output_error import OutputErrorIdentification
 from symid.report.figures.drawn import Drawn, wide_and_narrow
-from symid.report.figures.identification_figure import identification_figure
+from symid.report.figures.identification_figure import plot_identification
 from symid.report.figures.overviews import batch_figure, diagnosis_figure, log_figure
-from symid.report.figures.schematic import schematic
-from symid.report.figures.tuning_figure import total_tuning_figure, tuning_figure
-from symid.report.pages.diagnosis_page import write_html
+from symid.report.figures.schematic import draw_schematic
+from symid.report.figures.tuning_figure import plot_total_tuning, plot_tuning
+from symid.report.pages.diagnosis_page import write_diagnosis_html
 from symid.report.pages.fleet_page import write_fleet_html
 from symid.report.pages.identification_page import write_identification_html
 from symid.report.pages.page import html_path, page_templates
@@ -125,16 +125,16 @@ def figure(found: object, **settings: Any) -> Drawn:
 figure.register(Log, log_figure)
 figure.register(DerivedModel, lambda model, **settings: figure(model.axis, **settings))
 figure.register(GeneratedModel, lambda model, **settings: figure(load_axis(model.axis), **settings))
-figure.register(OutputErrorIdentification, identification_figure)
-figure.register(Tuning, tuning_figure)
-figure.register(TotalTuning, total_tuning_figure)
+figure.register(OutputErrorIdentification, plot_identification)
+figure.register(Tuning, plot_tuning)
+figure.register(TotalTuning, plot_total_tuning)
 figure.register(Batch, batch_figure)
 figure.register(Diagnosis, diagnosis_figure)
 
 
 @figure.register
 def _(axis: Axis, *, narrow: bool = False, **settings: Any) -> Drawn:  # narrow as it is
-    return schematic(axis, **settings)
+    return draw_schematic(axis, **settings)
 
 
 @figure.register
@@ -144,7 +144,7 @@ def _(
     declared = load_axis(axis) if isinstance(axis, str) else axis
     known = declared or found.axis
     logs = [run if known is None or isinstance(run, Log) else read_axis_log(known, run) for run in runs]
-    return identification_figure(found, axis=declared, runs=logs, **settings)
+    return plot_identification(found, axis=declared, runs=logs, **settings)
 
 
 @singledispatch
@@ -159,7 +159,7 @@ def write_page(found: Shown, path: str | Path) -> Path:
 
 write_page.register(Identification, write_identification_html)
 write_page.register(OutputErrorIdentification, write_identification_html)
-write_page.register(Diagnosis, write_html)
+write_page.register(Diagnosis, write_diagnosis_html)
 
 
 @write_page.register

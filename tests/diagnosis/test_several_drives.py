@@ -43,7 +43,7 @@ from symid.diagnosis import explained_axis, next_experiment_of
 from symid.diagnosis.experiment import discrimination
 from symid.diagnosis.experiment.discrimination import drive_ratios
 from symid.errors import LogError, SettingError
-from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_diagnosis_html
 from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
 from symid.simulation import Cascade
 
@@ -127,7 +127,7 @@ def test_effects_of_both_drives_are_found_together() -> None:
 def test_print_and_page_show_each_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     print_diagnosis(diagnosis_record(found("delay")))
     printed = capsys.readouterr().out
-    write_html(found("delay"), tmp_path / "page.html")
+    write_diagnosis_html(found("delay"), tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert "Force error of each drive" in printed
     assert "Force error of each drive" in page

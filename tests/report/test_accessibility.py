@@ -14,7 +14,7 @@ from fleet_example import fleet_example
 from symid import Log, identify, load_axis
 from symid.fleet import review_fleet
 from symid.report.pages.comparison_page import write_comparison_html
-from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_diagnosis_html
 from symid.report.pages.fleet_page import write_fleet_html
 from symid.report.pages.identification_page import write_identification_html
 from symid.report.tables.result_comparison import comparison_record, values_of_record
@@ -45,7 +45,7 @@ def comparison_page(file: Path) -> None:
 
 
 PAGES: dict[str, Callable[[Path], object]] = {
-    "diagnosis": lambda file: write_html(diagnosis_example(), file),
+    "diagnosis": lambda file: write_diagnosis_html(diagnosis_example(), file),
     "fleet": lambda file: write_fleet_html(review_fleet(fleet_example()), file),
     "identification": identification_page,
     "comparison": comparison_page,

@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 
 import symid
 from symid.arrays import ComplexArray, FloatArray
-from symid.report.figures.identification_figure import identification_figure
+from symid.report.figures.identification_figure import plot_identification
 from symid.simulation.plants.frequency_response import FrequencyResponse, identified_response, response_band
 
 FREQUENCY = np.array([1.0, 8.0, 20.0, 28.0, 60.0])
@@ -70,7 +70,7 @@ def test_the_band_that_is_drawn_is_that_of_the_printed_deviation() -> None:
     """Far above Fv / M the response is 1 / (M s): its relative deviation is that of M."""
     log = rigid_log()
     found = symid.identify(symid.load_axis("rigid_1m"), log)
-    drawn = identification_figure(found, axis=symid.load_axis("rigid_1m"), runs=[log])
+    drawn = plot_identification(found, axis=symid.load_axis("rigid_1m"), runs=[log])
     (magnitude,) = [axes for axes in drawn.axes if axes.get_ylabel().startswith("velocity / F")]
     (band,) = [one for one in magnitude.collections if isinstance(one, PolyCollection)]
     corners = band.get_paths()[0].vertices

@@ -15,7 +15,7 @@ from symid.data import write_log
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import DelayEffect
 from symid.report.figures.residual_correlation import correlation
-from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_diagnosis_html
 from symid.report.tables.number_text import interval_end
 
 
@@ -31,7 +31,7 @@ def test_noise_stays_in_the_bands_and_a_force_of_time_leaves_them(
 ) -> None:
     log = rigid_log(lambda t, *_: wave * np.sin(30 * t), seconds=12.0)
     found = diagnose(symid.load_axis("rigid_1m"), log, library=(DelayEffect(),))
-    write_html(found, tmp_path / "p.html")
+    write_diagnosis_html(found, tmp_path / "p.html")
     page = (tmp_path / "p.html").read_text(encoding="utf-8")
     own, across = outside(page)
     assert low <= own <= high

@@ -14,7 +14,7 @@ from benchmarks.pictures import photograph
 from symid.arrays import FloatArray
 from symid.diagnosis import Signals
 from symid.report.figures.colours import EXPLAINED, MEASURED, MODEL, NOMINAL, PAPER, in_dark
-from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_diagnosis_html
 
 pytestmark = pytest.mark.browser
 
@@ -150,7 +150,7 @@ def test_print_is_light(page, tmp_path):
 
 def test_a_page_becomes_a_picture(tmp_path):
     file, picture = tmp_path / "report.html", tmp_path / "page.png"
-    write_html(diagnosis_example("effect"), file)
+    write_diagnosis_html(diagnosis_example("effect"), file)
     photograph(file, picture, 900, 700)
     shown = matplotlib.image.imread(picture)[:, :, :3]
     assert shown.shape == (700, 900, 3)

@@ -21,7 +21,7 @@ from symid.report.figures.identification_curves import (
     correlated_pairs,
     draw_ellipse,
 )
-from symid.report.figures.identification_figure import identification_figure
+from symid.report.figures.identification_figure import plot_identification
 from symid.simulation.plants.frequency_response import response_of
 
 AXIS = load_axis("rigid_1m")
@@ -38,7 +38,7 @@ def identified() -> tuple[Identification, Log]:
 def figure() -> Figure:
     """With its axis and log."""
     found, log = identified()
-    return identification_figure(found, axis=AXIS, runs=[log])
+    return plot_identification(found, axis=AXIS, runs=[log])
 
 
 def axes_with(label: str) -> Axes:
@@ -147,7 +147,7 @@ def test_only_correlated_parameters_get_an_ellipse() -> None:
 def test_a_validation_gets_a_panel_with_its_own_motion() -> None:
     found, log = identified()
     other = rigid_log(seed=5)
-    drawn = identification_figure(found, predict(found, other), axis=AXIS, runs=[log, other], palette=DARK)
+    drawn = plot_identification(found, predict(found, other), axis=AXIS, runs=[log, other], palette=DARK)
     labels = [axes.get_xlabel() for axes in drawn.axes]
     assert labels.count("velocity of q [m/s]") == 2
     maps = [axes for axes in drawn.axes if axes.get_xlabel() == "position q [m]"]

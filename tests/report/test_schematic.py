@@ -31,7 +31,7 @@ from symid import (
 )
 from symid.axis import axis_names
 from symid.report.figures.colours import DARK, LIGHT, Palette
-from symid.report.figures.schematic import schematic
+from symid.report.figures.schematic import draw_schematic
 
 AXES = {
     **{name: load_axis(name) for name in axis_names()},
@@ -71,8 +71,8 @@ AXES["gantry"] = gantry.AXIS
 @pytest.mark.parametrize("name", IMPERFECT)
 def test_imperfections_are_marked_where_they_act_and_explained_below(name: str) -> None:
     axis = IMPERFECT[name]
-    notes = [t.get_text() for t in schematic(axis).axes[0].texts if t.get_gid() == "note"]
-    elsewhere = [label for label in labels(schematic(axis)) if label not in notes]
+    notes = [t.get_text() for t in draw_schematic(axis).axes[0].texts if t.get_gid() == "note"]
+    elsewhere = [label for label in labels(draw_schematic(axis)) if label not in notes]
     for i, element in enumerate(axis.imperfections):
         mark = chr(ord("\u2460") + i)
         assert f"{mark} {element.formula}" in " ".join(" ".join(notes).split())
@@ -92,7 +92,7 @@ def names(figure: Figure) -> set[str]:
 @pytest.mark.parametrize("name", list(AXES))
 def test_every_body_parameter_and_signal_has_a_label(name: str) -> None:
     axis = AXES[name]
-    figure = schematic(axis)
+    figure = draw_schematic(axis)
     shown = [part for label in labels(figure) for part in label.replace(" g sin q", "").split(", ")]
     many = [
         p
@@ -112,7 +112,7 @@ def test_every_body_parameter_and_signal_has_a_label(name: str) -> None:
 
 @pytest.mark.parametrize("name", list(AXES))
 def test_no_label_lies_on_another_one_or_outside(name: str) -> None:
-    figure = schematic(AXES[name])
+    figure = draw_schematic(AXES[name])
     renderer = FigureCanvasAgg(figure).get_renderer()
     texts = [text for text in figure.axes[0].texts if text.get_text()]
     boxes = {id(text): text.get_window_extent(renderer) for text in texts}
@@ -126,13 +126,13 @@ def test_no_label_lies_on_another_one_or_outside(name: str) -> None:
 
 
 def test_bodies_that_turn_are_discs() -> None:
-    patches = {p.get_gid(): p for p in schematic(AXES["geared_ballscrew_3m2s"]).axes[0].patches}
+    patches = {p.get_gid(): p for p in draw_schematic(AXES["geared_ballscrew_3m2s"]).axes[0].patches}
     assert isinstance(patches["body screw"], Circle)
     assert not isinstance(patches["body table"], Circle)
 
 
 def test_kinds_of_sensors_differ_by_their_lines() -> None:
-    lines = {line.get_gid(): line.get_linestyle() for line in schematic(AXES["triangle"]).axes[0].lines}
+    lines = {line.get_gid(): line.get_linestyle() for line in draw_schematic(AXES["triangle"]).axes[0].lines}
     assert (lines["sensor qa"], lines["sensor dc"], lines["sensor ddb"]) == ("-", "--", ":")
 
 

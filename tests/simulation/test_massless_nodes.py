@@ -24,7 +24,7 @@ from symid import (
 from symid.axis import Element
 from symid.codegen.generated_models import compiled
 from symid.errors import SettingError
-from symid.report.figures.schematic import schematic
+from symid.report.figures.schematic import draw_schematic
 from symid.simulation import Cascade, plant_of, simulate, trapezoids
 
 MOTOR, NODE, LOAD = Body("motor", mass="Mm"), Body("node", mass=0.0), Body("load", mass="Ml")
@@ -166,4 +166,4 @@ def test_what_a_node_cannot_carry_is_refused() -> None:
         plant_of(axis_with(CoulombFriction(NODE, "Fs")), TRUE | {"Fs": 3.0})
     with pytest.raises(SettingError, match="acts on body 'node', which has no mass"):
         simulate(axis_with(PeriodicForce(NODE, 1.0, 0.0, 5.0)), TRUE, PATH, LOOP)
-    schematic(axis_with())
+    draw_schematic(axis_with())

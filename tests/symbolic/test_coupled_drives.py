@@ -17,7 +17,7 @@ from symid import (
 )
 from symid.codegen.generated_models import compiled
 from symid.errors import DeclarationError
-from symid.report.figures.schematic import schematic
+from symid.report.figures.schematic import draw_schematic
 from symid.simulation import plant_of
 
 SPAN, RADIUS = 1.2, 0.01
@@ -114,7 +114,7 @@ def test_faults_of_several_gears_are_reported() -> None:
 
 def test_each_gear_is_drawn() -> None:
     axis, _ = gantry()
-    names = {line.get_gid() for line in schematic(axis).axes[0].get_children()} - {None}
+    names = {line.get_gid() for line in draw_schematic(axis).axes[0].get_children()} - {None}
     assert {"drive F1", "drive F2"} <= {name for name in names if name.startswith("drive")}
     assert {f"gear of {body} to {to}" for body in ("beam", "yaw") for to in ("left", "right")} <= names
 

@@ -31,7 +31,7 @@ _NARROW_PANEL, _NARROW_PANEL_IN_MOTION, _NARROW_WIDTH = 8.4, 13.0, 4.2
 """Heights of a panel without and with the motion, and width, of a figure for a phone."""
 
 
-def identification_figure(
+def plot_identification(
     found: Identification | OutputErrorIdentification,
     validation: OutputPrediction | OutputErrorPrediction | None = None,
     *,

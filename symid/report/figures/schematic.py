@@ -52,14 +52,14 @@ class _Box:
 
 def schematic_svg(axis: Axis) -> str:
     """The schematic as an SVG element for a page; the same text every time."""
-    return svg_of(schematic(axis), axis.name)
+    return svg_of(draw_schematic(axis), axis.name)
 
 
-def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
+def draw_schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
     """The schematic of an axis as a figure; each sign has the name of its element as group id.
 
     >>> from symid.axis import load_axis
-    >>> (axes,) = schematic(load_axis("rigid_1m")).axes
+    >>> (axes,) = draw_schematic(load_axis("rigid_1m")).axes
     >>> [text.get_text() for text in axes.texts if text.get_text()]
     ['motor', 'M', 'Fv', 'Fs', 'F', 'q']
     """

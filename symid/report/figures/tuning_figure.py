@@ -12,7 +12,7 @@ from symid.tuning import BoundSearch, TotalTuning, Tuning
 _CIRCLE: Any = {"fillstyle": "none", "markersize": 9}
 
 
-def tuning_figure(found: Tuning, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
+def plot_tuning(found: Tuning, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
     """Largest error against the cutoff and against the sampling frequency, side by side, or below each other."""
     with mpl.rc_context(palette.style):
         figure = Drawn(figsize=(4.2, 8) if narrow else (10, 4), layout="constrained")
@@ -39,7 +39,7 @@ def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Pale
     axes.set_title(title, loc="left")
 
 
-def total_tuning_figure(found: TotalTuning, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
+def plot_total_tuning(found: TotalTuning, palette: Palette = LIGHT, *, narrow: bool = False) -> Drawn:
     """Total error against the cutoff."""
     with mpl.rc_context(palette.style):
         figure = Drawn(figsize=(4.2 if narrow else 6, 4), layout="constrained")

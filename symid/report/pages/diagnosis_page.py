@@ -90,7 +90,7 @@ _MOST_SHOWN = 8
 """Number of alternatives that are shown at first; accepted effects always are."""
 
 
-def write_html(
+def write_diagnosis_html(
     found: Diagnosis, file: str | Path, reword: Callable[[Any], Any] = as_it_is, command: str = ""
 ) -> Path:
     """Write a diagnosis as one self-contained HTML file; without JavaScript only its plots are missing.

@@ -22,7 +22,7 @@ from symid.report.figures.identification_curves import (
     identification_curves,
     parameters_shown,
 )
-from symid.report.figures.identification_figure import identification_figure
+from symid.report.figures.identification_figure import plot_identification
 from symid.report.figures.residual_correlation import PredictedOutput, residual_correlations
 from symid.report.pages.page import as_it_is, html_path, page_templates, provenance
 from symid.report.pages.plot_data import correlation_fields, curve_data
@@ -70,7 +70,7 @@ def write_identification_html(
         correlations=_correlations(found),
         settings=_settings(record),
         fit=wide_and_narrow(
-            lambda narrow: identification_figure(found, curves=curves, narrow=narrow), "fit-plot"
+            lambda narrow: plot_identification(found, curves=curves, narrow=narrow), "fit-plot"
         ),
         fit_data=curve_data(curves),
         motions=[asdict(one) for one in _motions(found, curves)],

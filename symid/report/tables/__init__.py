@@ -1,1 +1,5 @@
 """Results as text and as JSON records."""
+
+from symid.lazy_face import lazy_face
+
+__getattr__, __dir__ = lazy_face(__name__)
