@@ -39,10 +39,13 @@ def imports_of(text: str) -> Iterator[tuple[str, str]]:
             yield from (alias.name.rpartition(".")[::2] for alias in node.names)
 
 
+def is_package(name: str) -> bool:
+    return PACKAGE.parent.joinpath(*name.split(".")).is_dir()
+
+
 def face_of(module: str) -> Collection[str]:
     """Names that a package states in its `__init__`; none for a module."""
-    is_package = PACKAGE.parent.joinpath(*module.split(".")).is_dir()
-    return getattr(import_module(module), "__all__", ()) if is_package else ()
+    return getattr(import_module(module), "__all__", ()) if is_package(module) else ()
 
 
 def past_faces(text: str, package: str) -> list[str]:
@@ -51,8 +54,9 @@ def past_faces(text: str, package: str) -> list[str]:
     for module, name in imports_of(text):
         root, _, rest = module.partition(".")
         other = rest.partition(".")[0]
-        if root == "symid" and other not in ("", package) and (PACKAGE / other).is_dir():
-            found += [] if name in face_of(module) else [f"{module}.{name}"]
+        reached = f"{module}.{name}"
+        if root == "symid" and other not in ("", package) and is_package(f"symid.{other}"):
+            found += [] if name in face_of(module) or is_package(reached) else [reached]
     return found
 
 

@@ -2,6 +2,8 @@
 
 import sys
 
+__all__ = ["main"]
+
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its code."""
