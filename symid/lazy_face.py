@@ -3,20 +3,12 @@
 import sys
 from collections.abc import Callable
 from functools import cache
-from typing import NamedTuple
 
 
-class LazyFace(NamedTuple):
-    """The functions `__getattr__` and `__dir__` of a package."""
+def lazy_face(package: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """`__getattr__` and `__dir__` of a package whose stub file, `__init__.pyi`, imports each name from its module.
 
-    get: Callable[[str], object]
-    names: Callable[[], list[str]]
-
-
-def lazy_face(package: str) -> LazyFace:
-    """Face of a package whose stub file, `__init__.pyi`, imports each name from its module, for type checkers too.
-
-    No name may be that of a module of the package, which would hide it.
+    Type checkers read the same file. No name may be that of a module of the package, which would hide it.
     """
 
     @cache
@@ -46,4 +38,4 @@ def lazy_face(package: str) -> LazyFace:
     def names() -> list[str]:
         return sorted({*modules(), *(name for name in vars(sys.modules[package]) if name.startswith("__"))})
 
-    return LazyFace(get, names)
+    return get, names

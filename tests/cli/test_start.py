@@ -30,7 +30,7 @@ def test_an_interrupt_while_modules_load_is_one_line() -> None:
     """It was a traceback in the first 0.1 s; before `main`, next to nothing is loaded."""
     done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (130, "\nsymid: interrupted\n")
-    assert done.stdout.split() == ["symid", "symid.cli"]
+    assert done.stdout.split() == ["symid", "symid.cli", "symid.lazy_face"]
 
 
 def test_each_kind_of_element_is_a_name_of_symid_that_loads_when_it_is_used() -> None:
