@@ -23,6 +23,7 @@ from symid.estimation.correlation import (
     default_max_lag,
     effective_samples,
     pair_sum,
+    samples_of_window,
     tapered,
     with_nonnegative_spectrum,
 )
@@ -31,7 +32,7 @@ from symid.estimation.triangular import checked_observation
 
 CorrelationStatus: TypeAlias = Literal["ok", "correlation_persists", "too_few_samples"]
 
-_WINDOW = 32_768  # least samples of a window; its transforms take a few MB
+_WINDOW = 16_384  # samples of a transform at least: those of all columns stay in the cache
 
 
 @dataclass(frozen=True)
@@ -245,7 +246,7 @@ def _score_covariance(
         tail = np.zeros((len(block.W), fit.rank.rank, 0))
         if block.continues:
             tail = tails.get(block.equation, tail)
-        for U in _orthonormal_windows(block, fit, max(_WINDOW, 8 * kernel.reach)):
+        for U in _orthonormal_windows(block, fit, samples_of_window(kernel.reach, _WINDOW)):
             window = np.concatenate([tail, U], axis=2)
             total += pair_sum(window, kernel) - pair_sum(tail, kernel)
             tail = window[..., max(window.shape[2] - kernel.reach, 0) :]

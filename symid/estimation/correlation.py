@@ -15,6 +15,8 @@ import numpy as np
 from symid.arrays import BoolArray, ComplexArray, FloatArray, fast_length
 from symid.errors import SettingError
 
+_TRANSFORM = 65_536  # least samples of a transform of residuals
+
 
 @dataclass(frozen=True)
 class ResidualCovariance:
@@ -59,17 +61,17 @@ class ResidualCovariance:
         >>> sums.covariance().round(9).tolist()
         [[[4.0, 4.666666667, 4.0]]]
         """
-        mask = np.ones(residual.shape) if valid is None else np.asarray(valid, dtype=np.float64)
-        clean = np.where(mask > 0.0, residual, 0.0)
+        mask = np.ones(residual.shape, dtype=bool) if valid is None else valid
+        clean = np.where(mask, residual, 0.0)
         nothing = np.zeros((len(clean), 0))
         products, tail = self._added(clean, self.tail_residual if continues else nothing)
         pairs, tail_valid = self._added(mask, self.tail_valid if continues else nothing)
         return ResidualCovariance(self.products + products, np.rint(self.pairs + pairs), tail, tail_valid)
 
-    def _added(self, x: FloatArray, tail: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _added(self, x: FloatArray | BoolArray, tail: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Lagged products of a block with itself and the samples before it, and its last samples."""
         keep = self.max_lag
-        step = max(16 * keep, 65_536)
+        step = samples_of_window(keep, _TRANSFORM)
         sizes = fast_length(min(tail.shape[1] + x.shape[1], step + keep) + keep), fast_length(2 * keep + 1)
         powers = [np.zeros((len(x), len(x), size // 2 + 1), dtype=complex) for size in sizes]
         for start in range(0, x.shape[1], step):
@@ -83,6 +85,17 @@ class ResidualCovariance:
     def covariance(self) -> FloatArray:
         """gamma_ij(k), the mean product over valid pairs, 0 without pairs; shape of `products`."""
         return self.products / np.maximum(self.pairs, 1.0)
+
+
+def samples_of_window(reach: int, least: int) -> int:
+    """Samples by which windows advance, with `reach` samples before and as many zeros behind them.
+
+    They make a power of two, the length of the fastest transforms, of which at most a quarter is not their own.
+
+    >>> samples_of_window(100, 1024)
+    824
+    """
+    return (1 << (max(8 * reach, least) - 1).bit_length()) - 2 * reach
 
 
 def _power(x: FloatArray, size: int) -> ComplexArray:

@@ -191,7 +191,7 @@ def residuals(W: FloatArray, y: FloatArray, fit: LeastSquares) -> FloatArray:
     >>> residuals(W, y, estimate(triangular_factors(W, y))).round(12).tolist()
     [[-1.0, 1.0]]
     """
-    return np.stack([y[j] - (fit.solution @ W[j].T) for j in range(len(W))])
+    return y - fit.solution @ W.swapaxes(1, 2)
 
 
 def _check(factors: Sequence[TriangularFactor], method: str, ddof: int | None) -> None:

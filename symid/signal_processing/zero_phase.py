@@ -17,16 +17,13 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
+from symid.signal_processing.filter_blocks import FORGOTTEN, FilterBlocks, gain_at_rest
 from symid.signal_processing.sections import run, settled_states
 
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
 _MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either side
-_FEW: Final = 8  # distance of kept samples from which products of blocks are faster than filtering all
-_LENGTH: Final = 512  # samples of a block at least, if few are kept
-_MOST_KEPT: Final = 16  # of them
+_MANY: Final = 4096  # samples from which products of blocks are faster than the recursion
 _SLOWEST: Final = 1.0 - 1e-12  # modulus of a pole; of a cutoff near zero it is rounded beyond the circle
-_DOUBLED: Final = tuple(2**k for k in range(40))  # numbers of blocks
-_FORGOTTEN: Final = 1e-19  # of a state; far below rounding, since the modes of a filter add up
 
 
 @dataclass(frozen=True)
@@ -117,7 +114,7 @@ class ZeroPhaseFilter:
         slowest = float(np.max(np.abs(self._poles)))
         if slowest == 0.0:
             return self.padding
-        return self.padding + math.ceil(math.log(_FORGOTTEN) / math.log(min(slowest, _SLOWEST)))
+        return self.padding + math.ceil(math.log(FORGOTTEN) / math.log(min(slowest, _SLOWEST)))
 
     def transients(self, places: FloatArray) -> FloatArray:
         """Real and imaginary parts of powers of the poles, shape (n_places, n_poles), at samples from an end.
@@ -144,53 +141,33 @@ class ZeroPhaseFilter:
 
     def apply(self, x: FloatArray) -> FloatArray:
         """Vector, filtered forward and backward."""
-        if _is_constant(x):
-            gain = np.prod(self.sections[:, :3].sum(axis=1) / self.sections[:, 3:].sum(axis=1))
-            return np.full(x.size, x[0] * float(gain) ** 2)
+        passed: FloatArray = self.apply_thinned(x[None], slice(None))[0]
+        return passed
+
+    def apply_thinned(self, rows: FloatArray, kept: slice) -> FloatArray:
+        """Samples `kept` of each filtered row, shape (n_rows, n_kept)."""
+        first, stop, step = kept.indices(rows.shape[1])
+        thinned = np.empty((len(rows), len(range(first, stop, step))))
+        moving = []
+        for row, x in enumerate(rows):
+            if _is_constant(x):
+                thinned[row] = x[0] * gain_at_rest(self.sections) ** 2
+            elif rows.size < _MANY:
+                thinned[row] = self._recursion(x)[kept]
+            else:
+                moving.append(row)
+        if moving:
+            chosen = rows if len(moving) == len(rows) else rows[moving]
+            thinned[moving] = _blocks(self, step).apply(chosen, first, thinned.shape[1])
+        return thinned
+
+    def _recursion(self, x: FloatArray) -> FloatArray:
+        """Vector, filtered sample by sample."""
         extended = odd_extension(x, self.padding)[None]
         for _ in ("forward", "backward"):
             passed, _ = run(self.sections, extended, self._states(extended[:, 0]))
             extended = passed[:, ::-1]
         return extended[0, self.padding : -self.padding]
-
-    def apply_thinned(self, rows: FloatArray, kept: slice) -> FloatArray:
-        """Samples `kept` of each filtered row, shape (n_rows, n_kept); if they are sparse, without filtering all."""
-        first, stop, step = kept.indices(rows.shape[1])
-        thinned = np.empty((len(rows), len(range(first, stop, step))))
-        moving = []
-        for row, x in enumerate(rows):
-            if step < _FEW or _is_constant(x):
-                thinned[row] = self.apply(x)[kept]
-            else:
-                moving.append(row)
-        if moving:
-            chosen = rows if len(moving) == len(rows) else rows[moving]
-            thinned[moving] = self._in_blocks(chosen, first, step, thinned.shape[1])
-        return thinned
-
-    def _in_blocks(self, x: FloatArray, first: int, step: int, count: int) -> FloatArray:
-        """`count` samples of filtered rows, every `step`-th from `first` on."""
-        # A block of samples acts on the filter's state, and on the kept samples, linearly: one matrix product for all
-        # blocks replaces the recursion over samples. Only the states between blocks remain recursive, once forward and
-        # once backward; the ends, with their continuation, are filtered sample by sample.
-        of = _block_maps(self, step)
-        begin = (self.padding + first) % of.length - self.padding
-        begin += of.length if begin < 0 else 0
-        n_rows, n_blocks = len(x), max((x.shape[1] - 1 - begin) // of.length, 0)
-        end, n = begin + n_blocks * of.length, len(of.across)
-        head = np.concatenate((2.0 * x[:, :1] - x[:, self.padding : 0 : -1], x[:, :begin]), axis=1)
-        tail = np.concatenate((x[:, end:], 2.0 * x[:, -1:] - x[:, -2 : -self.padding - 2 : -1]), axis=1)
-        _, state = run(self.sections, head, self._states(head[:, 0]))
-        by_input = x[:, begin:end].reshape(n_rows, n_blocks, of.length) @ of.input
-        entering, s = of.states_before(by_input[..., :n], state.reshape(n_rows, n))
-        passed, _ = run(self.sections, tail, s.reshape(n_rows, -1, 2))
-        rest, state = run(self.sections, passed[:, ::-1], self._states(passed[:, -1]))
-        back = by_input[..., n:] + entering @ of.state
-        entering = of.states_before(back[:, ::-1, :n], state.reshape(n_rows, n))[0][:, ::-1]
-        inner = (back[..., n:] + entering @ of.later).reshape(n_rows, -1)
-        found = np.concatenate((inner, rest[:, ::-1][:, ::step]), axis=1)
-        skipped = (first - begin) // step
-        return found[:, skipped : skipped + count]
 
     def _states(self, levels: FloatArray) -> FloatArray:
         """States that are settled at the level of each row."""
@@ -213,59 +190,9 @@ def _is_constant(x: FloatArray) -> bool:
     return bool(x[0] == x[-1] == x[x.size // 2]) and bool(np.all(x == x[0]))
 
 
-@dataclass(frozen=True, eq=False)
-class _BlockMaps:
-    """Effect of a filter on a block of samples, run forward and backward, as matrices to multiply rows with."""
-
-    length: int  # samples of a block, a multiple of the distance of kept ones; the first is kept
-    across: FloatArray  # shape (n_states, n_states): state behind a block by that before it
-    # shape (length, 2 n_states + n_kept): what the samples add to the state of the forward run, to that of the
-    # backward run, and to what is kept
-    input: FloatArray
-    # shape (n_states, n_states + n_kept): the same by the state of the forward run before the block
-    state: FloatArray
-    # shape (n_states, n_kept): what is kept, by the state of the backward run behind the block
-    later: FloatArray
-
-    def states_before(self, added: FloatArray, first: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """States before each block of rows and behind the last, by what the blocks add to the state before the first.
-
-        Sums over 1, 2, 4 ... blocks are doubled until the filter has forgotten earlier samples.
-        """
-        states = np.concatenate((first[:, None], added), axis=1)
-        for across, reach in zip(self._powers, _DOUBLED, strict=False):
-            if reach >= states.shape[1]:
-                break
-            states[:, reach:] += states[:, :-reach] @ across
-        return states[:, :-1], states[:, -1]
-
-    @cached_property
-    def _powers(self) -> list[FloatArray]:
-        """State behind 1, 2, 4 ... blocks by that before them, until the filter has forgotten."""
-        powers = [self.across]
-        while np.abs(powers[-1]).max() > _FORGOTTEN and len(powers) < len(_DOUBLED):
-            powers.append(powers[-1] @ powers[-1])
-        return powers[:-1] if np.abs(powers[-1]).max() <= _FORGOTTEN else powers
-
-
 @lru_cache(maxsize=64)
-def _block_maps(of: ZeroPhaseFilter, step: int) -> _BlockMaps:
-    length, n = step * min(_MOST_KEPT, -(-_LENGTH // step)), 2 * len(of.sections)
-    units = np.eye(n).reshape(n, -1, 2)
-    free, after = run(of.sections, np.zeros((n, length)), units)
-    further = run(of.sections, np.zeros((n, 1)), units)[1].reshape(n, n)
-    gain = run(of.sections, np.ones((1, 1)), 0.0 * units[:1])[1].reshape(1, n)
-    gain, further = gain.astype(np.longdouble), further.astype(np.longdouble)  # powers lose digits
-    while len(gain) < length:  # state after each number of samples behind one sample of the input
-        gain, further = np.concatenate((gain, gain @ further)), further @ further
-    gain = gain[:length].astype(np.float64)
-    impulses = np.eye(length)[::step]
-    still = np.zeros((len(impulses) + n, *units.shape[1:]))
-    kept, _ = run(of.sections, impulses, still[n:])  # by sample of the forward run
-    back = np.concatenate((gain.T, kept))
-    both = run(of.sections, back[:, ::-1], still)[0][:, ::-1]  # by sample of the input
-    by_input = np.concatenate((gain[::-1], both.T), axis=1)
-    return _BlockMaps(length, after.reshape(n, n), by_input, free @ back.T, free[:, ::-1][:, ::step])
+def _blocks(of: ZeroPhaseFilter, step: int) -> FilterBlocks:
+    return FilterBlocks.of(of.sections, of.padding, step)
 
 
 def kept_of(piece: Piece, offset: int, step: int) -> tuple[slice, slice]:

@@ -45,14 +45,16 @@ def flexible(samples: int) -> Log:
     )
 
 
-def compared(found: Identification, whole: Identification) -> None:
+def compared(found: Identification, whole: Identification, rtol: float = 1e-9) -> None:
+    # a parameter that is zero differs by rounding, of which fourth derivatives keep few digits
+    apart = np.abs(found.fit.parameters - whole.fit.parameters)
+    assert np.all(apart <= rtol * (np.abs(whole.fit.parameters) + whole.standard_deviations))
     for one, other in (
-        (found.fit.parameters, whole.fit.parameters),
         (found.standard_deviations, whole.standard_deviations),
         (found.fit.standard_deviations, whole.fit.standard_deviations),
         (found.fit.residual_norm, whole.fit.residual_norm),
     ):
-        np.testing.assert_allclose(one, other, rtol=1e-9)
+        np.testing.assert_allclose(one, other, rtol=rtol)
     assert found.fit.rows == whole.fit.rows
     assert (found.status, found.message, found.notes) == (whole.status, whole.message, whole.notes)
     assert found.timing is not None
@@ -86,6 +88,7 @@ def test_blocks_of_a_flexible_axis(decimation: int | None) -> None:
     compared(
         identify(model, LongLog.of(log, 4000), preparation=preparation),
         identify(model, log, preparation=preparation),
+        rtol=1e-6,
     )
 
 

@@ -168,6 +168,16 @@ def test_central_difference_is_exact_on_parabolas(coefficients, period, n):
     )
 
 
+@pytest.mark.parametrize("step", [1, 8])
+def test_a_low_cutoff_loses_no_digits(step: int) -> None:
+    x, low_pass = np.tile(np.sin(2 * np.pi * np.arange(2000) / 2000), 15), LowPass(2.0)
+    error = low_pass.zero_phase(1000.0).apply_thinned(x[None], slice(0, None, step))[0]
+    error -= low_pass.sampled_gain(0.5, 1000.0) * x[::step]
+    inner = error[12_000 // step : 18_000 // step]
+    assert np.abs(inner).max() < 1e-12
+    assert np.abs(np.diff(inner, 2)).max() < 4e-15 * step
+
+
 def test_difference_across_blocks():
     x = np.random.default_rng(3).standard_normal((2, 70_000))
     assert central_difference(x, 0.25) == pytest.approx(np.gradient(x, 0.25, axis=-1), rel=1e-12)

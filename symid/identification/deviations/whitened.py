@@ -6,7 +6,7 @@ S (y - W X), is orthogonal to them. In these coordinates tests of parts against 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from symid.identification.rows.row_blocks import Run
 _SEGMENTS = 15
 """Segments of all logs together: spans from a fifteenth of a log to the half are compared with the rest."""
 _LEAST_ROWS = 4  # of a part that is whitened
+_BLOCK = 16_384  # rows that stay in the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,29 +85,28 @@ def _segments_of(run: Run, of: int, each: int, fit: LeastSquares) -> Iterator[Se
     """The segments of a run, from sums over its blocks."""
     p, first = fit.solution.size, 0
     bounds = -(-np.arange(each + 1) * run.n_rows // each)  # first row of each segment, and the end
-    sums, count, begins = np.zeros((each, p + 1, p + 1)), np.zeros(each, dtype=int), np.zeros(each)
+    sums, begins, count = np.zeros((each, p + 1, p + 1)), np.zeros(each), [0] * each
     for seen in run.read():
         stop = first + seen.time.size
         here = (bounds[:-1] >= first) & (bounds[:-1] < stop)
         begins[here] = seen.time[bounds[:-1][here] - first]
-        for j, used in enumerate(seen.valid):
-            Z, rest, _ = _orthonormal(seen, j, of, fit)
-            rows, cuts = np.column_stack([Z, rest]), np.searchsorted(np.flatnonzero(used), bounds - first)
-            for i in np.flatnonzero(np.diff(cuts)):
-                part = rows[cuts[i] : cuts[i + 1]]
-                sums[i] += part.T @ part
-            count += np.diff(cuts)
+        for i, (low, high) in enumerate(pairwise(np.clip(bounds - first, 0, stop - first).tolist())):
+            for j, start in product(range(len(seen.valid)), range(low, high, _BLOCK)):
+                Z, rest, _ = _orthonormal(seen, j, of, fit, slice(start, min(start + _BLOCK, high)))
+                rows = np.column_stack([Z, rest])
+                sums[i] += rows.T @ rows
+                count[i] += len(rest)
         first = stop
-    for i in np.flatnonzero(count >= _LEAST_ROWS):
-        normal, slope, square = sums[i, :p, :p], sums[i, p, :p], float(sums[i, p, p])
-        yield Segment(float(begins[i]), of, normal, slope, square, int(count[i]))
+    for time, products, n_rows in zip(begins.tolist(), sums, count, strict=True):
+        if n_rows >= _LEAST_ROWS:
+            yield Segment(time, of, products[:p, :p], products[p, :p], float(products[p, p]), n_rows)
 
 
 def _orthonormal(
-    seen: Observation, equation: int, of: int, fit: LeastSquares
+    seen: Observation, equation: int, of: int, fit: LeastSquares, inside: slice = slice(None)
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Columns Z, residual and prediction of the used rows of an equation of log number `of`."""
-    weight, used = fit.weights[of * len(seen.y) + equation], seen.valid[equation]
-    W = weight * seen.W[equation][used]
+    weight, used = fit.weights[of * len(seen.y) + equation], seen.valid[equation, inside]
+    W = weight * seen.W[equation, inside].T[:, used].T  # columns are contiguous
     prediction = W @ fit.solution
-    return W @ fit.rank.inverse_root, weight * seen.y[equation][used] - prediction, prediction
+    return W @ fit.rank.inverse_root, weight * seen.y[equation, inside][used] - prediction, prediction
