@@ -54,68 +54,75 @@ class Assignment:
     gains: Mapping[str, float]
 
 
-def sources_of(given: Assignment, named: Collection[str]) -> tuple[Source, ...]:
+def sources_of(assigned: Assignment, named: Collection[str]) -> tuple[Source, ...]:
     """Column and factor of each signal that the file has; raises all faults of the assignment together."""
-    made = (name for name, _ in given.alternatives.values())
-    known = {TIME, *given.expected, *made, *references_of(given.expected)}
+    made = (name for name, _ in assigned.alternatives.values())
+    known = {TIME, *assigned.expected, *made, *references_of(assigned.expected)}
     faults = [
-        f"signal {key!r} is not known{similar(key, known)}: the axis has {', '.join(given.expected)}"
-        for key in dict.fromkeys([*given.columns, *given.units, *given.gains])
+        f"signal {key!r} is not known{similar(key, known)}: the axis has {', '.join(assigned.expected)}"
+        for key in dict.fromkeys([*assigned.columns, *assigned.units, *assigned.gains])
         if key not in known
     ]
     sources: list[Source] = []
-    for signal in dict.fromkeys((TIME, *given.expected, *references_of(given.expected))):
+    for signal in dict.fromkeys((TIME, *assigned.expected, *references_of(assigned.expected))):
         try:
-            source = _source(given, signal, must=signal == TIME or signal in named)
+            source = _source(assigned, signal, must=signal == TIME or signal in named)
         except LogError as error:
             faults.append(str(error))
             continue
         if source is not None:
             sources.append(source)
-    if not faults and not any(source.signal in given.expected for source in sources):
+    if not faults and not any(source.signal in assigned.expected for source in sources):
         faults.append(
-            f"has none of the signals {', '.join(given.expected)}: {_columns_named(given.headers)}, "
-            f"name one with `columns` {next(iter(given.expected), 'q')}=NAME"
+            f"has none of the signals {', '.join(assigned.expected)}: {_columns_named(assigned.headers)}, "
+            f"name one with `columns` {next(iter(assigned.expected), 'q')}=NAME"
         )
     if faults:
         raise LogError("; ".join(faults))
     return tuple(sources)
 
 
-def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
-    column = given.columns.get(signal, signal)
-    position = _position(given.headers, column)
-    unit = Unit.of("s") if signal == TIME else given.expected.get(signal)
+def _source(assigned: Assignment, signal: str, *, must: bool) -> Source | None:
+    column = assigned.columns.get(signal, signal)
+    position = _position(assigned.headers, column)
+    unit = Unit.of("s") if signal == TIME else assigned.expected.get(signal)
     if position is not None:
-        text = given.units.get(signal, split_unit(given.headers[position])[1])
+        text = assigned.units.get(signal, split_unit(assigned.headers[position])[1])
         if unit is None and text is not None and "count" in text:  # a reference is in counts of the positions
-            unit = next((own for own in given.expected.values() if own in _POSITIONS), None)
-        return Source(signal, position, _factor(given, signal, position, unit), text is not None)
+            unit = next(
+                (
+                    position_unit
+                    for position_unit in assigned.expected.values()
+                    if position_unit in _POSITIONS
+                ),
+                None,
+            )
+        return Source(signal, position, _factor(assigned, signal, position, unit), text is not None)
     if must:
         what = "time" if signal == TIME else f"signal {signal!r}"
         hint = "map it with" if signal == TIME else "correct"
         raise LogError(
-            f"there is no column {column!r} for the {what}{similar(column, given.headers)}: "
-            f"{_columns_named(given.headers)}, {hint} `columns` {signal}=NAME, or let symid import look at the file"
+            f"there is no column {column!r} for the {what}{similar(column, assigned.headers)}: "
+            f"{_columns_named(assigned.headers)}, {hint} `columns` {signal}=NAME, or let symid import look at the file"
         )
-    if signal not in given.alternatives:
+    if signal not in assigned.alternatives:
         return None
-    other, gain = given.alternatives[signal]
-    position = _position(given.headers, given.columns.get(other, other))
+    other, gain = assigned.alternatives[signal]
+    position = _position(assigned.headers, assigned.columns.get(other, other))
     if position is None:
         return None
-    if signal in given.units or signal in given.gains:
+    if signal in assigned.units or signal in assigned.gains:
         raise LogError(
-            f"unit or gain of {signal!r} is given, but it is made from column {given.headers[position]!r}: "
-            f"add `columns` {signal}={split_unit(given.headers[position])[0]} or drop them"
+            f"unit or gain of {signal!r} is given, but it is made from column {assigned.headers[position]!r}: "
+            f"add `columns` {signal}={split_unit(assigned.headers[position])[0]} or drop them"
         )
-    return Source(signal, position, gain * _factor(given, other, position, None))
+    return Source(signal, position, gain * _factor(assigned, other, position, None))
 
 
-def _factor(given: Assignment, signal: str, position: int, unit: Unit | None) -> float:
-    header = given.headers[position]
-    text = given.units.get(signal, split_unit(header)[1])
-    gain = float(given.gains.get(signal, 1.0))
+def _factor(assigned: Assignment, signal: str, position: int, unit: Unit | None) -> float:
+    header = assigned.headers[position]
+    text = assigned.units.get(signal, split_unit(header)[1])
+    gain = float(assigned.gains.get(signal, 1.0))
     if not np.isfinite(gain) or gain == 0.0:
         raise LogError(f"gain {gain:g} of {signal!r} is not possible: give a finite number other than zero")
     if text is None:
@@ -125,7 +132,7 @@ def _factor(given: Assignment, signal: str, position: int, unit: Unit | None) ->
     except LogError as error:
         taken = (
             f", or `units` {signal}={unit} if gain {gain:g} is {unit} per {text}"
-            if signal in given.gains
+            if signal in assigned.gains
             else ""
         )
         raise LogError(f"column {header!r}: {error}{taken}") from error
@@ -145,12 +152,12 @@ def _position(headers: Sequence[str], column: str) -> int | None:
     """Position of the column with this header or, failing that, with this name before the unit."""
     wanted = column.strip()
     for names in (headers, [split_unit(header)[0] for header in headers]):
-        found = [position for position, name in enumerate(names) if name == wanted]
-        if len(found) > 1:
-            same = ", ".join(repr(headers[position]) for position in found)
-            raise LogError(f"column {column!r} is there {len(found)} times ({same}): rename all but one")
-        if found:
-            return found[0]
+        positions = [position for position, name in enumerate(names) if name == wanted]
+        if len(positions) > 1:
+            same = ", ".join(repr(headers[position]) for position in positions)
+            raise LogError(f"column {column!r} is there {len(positions)} times ({same}): rename all but one")
+        if positions:
+            return positions[0]
     return None
 
 

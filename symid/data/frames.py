@@ -61,8 +61,8 @@ def uniform(
     source: str,
 ) -> tuple[dict[str, FloatArray], Clock]:
     """Signals of a frame, SI, and their clock: parameters and errors as those of `Log.from_frame`."""
-    table, given = table_of(frame), dict(columns or {})
-    signals_by_column = {column: signal for signal, column in given.items()}
+    table, named_columns = table_of(frame), dict(columns or {})
+    signals_by_column = {column: signal for signal, column in named_columns.items()}
     values: dict[str, FloatArray] = {}
     notes: list[str] = []
     stated = True
@@ -83,9 +83,9 @@ def uniform(
             signal != TIME or unit is not None or table.headers.index(header) in table.stamps
         )
         values[signal] = (gains or {}).get(signal, 1.0) * factor * column
-    if lacking := [signal for signal in given if signal not in values]:
+    if lacking := [signal for signal in named_columns if signal not in values]:
         raise LogError(
-            f"{source}: there is no column {given[lacking[0]]!r} of numbers for {lacking[0]!r}: it has "
+            f"{source}: there is no column {named_columns[lacking[0]]!r} of numbers for {lacking[0]!r}: it has "
             f"{', '.join(table.headers)}"
         )
     if TIME in values and not stated:
@@ -100,16 +100,16 @@ def uniform(
 def _columns_of(frame: Frame) -> dict[str, Any]:
     if isinstance(frame, Mapping):
         return {str(name): np.asarray(values) for name, values in frame.items()}
-    given: Any = frame
-    index = getattr(given, "index", None)
+    table: Any = frame
+    index = getattr(table, "index", None)
     of_moments = getattr(getattr(index, "dtype", None), "kind", "") in ("m", "M")
     named = TIME if of_moments else getattr(index, "name", None)
-    if named is not None and named not in getattr(given, "columns", ()):
-        given = given.rename_axis(named).reset_index()
+    if named is not None and named not in getattr(table, "columns", ()):
+        table = table.rename_axis(named).reset_index()
     import narwhals.stable.v2 as nw  # only frames need it
 
     try:
-        read = nw.from_native(given)
+        read = nw.from_native(table)
         native = read.collect() if isinstance(read, nw.LazyFrame) else read
     except TypeError as error:
         raise LogError(
@@ -117,7 +117,7 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
             "pyarrow, or columns by name"
         ) from error
     except nw.exceptions.DuplicateError as error:
-        repeated = {str(name) for name in given.columns if list(given.columns).count(name) > 1}
+        repeated = {str(name) for name in table.columns if list(table.columns).count(name) > 1}
         raise LogError(f"{SOURCE}: several columns are {', '.join(sorted(repeated))}: rename them") from error
     return {str(name): column for name, column in zip(native.columns, native.iter_columns(), strict=True)}
 

@@ -165,10 +165,10 @@ class Log(Shown):
         >>> log.sampling_period, log["q"][:3].tolist()
         (0.001, [0.0, 0.001, 0.002])
         """
-        found, clock = uniform(
+        columns_si, clock = uniform(
             frame, columns=columns, units=units, gains=gains, sampling_period=sampling_period, source=source
         )
-        signals = {name: _finite_copy(source, name, values) for name, values in found.items()}
+        signals = {name: _finite_copy(source, name, values) for name, values in columns_si.items()}
         return cls(source, clock.start, clock.period, signals, clock.notes)
 
     def to_frame(self) -> pl.DataFrame:
@@ -221,8 +221,8 @@ class Log(Shown):
             while len(self._kept) >= _MOST_KEPT:
                 self._kept.pop(next(iter(self._kept)))
             self._kept[key] = computed()
-        found: Kept = self._kept[key]
-        return found
+        value: Kept = self._kept[key]
+        return value
 
     def window(self, start_index: int, stop_index: int) -> Log:
         """Part of the log from sample `start_index` to before sample `stop_index`; shares the arrays.
@@ -244,10 +244,10 @@ class Log(Shown):
 
 def _finite_copy(source: str, name: str, values: npt.ArrayLike) -> FloatArray:
     try:
-        given = np.asarray(values)
-        if np.iscomplexobj(given):
+        array = np.asarray(values)
+        if np.iscomplexobj(array):
             raise LogError(f"{source}: signal {name!r} is complex: give real numbers")
-        copy = np.array(given, dtype=np.float64)
+        copy = np.array(array, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise LogError(
             f"{source}: signal {name!r} does not hold numbers: give an array of real numbers"

@@ -219,12 +219,12 @@ def _checked(
 def _stuck_or_clipped(log: LongLog, positions: Sequence[str]) -> list[str]:
     """The first note on each channel from evenly spread windows."""
     size = min(_WINDOW, log.n_samples)
-    found: dict[str, str] = {}
+    notes: dict[str, str] = {}
     for start in np.linspace(0, log.n_samples - size, _WINDOWS).astype(int).tolist():
         window = log.window(start, start + size)
         for note in inspect_spans(window.time, window.signals, positions):
-            found.setdefault(note.split("'")[1], note)
-    return list(found.values())
+            notes.setdefault(note.split("'")[1], note)
+    return list(notes.values())
 
 
 class _ClockOfBlocks:
@@ -247,16 +247,16 @@ class _ClockOfBlocks:
         """Faults of the next block, shape (n_samples,); after one of them no more blocks are possible."""
         if self._seen == 0:
             self._first = float(time[0])
-            found = inspect_clock(time)
+            block_clock = inspect_clock(time)
         else:
-            found = inspect_clock(np.append(self._last, time), before=self._seen - 1)
-        if found.faults:
-            return found.faults
-        late = time - self._first
+            block_clock = inspect_clock(np.append(self._last, time), before=self._seen - 1)
+        if block_clock.faults:
+            return block_clock.faults
+        elapsed = time - self._first
         index = np.arange(self._seen, self._seen + time.size, dtype=np.float64)
-        self._sums += np.dot(index, late), np.sum(late)
+        self._sums += np.dot(index, elapsed), np.sum(elapsed)
         self._last, self._seen = float(time[-1]), self._seen + time.size
-        self._blocks.append(found)
+        self._blocks.append(block_clock)
         return ()
 
     @property

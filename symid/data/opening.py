@@ -89,8 +89,8 @@ def read_log(
         In one line: the file is unreadable, a named column is missing, no signal is there, a unit does not
         fit, a value is not a number, the clock is not uniform, a signal is constant.
     """
-    found = open_log(path, expected=expected, alternatives=alternatives, memory=None, **foreign)
-    return cast("Log", found)
+    log = open_log(path, expected=expected, alternatives=alternatives, memory=None, **foreign)
+    return cast("Log", log)
 
 
 def open_log(
@@ -134,10 +134,10 @@ def open_log(
         table = open_table(file, layout, memory) if is_file else table_of(cast("Frame", path))
         if sampling_period is not None:
             table = _with_clock(table, sampling_period)
-        given = Assignment(
+        assignment = Assignment(
             table.headers, expected, alternatives or {}, {TIME: TIME, **named}, units or {}, gains or {}
         )
-        sources = sources_of(given, named=named.keys())
+        sources = sources_of(assignment, named=named.keys())
         if memory is not None and table.slices is not None and not whole and resample is None:
             size = file.stat().st_size / _BYTES_OF_A_ROW if table.n_rows is None else table.n_rows
             if size * BYTES_OF_A_SAMPLE > memory:
@@ -177,9 +177,9 @@ def _with_clock(table: Table, sampling_period: float) -> Table:
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         others = [position for position in positions if position != last]
-        found = dict(zip(others, table.read(others), strict=True))
-        size = max((c.size for c in found.values() if not isinstance(c, str)), default=0)
-        found[last] = sampling_period * np.arange(size, dtype=np.float64)
-        return [found[position] for position in positions]
+        values = dict(zip(others, table.read(others), strict=True))
+        size = max((c.size for c in values.values() if not isinstance(c, str)), default=0)
+        values[last] = sampling_period * np.arange(size, dtype=np.float64)
+        return [values[position] for position in positions]
 
     return Table((*table.headers, TIME), read, n_rows=table.n_rows)

@@ -83,10 +83,10 @@ def _clocks(
         if place == of_log.position:
             clocks[source.signal] = values[TIME]
             continue
-        (own,) = table.read([place])
-        if isinstance(own, str):
-            raise LogError(f"column {table.headers[place]!r} {own}")
-        clocks[source.signal] = own
+        (times,) = table.read([place])
+        if isinstance(times, str):
+            raise LogError(f"column {table.headers[place]!r} {times}")
+        clocks[source.signal] = times
     return clocks
 
 
@@ -112,11 +112,11 @@ def _unwrapped(
     values: Mapping[str, FloatArray], expected: Mapping[str, Unit]
 ) -> tuple[dict[str, FloatArray], list[str]]:
     """Values with unwrapped positions, and notes."""
-    found, notes = dict(values), []
+    signals, notes = dict(values), []
     for name in positions_of(expected, values):
-        found[name], note = unwrapped(name, values[name], is_angle=expected[name] == Unit.of("rad"))
+        signals[name], note = unwrapped(name, values[name], is_angle=expected[name] == Unit.of("rad"))
         notes += [note] * bool(note)
-    return found, notes
+    return signals, notes
 
 
 def positions_of(expected: Mapping[str, Unit], signals: Collection[str]) -> list[str]:
@@ -169,7 +169,9 @@ def _read(
 def _ends_within_a_row(values: Mapping[str, FloatArray]) -> bool:
     """Whether only the last row lacks values, as in the file of a program that was stopped."""
     missing = [~np.isfinite(x) for x in values.values()]
-    return any(own.size > 1 and own[-1] for own in missing) and not any(own[:-1].any() for own in missing)
+    return any(absent.size > 1 and absent[-1] for absent in missing) and not any(
+        absent[:-1].any() for absent in missing
+    )
 
 
 def _checked(

@@ -53,36 +53,36 @@ def resampled(
     if not values:
         raise LogError("has no signal to resample: name its columns")
     written = {name: _Written.of(name, clocks[name], x) for name, x in values.items()}
-    own = min(one.period for one in written.values())
-    period = own if rate == "own" else 1.0 / rate
-    begin = max(one.start for one in written.values())
-    end = min(one.start + one.time[-1] for one in written.values())
+    finest = min(signal.period for signal in written.values())
+    period = finest if rate == "own" else 1.0 / rate
+    begin = max(signal.start for signal in written.values())
+    end = min(signal.start + signal.time[-1] for signal in written.values())
     if rate == "own":
-        begin += _phase(list(written.values()), begin, own)
+        begin += _phase(list(written.values()), begin, finest)
     count = (end - begin) / period
     if not MINIMUM_SAMPLES <= count < _MOST_SAMPLES:
         raise LogError(
             f"has {max(count, 0):.6g} samples at {1 / period:.6g} Hz in the span that all signals share: "
             f"between {MINIMUM_SAMPLES} and {_MOST_SAMPLES:g} are required"
         )
-    if period * _FASTER < own:
+    if period * _FASTER < finest:
         raise LogError(
-            f"cannot be resampled to {1 / period:.6g} Hz, above the {1 / own:.6g} Hz of its fastest signal: samples "
+            f"cannot be resampled to {1 / period:.6g} Hz, above the {1 / finest:.6g} Hz of its fastest signal: samples "
             "between would pass for readings without noise; give `resample=own` or a lower rate"
         )
     time: FloatArray = period * np.arange(float(math.floor(count + _EVEN) + 1))
     done = f"resampled to {1 / period:.6g} Hz by cubic splines"
-    if any(one.is_slower(period) for one in written.values()):
+    if any(signal.is_slower(period) for signal in written.values()):
         done += f" after a zero-phase low-pass at {_PASSED / (2 * period):.6g} Hz"
-    notes = dict.fromkeys([done, *(note for one in written.values() for note in one.notes)])
-    signals = {name: one.at(begin - one.start + time, period) for name, one in written.items()}
+    notes = dict.fromkeys([done, *(note for signal in written.values() for note in signal.notes)])
+    signals = {name: signal.at(begin - signal.start + time, period) for name, signal in written.items()}
     return {TIME: begin + time, **signals}, tuple(notes)
 
 
 def _phase(written: Sequence[_Written], begin: float, period: float) -> float:
     """Time after `begin` at which most signals of this period are sampled on average: their values are then kept."""
-    fastest = [one for one in written if not period * _SLOWER < one.period]
-    sizes = [(one.start, one.time.size) for one in fastest]
+    fastest = [signal for signal in written if not period * _SLOWER < signal.period]
+    sizes = [(signal.start, signal.time.size) for signal in fastest]
     most = fastest[sizes.index(max(sizes, key=sizes.count))]
     turns = np.angle(np.mean(np.exp(2j * np.pi * (most.start - begin + most.time) / period))) / (2 * np.pi)
     return float(turns if turns > -_EVEN else turns + 1.0) * period

@@ -50,9 +50,9 @@ _PRE = '<pre tabindex="0" style="line-height:1.3;overflow-x:auto">{code}</pre>'
 
 
 @singledispatch
-def show(found: object, console: Console) -> None:
+def show(result: object, console: Console) -> None:
     """Print a result on a console."""
-    raise SettingError(f"a {type(found).__name__} cannot be printed")
+    raise SettingError(f"a {type(result).__name__} cannot be printed")
 
 
 @show.register
@@ -96,17 +96,17 @@ show.register(Batch, lambda batch, to: print_batch(summary_of(batch), to))
 show.register(Diagnosis, lambda found, to: print_diagnosis(diagnosis_record(found), to))
 
 
-def as_text(found: object) -> str:
+def as_text(result: object) -> str:
     """A result as the command line prints it, without the colours of a terminal."""
     console = _console()
-    show(found, console)
+    show(result, console)
     return console.export_text().rstrip("\n")
 
 
-def as_html(found: object) -> str:
+def as_html(result: object) -> str:
     """A result as an element of a page; all text is escaped."""
     console = _console()
-    show(found, console)
+    show(result, console)
     return console.export_html(code_format=_PRE, inline_styles=True)
 
 
@@ -117,9 +117,9 @@ def _console() -> Console:
 
 
 @singledispatch
-def figure(found: object, **settings: Any) -> Drawn:
+def figure(result: object, **settings: Any) -> Drawn:
     """Figure of a result, chosen by its type."""
-    raise SettingError(f"a {type(found).__name__} cannot be drawn")
+    raise SettingError(f"a {type(result).__name__} cannot be drawn")
 
 
 figure.register(Log, log_figure)
@@ -139,21 +139,21 @@ def _(axis: Axis, *, narrow: bool = False, **settings: Any) -> Drawn:  # narrow 
 
 @figure.register
 def _(
-    found: Identification, *, axis: Axis | str | None = None, runs: Iterable[Any] = (), **settings: Any
+    result: Identification, *, axis: Axis | str | None = None, runs: Iterable[Any] = (), **settings: Any
 ) -> Drawn:
     declared = load_axis(axis) if isinstance(axis, str) else axis
-    known = declared or found.axis
+    known = declared or result.axis
     logs = [run if known is None or isinstance(run, Log) else read_axis_log(known, run) for run in runs]
-    return plot_identification(found, axis=declared, runs=logs, **settings)
+    return plot_identification(result, axis=declared, runs=logs, **settings)
 
 
 @singledispatch
-def write_page(found: Shown, path: str | Path) -> Path:
+def write_page(result: Shown, path: str | Path) -> Path:
     """Write a page with text and figure of a result, and return its path."""
-    page, name = html_path(path), found.headline
+    page, name = html_path(path), result.headline
     template = page_templates().get_template("result.html")
-    drawn = wide_and_narrow(lambda narrow: figure(found, narrow=narrow), "plot")
-    write_whole(page, template.render(name=name, text=as_html(found), drawn=drawn, version=__version__))
+    drawn = wide_and_narrow(lambda narrow: figure(result, narrow=narrow), "plot")
+    write_whole(page, template.render(name=name, text=as_html(result), drawn=drawn, version=__version__))
     return page
 
 

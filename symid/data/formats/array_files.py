@@ -84,10 +84,10 @@ def _parsed(path: Path, memory: int | None) -> list[Channel]:
         return _channels(path, memory)
     try:
         _require_memory_for(path, memory)
-        found = _as_channels(with_objects(path))
-        if not found:
+        channels = _as_channels(with_objects(path))
+        if not channels:
             raise LogError(_NOTHING)
-        return found
+        return channels
     except Exception as error:  # noqa: BLE001  objects of an unknown kind; the vectors beside them are read
         return _vectors_alone([] if is_hdf5 else _channels(path, memory), path, error)
 
@@ -144,7 +144,7 @@ def _recording(value: Mapping[str, object], names: tuple[str, ...]) -> list[tupl
         signals = _listed(value["Y"])
     else:
         return []
-    found = []
+    channels = []
     for i, signal in enumerate(signals):
         place = signal.get("XIndex", 1) if isinstance(signal, Mapping) else 1
         time = times[int(place) - 1] if np.size(place) == 1 and 0 < int(place) <= len(times) else None
@@ -152,8 +152,8 @@ def _recording(value: Mapping[str, object], names: tuple[str, ...]) -> list[tupl
             channel = _channel(leaf)
             if not isinstance(time, np.ndarray) or time.size not in channel.values.shape:
                 return []
-            found.append((path, replace(channel, time=np.ravel(time).astype(np.float64))))
-    return found
+            channels.append((path, replace(channel, time=np.ravel(time).astype(np.float64))))
+    return channels
 
 
 def _listed(value: object) -> list[object]:
@@ -218,17 +218,17 @@ def open_numpy(path: Path, memory: int | None = None) -> Table:
 
 def _without_objects(arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, npt.NDArray[Any]]:
     """Arrays of an NPZ file that hold no objects; ValueError if all do, or one is damaged."""
-    found, refused = {}, None
+    variables, refused = {}, None
     for name in arrays:
         try:
-            found[name] = arrays[name]
+            variables[name] = arrays[name]
         except ValueError as error:
             if "pickle" not in str(error):
                 raise
             refused = error
-    if refused and not found:
+    if refused and not variables:
         raise refused
-    return found
+    return variables
 
 
 def unpacked_sizes(path: Path) -> Iterator[int]:

@@ -60,14 +60,14 @@ def _seconds(path: Path, flags: str) -> float:
 
 def _samples(rows: list[list[str]], properties: dict[str, str]) -> list[tuple[str, FloatArray]]:
     """Name, and times and values of shape (n, 2), of each variable."""
-    found: list[tuple[str, list[list[str]]]] = []
+    samples: list[tuple[str, list[list[str]]]] = []
     for row in rows:
         number, _, key = row[0].partition(".")
         if key == "Data":
-            found.append((properties.get(f"{number}.Variable") or f"variable {number}", []))
-        elif found and len(row) > 2 and not row[0]:
-            found[-1][1].append(row[1:3])
-    return [(name, np.array([_numbers(*own) for own in pairs]).reshape(-1, 2)) for name, pairs in found]
+            samples.append((properties.get(f"{number}.Variable") or f"variable {number}", []))
+        elif samples and len(row) > 2 and not row[0]:
+            samples[-1][1].append(row[1:3])
+    return [(name, np.array([_numbers(*pair) for pair in pairs]).reshape(-1, 2)) for name, pairs in samples]
 
 
 def _numbers(stamp: str, value: str) -> tuple[float, float]:

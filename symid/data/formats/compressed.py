@@ -58,8 +58,10 @@ def open_compressed(path: Path, memory: int | None = None, layout: Layout | None
         text = file.read(int(min(most, 2**62)) + 1)
     if len(text) > most:
         raise LogError(f"{path}: holds more than {most / 1e6:.3g} MB of text: uncompress it")
-    given = layout or layout_of_text(path, text)
-    return with_own_clocks(laid_out(path, given, lines_of(path, text, given.encoding), lambda: text))
+    layout_read = layout or layout_of_text(path, text)
+    return with_own_clocks(
+        laid_out(path, layout_read, lines_of(path, text, layout_read.encoding), lambda: text)
+    )
 
 
 READERS = {text + suffix: open_compressed for text in (".csv", "") for suffix in OPENERS}

@@ -25,16 +25,16 @@ def open_hdf5(path: Path, memory: int | None = None) -> Table:
     """
     h5py = required("h5py", path)
     with parsing(path, "HDF5"), h5py.File(path, "r") as file:
-        found = _vectors(file, h5py)
-    names = short_names([one.names for one in found])
-    units = (f" [{one.unit}]" if one.unit else "" for one in found)
+        vectors = _vectors(file, h5py)
+    names = short_names([one.names for one in vectors])
+    units = (f" [{one.unit}]" if one.unit else "" for one in vectors)
     headers = tuple(name + unit for name, unit in zip(names, units, strict=True))
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         with parsing(path, "HDF5"), h5py.File(path, "r") as file:
-            return [found[position].read(file) for position in positions]
+            return [vectors[position].read(file) for position in positions]
 
-    return Table(headers, read, n_rows=max((one.size for one in found), default=0))
+    return Table(headers, read, n_rows=max((one.size for one in vectors), default=0))
 
 
 def values_behind_references(path: Path) -> int:
@@ -78,7 +78,7 @@ class _Vector:
 
 
 def _vectors(file: Any, h5py: Any) -> list[_Vector]:
-    found: list[_Vector] = []
+    vectors: list[_Vector] = []
 
     def visit(name: str, item: Any) -> None:
         if not isinstance(item, h5py.Dataset) or name.startswith("#") or item.size is None or item.size <= 1:
@@ -89,7 +89,7 @@ def _vectors(file: Any, h5py: Any) -> list[_Vector]:
         unit = units[0] if len(units) == 1 else ""
         if item.dtype.names:
             numbers = [field for field in item.dtype.names if item.dtype[field].kind in "biuf"]
-            found.extend(
+            vectors.extend(
                 _Vector(path, "", item.size, field, title=field) for field in numbers if item.ndim == 1
             )
         elif item.dtype.kind in "biuf" and item.attrs.get("MATLAB_class", b"") not in (b"char", b"cell"):
@@ -97,14 +97,14 @@ def _vectors(file: Any, h5py: Any) -> list[_Vector]:
             if are_columns(item.shape):
                 titles = _texts(item, _TITLES) or _items_of_pandas(file, name)
                 for j in range(narrow):
-                    own = units[j] if len(units) == narrow else unit
+                    column_unit = units[j] if len(units) == narrow else unit
                     title = titles[j] if len(titles) == narrow else ""
-                    found.append(_Vector(path, own, long, j, item.shape[0] == long, title))
+                    vectors.append(_Vector(path, column_unit, long, j, item.shape[0] == long, title))
             else:
-                found.append(_Vector(path, unit, item.size))
+                vectors.append(_Vector(path, unit, item.size))
 
     file.visititems(visit)
-    return found
+    return vectors
 
 
 def _texts(item: Any, attributes: Sequence[str]) -> list[str]:

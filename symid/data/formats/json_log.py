@@ -47,9 +47,9 @@ def _parsed(path: Path, memory: int | None, *, lines: bool) -> object:
 def _table(path: Path, whole: object) -> Table:
     if (of_rows := table_of_records(path, whole)) is not None:
         return of_rows
-    found = list(_columns(whole, ()))
-    names = short_names([_with_quantity(names or ("values",)) for names, _ in found])
-    table = table_of_arrays(dict(zip(names, (array for _, array in found), strict=True)))
+    columns = list(_columns(whole, ()))
+    names = short_names([_with_quantity(names or ("values",)) for names, _ in columns])
+    table = table_of_arrays(dict(zip(names, (array for _, array in columns), strict=True)))
     if not table.headers:
         raise LogError(
             f"{path}: holds no columns of numbers: give lists of numbers by name, or a list of records"

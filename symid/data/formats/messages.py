@@ -44,13 +44,13 @@ def open_mcap(path: Path, memory: int | None = None) -> Table:
 
 def _readable(summary: Any) -> list[str]:
     """Topics whose messages are decoded."""
-    found = []
+    topics = []
     for channel in summary.channels.values():
         schema = summary.schemas.get(channel.schema_id)
         ros2 = channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg"
         if ros2 or channel.message_encoding == "json":
-            found.append(channel.topic)
-    return found
+            topics.append(channel.topic)
+    return topics
 
 
 class _Json:

@@ -48,7 +48,7 @@ def with_own_clocks(table: Table) -> Table:
 
 def _groups(table: Table, columns: list[FloatArray | str], places: list[int]) -> list[_Group]:
     """Columns of rising times, each with the columns up to the next one."""
-    found = []
+    groups = []
     for place, after in zip(places, [*places[1:], len(columns)], strict=True):
         time = columns[place]
         if isinstance(time, str) or after == place + 1:
@@ -57,5 +57,5 @@ def _groups(table: Table, columns: list[FloatArray | str], places: list[int]) ->
         unit = described_column(table.headers[place], known).unit
         if known.size > 1 and unit and (np.diff(known) > 0).all():
             before = range(place) if place == places[0] else ()
-            found.append(_Group(to_si(unit) * time, [*before, *range(place + 1, after)]))
-    return found
+            groups.append(_Group(to_si(unit) * time, [*before, *range(place + 1, after)]))
+    return groups

@@ -64,8 +64,8 @@ def _names_in(lines: list[str]) -> tuple[str, ...]:
 
 def _pairs(line: str) -> list[tuple[str, str]]:
     """Names with units, and values, of a line."""
-    found = _PAIR.finditer(line)
-    return [(m["name"] + (f" [{m['unit']}]" if m["unit"] else ""), m["value"]) for m in found]
+    matches = _PAIR.finditer(line)
+    return [(m["name"] + (f" [{m['unit']}]" if m["unit"] else ""), m["value"]) for m in matches]
 
 
 def _as_table(lines: list[str], names: tuple[str, ...], *, prefixed: bool) -> str:

@@ -53,11 +53,11 @@ def _pair(headers: Sequence[str]) -> tuple[int, int, float] | None:
     if TIME in lower or any(name.startswith(f"{TIME} [") for name in lower):
         return None
     for rest, name in enumerate(lower):
-        if found := _REST.fullmatch(name):
-            names = [found["stem"] + ending for ending in _WHOLE]
+        if match := _REST.fullmatch(name):
+            names = [match["stem"] + ending for ending in _WHOLE]
             whole = [place for place, other in enumerate(lower) if other in names]
             if len(whole) == 1:
-                return whole[0], rest, _PARTS[found["prefix"]]
+                return whole[0], rest, _PARTS[match["prefix"]]
     return None
 
 

@@ -101,12 +101,12 @@ def jumps_of(x: FloatArray) -> list[int]:
     step = x[1:] - x[:-1]
     curvature = np.abs(step[1:] - step[:-1])
     odd = np.minimum(curvature[:-1], curvature[1:])  # of the step from sample i + 1 to i + 2
-    found = np.flatnonzero(odd > _JUMP_RANGE * float(np.ptp(x)))
-    if not found.size:
+    jumps = np.flatnonzero(odd > _JUMP_RANGE * float(np.ptp(x)))
+    if not jumps.size:
         return []
     coarse = np.abs(step)
     finest = float(np.min(coarse, where=coarse > 0, initial=np.inf))
-    around, found = np.pad(odd, _NEAR + 2), found[odd[found] > _JUMP_STEPS * finest]
+    around, jumps = np.pad(odd, _NEAR + 2), jumps[odd[jumps] > _JUMP_STEPS * finest]
     for apart in (*range(-_NEAR, -2), *range(3, _NEAR + 3)):
-        found = found[odd[found] > _JUMP_RATIO * around[found + _NEAR + 2 + apart]]
-    return (found + 2).tolist()
+        jumps = jumps[odd[jumps] > _JUMP_RATIO * around[jumps + _NEAR + 2 + apart]]
+    return (jumps + 2).tolist()

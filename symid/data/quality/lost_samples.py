@@ -46,7 +46,7 @@ def dropped(x: FloatArray) -> BoolArray:
     (True, 0)
     """
     zero = np.flatnonzero(x == 0.0)
-    found = np.zeros(x.size, dtype=np.bool_)
+    is_dropped = np.zeros(x.size, dtype=np.bool_)
     if zero.size:
         far = _FAR * float(np.sqrt(np.mean(x**2)))
         inner = zero[(zero > 0) & (zero < x.size - 1)]
@@ -59,8 +59,8 @@ def dropped(x: FloatArray) -> BoolArray:
         if is_lost.any() and step_of(x) > 0.0:
             usual = float(np.median(np.abs(np.diff(x, 2))))
             is_lost &= (before * after > 0) & (nearest > np.maximum(_NOISE * usual, 2 * _roughness(x, inner)))
-        found[inner[is_lost]] = True
-    return found
+        is_dropped[inner[is_lost]] = True
+    return is_dropped
 
 
 def _roughness(x: FloatArray, at: IntArray) -> FloatArray:
@@ -75,13 +75,13 @@ def _roughness(x: FloatArray, at: IntArray) -> FloatArray:
 
 def repeated(x: FloatArray) -> BoolArray:
     """Samples equal to the one before, where the signal moves by many of its smallest steps around them."""
-    n, found = _SPAN, np.zeros(x.size, dtype=np.bool_)
+    n, is_repeated = _SPAN, np.zeros(x.size, dtype=np.bool_)
     if x.size < 4 * n:
-        return found
+        return is_repeated
     step = np.abs(np.diff(x))
     moving = step[step > 0]
     if moving.size == step.size or moving.size < x.size // 20:
-        return found
+        return is_repeated
     smallest = float(np.quantile(moving, 0.01))
     noise = float(np.median(np.abs(np.diff(x, 2)))) / 2
     # between i and i + 1 nothing changes, though it moves the same way before and after
@@ -92,14 +92,14 @@ def repeated(x: FloatArray) -> BoolArray:
     # where the smallest steps come among large ones as often, rough values are rounded to the same by chance
     small = (step[n:-n] > 0.0) & (step[n:-n] < np.minimum(1.5 * smallest, 0.5 * usual)) & steady
     if 2 * np.count_nonzero(small) >= np.count_nonzero(odd):
-        return found
+        return is_repeated
     # a machine that stops for a moment slows down before; a lost sample has a full step beside it
     beside = np.maximum(step[n - 1 : -n - 1], step[n + 1 : -n + 1])
     odd &= beside > 0.5 * usual
     # the largest value of a clipped or limited channel is repeated for another reason
     odd &= (x[n : -n - 1] < x.max()) & (x[n : -n - 1] > x.min())
-    found[n + 1 : -n] = odd
-    return found
+    is_repeated[n + 1 : -n] = odd
+    return is_repeated
 
 
 def step_of(x: FloatArray) -> float:
@@ -197,10 +197,10 @@ def _lost_rows(signals: Mapping[str, FloatArray]) -> BoolArray:
 
 def _short(lost: BoolArray) -> BoolArray:
     """Places within a log, at most three in a row."""
-    found = lost.copy()
+    short = lost.copy()
     for start, end in runs_of_true(lost):
-        found[start:end] = start > 0 and end < lost.size and end - start <= _LONGEST
-    return found
+        short[start:end] = start > 0 and end < lost.size and end - start <= _LONGEST
+    return short
 
 
 def _filled(x: FloatArray, sound: BoolArray, *, smooth: bool) -> FloatArray:

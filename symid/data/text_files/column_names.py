@@ -93,8 +93,8 @@ def _in_capitals(written: str, quantity: Quantity) -> list[str]:
 
 
 def _measures(written: str, quantity: Quantity) -> bool:
-    found, _ = measured_in(written)
-    return found is not None and (found == quantity or {found, quantity} <= set(EFFORTS))
+    known, _ = measured_in(written)
+    return known is not None and (known == quantity or {known, quantity} <= set(EFFORTS))
 
 
 def words_of(name: str) -> list[str]:
@@ -106,9 +106,9 @@ def words_of(name: str) -> list[str]:
 def named(words: Sequence[str]) -> Iterator[tuple[Quantity, str]]:
     """Quantities by the words of a name; single letters, which may be the type of a variable, count least."""
     for letters in (False, True):
-        own = [word for word in words if (len(word) == 1) is letters]
+        words_alone = [word for word in words if (len(word) == 1) is letters]
         for quantity, pattern in WORDS:
-            word = match(own, pattern)
+            word = match(words_alone, pattern)
             if word is not None:
                 yield quantity, word
 

@@ -43,8 +43,8 @@ def may_be_pairs(lines: Sequence[str]) -> str:
     names = next((len(row) for row in rows if not any(map(_WHOLE.fullmatch, row)) and len(row) > 1), 0)
     if len(numbers) < 2 or not names or not names < max(numbers) <= 2 * names:
         return ""
-    found = " or ".join(map(str, sorted(set(numbers))))
-    return f"below {names} names lines have {found} whole numbers between commas"
+    counts = " or ".join(map(str, sorted(set(numbers))))
+    return f"below {names} names lines have {counts} whole numbers between commas"
 
 
 def with_points(text: str) -> str:

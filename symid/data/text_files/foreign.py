@@ -81,10 +81,10 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
 
 
 def _by_motion(
-    found: Mapping[int, ForeignColumn], values: Mapping[int, FloatArray]
+    columns: Mapping[int, ForeignColumn], values: Mapping[int, FloatArray]
 ) -> dict[int, ForeignColumn]:
     """Measured positions and velocities without a stated unit, with the one that follows from their rates."""
-    times = [(i, column.unit) for i, column in found.items() if column.quantity == "time" and column.unit]
+    times = [(i, column.unit) for i, column in columns.items() if column.quantity == "time" and column.unit]
     if not times:
         return {}
     clock, unit = times[0]
@@ -92,18 +92,18 @@ def _by_motion(
     pairs: tuple[tuple[Rate, Rate], ...] = ("velocity", "position"), ("position", "velocity")
     for known, wanted in pairs:
         of_known = [
-            i for i, c in found.items() if c.quantity == known and c.stated and not c.setpoint and c.unit
+            i for i, c in columns.items() if c.quantity == known and c.stated and not c.setpoint and c.unit
         ]
-        lacking = [i for i, c in found.items() if c.quantity == wanted and not (c.stated or c.setpoint)]
+        lacking = [i for i, c in columns.items() if c.quantity == wanted and not (c.stated or c.setpoint)]
         for i, j in product(lacking, of_known):
             if i in identified or not values[i].size == values[j].size == time.size:
                 continue
             place, speed = (i, j) if wanted == "position" else (j, i)
-            read = unit_by_motion(values[place], values[speed], time, known, found[j].unit or "")
+            read = unit_by_motion(values[place], values[speed], time, known, columns[j].unit or "")
             if read is not None:
                 moves = "its rate is" if wanted == "position" else "it is the rate of"
-                why = f"{moves} what column {found[j].header!r} reads in {found[j].unit}"
-                identified[i] = replace(found[i], unit=read, scaled=False, reason=why)
+                why = f"{moves} what column {columns[j].header!r} reads in {columns[j].unit}"
+                identified[i] = replace(columns[i], unit=read, scaled=False, reason=why)
     return identified
 
 

@@ -182,18 +182,18 @@ def layout_of_text(path: Path, content: bytes, encoding: str | None = None) -> L
     seems = Layout(encoding).encoding if encoding else encoding_of(content[:_BEGINNING])
     if encoding or seems != _OLD[0]:
         return _layout_in(path, content, seems)
-    found, faults = [], []
-    for one in _OLD:
+    layouts, faults = [], []
+    for codec in _OLD:
         try:
-            layout = _layout_in(path, content, one)
+            layout = _layout_in(path, content, codec)
         except LogError as error:
             faults.append(error)
             continue
-        names = layout.headers(lines_of(path, content, one))
-        found.append((sum(_is_known(split_header(name)[0]) for name in names), layout))
-    if not found:
+        names = layout.headers(lines_of(path, content, codec))
+        layouts.append((sum(_is_known(split_header(name)[0]) for name in names), layout))
+    if not layouts:
         raise faults[0]
-    return max(found, key=lambda one: one[0])[1]
+    return max(layouts, key=lambda codec: codec[0])[1]
 
 
 def _is_known(name: str) -> bool:
@@ -205,13 +205,13 @@ def _is_known(name: str) -> bool:
 def _layout_in(path: Path, content: bytes, encoding: str) -> Layout:
     lines = lines_of(path, content, encoding)
     for beside_texts in (False, True):
-        found = [
+        candidates = [
             layout
             for separator in _SEPARATORS
             if (layout := _with_separator(lines, encoding, separator, beside_texts=beside_texts))
         ]
-        if found:
-            return max(found, key=lambda one: one[0])[1]
+        if candidates:
+            return max(candidates, key=lambda one: one[0])[1]
     if pairs := may_be_pairs(lines):
         raise LogError(
             f"{path}: {pairs}: its decimal marks seem to be commas as well, and some numbers lack their fraction, so "
@@ -232,10 +232,10 @@ def _with_separator(
     lines: Sequence[str], encoding: str, separator: str, *, beside_texts: bool
 ) -> tuple[int, Layout] | None:
     """Columns of a table with this separator, and its layout; None if there is no such table."""
-    found = values_in(lines, separator, beside_texts=beside_texts)
-    if found is None:
+    run = values_in(lines, separator, beside_texts=beside_texts)
+    if run is None:
         return None
-    width, begin = found
+    width, begin = run
     fraction = r"\d\.\d" if separator == "," else r"\d[.,]\d"  # below whole numbers that are no sample
     numbered = numbers_columns([text.strip() for text in fields(lines[begin], separator)])
     numbered = numbered and re.search(fraction, lines[begin + 1]) is not None

@@ -59,9 +59,9 @@ def names_in(line: str, separator: str, width: int) -> list[str]:
     (['t [ms]', 'actual X [mm]', 'I [A]'], ['t', 'q', 'F'])
     """
     bare = uncommented(line)
-    found = fields(bare, separator)
-    apart = _APART.split(bare.strip()) if separator == " " and len(found) > width else []
-    return [text.strip() for text in (apart if len(apart) == width else found)]
+    names = fields(bare, separator)
+    apart = _APART.split(bare.strip()) if separator == " " and len(names) > width else []
+    return [text.strip() for text in (apart if len(apart) == width else names)]
 
 
 def is_number_text(text: str, *, comma: bool) -> bool:
@@ -81,8 +81,8 @@ def split_cell(text: str) -> tuple[str, str]:
     >>> split_cell("1.5 mm"), split_cell("-3kN"), split_cell("12 %"), split_cell("7"), split_cell("3 axes")
     (('1.5', 'mm'), ('-3', 'kN'), ('12', '%'), ('7', ''), ('3 axes', ''))
     """
-    found = _NUMBER_WITH_UNIT.fullmatch(text)
-    return (found[1], found[2]) if found and (_is_unit(found[2]) or found[2] == "%") else (text, "")
+    match = _NUMBER_WITH_UNIT.fullmatch(text)
+    return (match[1], match[2]) if match and (_is_unit(match[2]) or match[2] == "%") else (text, "")
 
 
 def with_units(headers: Sequence[str], row: Sequence[str]) -> tuple[str, ...]:
@@ -91,13 +91,13 @@ def with_units(headers: Sequence[str], row: Sequence[str]) -> tuple[str, ...]:
     >>> with_units(["t", "q [mm]", "F"], ["0 s", "1 mm", "2"])
     ('t [s]', 'q [mm]', 'F')
     """
-    found = []
+    joined = []
     for header, text in zip_longest(headers, row[: len(headers)], fillvalue=""):
         unit, named = split_cell(text.strip(" \t\"'"))[1], _BRACKETS.fullmatch(header)
         if unit and named and named[1].strip() != unit:
             raise LogError(f"column {header!r} holds numbers in {unit}: correct its name")
-        found.append(f"{header} [{unit}]" if header and unit and not named else header)
-    return tuple(found)
+        joined.append(f"{header} [{unit}]" if header and unit and not named else header)
+    return tuple(joined)
 
 
 def values_in(
@@ -157,21 +157,21 @@ def names_above(above: Sequence[str], separator: str, width: int) -> int | None:
     last = len(above) - 1
     while last >= 0 and not above[last].strip(f"{separator} "):
         last -= 1
-    found: list[tuple[int, list[str]]] = []
+    candidates: list[tuple[int, list[str]]] = []
     for place in range(last, max(last - _MOST_ABOVE, -1), -1):
         texts = names_in(above[place], separator, width)
-        if numbers_columns(texts) or (not any(texts) and found and are_units(found[-1][1])):
+        if numbers_columns(texts) or (not any(texts) and candidates and are_units(candidates[-1][1])):
             continue
-        if len(found) == _MOST_NAMES:
+        if len(candidates) == _MOST_NAMES:
             break
         numbers = [number for text, number in zip(texts, _are_numbers(texts, separator), strict=True) if text]
-        is_whole = len(numbers) >= width - 1 or not found
+        is_whole = len(numbers) >= width - 1 or not candidates
         if len(texts) < width or (separator == " " and len(texts) > width) or not is_whole:
             break
-        if not numbers or sum(numbers) > len(numbers) / 2 or (found and any(numbers)):
+        if not numbers or sum(numbers) > len(numbers) / 2 or (candidates and any(numbers)):
             break
-        found.append((place, texts))
-    return _named_by(found)
+        candidates.append((place, texts))
+    return _named_by(candidates)
 
 
 def numbers_columns(texts: Sequence[str]) -> bool:

@@ -51,10 +51,10 @@ def is_stamp(text: str) -> bool:
     """
     if _is_duration(text):
         return True
-    found = _READ.match(text.strip())
-    if found is None or not found["day"]:
-        return found is not None and bool(found["hours"] or (found["seconds"] and len(found["seconds"]) > 2))
-    return not found["compact"] or found["day"].endswith("T")
+    match = _READ.match(text.strip())
+    if match is None or not match["day"]:
+        return match is not None and bool(match["hours"] or (match["seconds"] and len(match["seconds"]) > 2))
+    return not match["compact"] or match["day"].endswith("T")
 
 
 def has_time_of_day(text: str) -> bool:
@@ -65,13 +65,13 @@ def has_time_of_day(text: str) -> bool:
     """
     if _is_duration(text):
         return True
-    found = _READ.match(text.strip())
-    return is_stamp(text) and found is not None and bool(found["minutes"] or found["compact"])
+    match = _READ.match(text.strip())
+    return is_stamp(text) and match is not None and bool(match["minutes"] or match["compact"])
 
 
 def _is_duration(text: str) -> bool:
-    found = _READ_DURATION.match(text.strip())
-    return found is not None and any(found.groups())
+    match = _READ_DURATION.match(text.strip())
+    return match is not None and any(match.groups())
 
 
 def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:

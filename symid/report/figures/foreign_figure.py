@@ -51,5 +51,5 @@ def plot_foreign(
 
 
 def _values(table: Table, headers: Sequence[str]) -> list[FloatArray]:
-    found = table.read([table.headers.index(header) for header in headers])
-    return [column for column in found if not isinstance(column, str)]
+    columns = table.read([table.headers.index(header) for header in headers])
+    return [column for column in columns if not isinstance(column, str)]

@@ -53,7 +53,7 @@ class IdentificationCurves:
 
 
 def identification_curves(
-    found: Identification | OutputErrorIdentification,
+    result: Identification | OutputErrorIdentification,
     validation: OutputPrediction | OutputErrorPrediction | None = None,
     *,
     axis: Axis | None,
@@ -64,42 +64,42 @@ def identification_curves(
     Without a validation, axis and logs are those that the result keeps.
     """
     if axis is None and validation is None:
-        axis, runs = found.axis, found.runs if isinstance(found, Identification) else found.logs
-    logs = _logs(found, validation)
+        axis, runs = result.axis, result.runs if isinstance(result, Identification) else result.logs
+    logs = _logs(result, validation)
     motions = (
         [SensorMotion.of(axis, run) for run in runs] if axis is not None and runs else [None] * len(logs)
     )
     panels = [
-        _panel(log, j, motion, by_equations=isinstance(found, Identification))
+        _panel(log, j, motion, by_equations=isinstance(result, Identification))
         for log, motion in zip(logs, motions, strict=True)
         for j in range(len(log.outputs))
     ]
     return IdentificationCurves(
-        axis, tuple(runs), tuple(logs), tuple(panels), tuple(_responses(found, axis, runs))
+        axis, tuple(runs), tuple(logs), tuple(panels), tuple(_responses(result, axis, runs))
     )
 
 
 def _logs(
-    found: Identification | OutputErrorIdentification,
+    result: Identification | OutputErrorIdentification,
     validation: OutputPrediction | OutputErrorPrediction | None,
 ) -> list[ShownLog]:
-    sources = [log if isinstance(log, str) else log.source for log in found.logs]
+    sources = [log if isinstance(log, str) else log.source for log in result.logs]
     titles = [(source, _short(source)) for source in sources]
     if validation is not None:
         titles.append((f"{validation.log} (validation)", _short(f"validation on {validation.log}")))
-    if isinstance(found, Identification):
-        seen = [(run, found.fit.solution) for run in found.observations]
+    if isinstance(result, Identification):
+        seen = [(run, result.fit.solution) for run in result.observations]
         if validation is not None:
-            other = cast("OutputPrediction", validation)
-            seen.append((other.observation, other.parameters))
+            prediction = cast("OutputPrediction", validation)
+            seen.append((prediction.observation, prediction.parameters))
         pairs = zip(titles, seen, strict=True)
-        return [_of_equations(title, *run, found.output_units) for title, run in pairs]
-    if found.fit is None:
-        raise SettingError(f"there is nothing to draw: {found.message}")
-    late = {drive.signal: found.late for drive in found.axis.drives}
+        return [_of_equations(title, *run, result.output_units) for title, run in pairs]
+    if result.fit is None:
+        raise SettingError(f"there is nothing to draw: {result.message}")
+    late = {drive.signal: result.late for drive in result.axis.drives}
     others = [] if validation is None else [cast("OutputErrorPrediction", validation)]
-    predicted = zip(titles, [*found.predictions, *others], strict=True)
-    return [_of_readings(title, run, found.reading_units, late) for title, run in predicted]
+    predicted = zip(titles, [*result.predictions, *others], strict=True)
+    return [_of_readings(title, run, result.reading_units, late) for title, run in predicted]
 
 
 def _of_equations(
@@ -124,39 +124,44 @@ def _of_readings(
 
 
 def _panel(log: ShownLog, place: int, motion: SensorMotion | None, *, by_equations: bool) -> Panel:
-    one = log.outputs[place]
+    output = log.outputs[place]
     which = f", equation {place + 1}" if by_equations and len(log.outputs) > 1 else ""
-    measured, predicted = (np.where(one.used, curve, np.nan) for curve in (one.measured, one.predicted))
-    return Panel(log.heading + which, one.name, one.unit, log.time, measured, predicted, motion)
+    measured, predicted = (
+        np.where(output.used, curve, np.nan) for curve in (output.measured, output.predicted)
+    )
+    return Panel(log.heading + which, output.name, output.unit, log.time, measured, predicted, motion)
 
 
-def parameters_shown(found: Identification | OutputErrorIdentification) -> ShownParameters:
+def parameters_shown(result: Identification | OutputErrorIdentification) -> ShownParameters:
     """The physical parameters, or the minimal ones if there are none."""
-    model = found.model
-    if not isinstance(found, Identification):
+    model = result.model
+    if not isinstance(result, Identification):
         values, covariance = (
-            list(found.physical_parameters.values()),
-            found.physical_covariance(corrected=True),
+            list(result.physical_parameters.values()),
+            result.physical_covariance(corrected=True),
         )
-        return ShownParameters(model.physical_units, np.array(values), covariance, found.physical_deviations)
-    if not found.physical:
-        alone = found.fit.parameters, found.covariance, found.standard_deviations
+        return ShownParameters(model.physical_units, np.array(values), covariance, result.physical_deviations)
+    if not result.physical:
+        alone = result.fit.parameters, result.covariance, result.standard_deviations
         return ShownParameters(model.minimal_units, *alone)
-    first = found.physical[0]
-    covariance = first.sensitivity @ found.covariance @ first.sensitivity.T
-    return ShownParameters(model.physical_units, first.parameters, covariance, found.physical_deviations)
+    first = result.physical[0]
+    covariance = first.sensitivity @ result.covariance @ first.sensitivity.T
+    return ShownParameters(model.physical_units, first.parameters, covariance, result.physical_deviations)
 
 
 def _responses(
-    found: Identification | OutputErrorIdentification, axis: Axis | None, runs: Sequence[Log]
+    result: Identification | OutputErrorIdentification, axis: Axis | None, runs: Sequence[Log]
 ) -> list[tuple[FrequencyResponse, ResponseBand]]:
-    values, of = found.physical_parameters, parameters_shown(found)
+    values, of = result.physical_parameters, parameters_shown(result)
     if axis is None or len(axis.drives) > 1 or not runs or not has_response(axis, values):
         return []
-    late = found.observations[0].preparation.late if isinstance(found, Identification) else None
-    identified, signals = runs[: len(found.logs)], found.model.measured[:_MOST_RESPONSES]
+    late = result.observations[0].preparation.late if isinstance(result, Identification) else None
+    identified, signals = runs[: len(result.logs)], result.model.measured[:_MOST_RESPONSES]
     responses = [response_of(axis, values, signal, identified, late) for signal in signals]
-    return [(one, response_band(axis, values, of.deviations, of.covariance, one)) for one in responses]
+    return [
+        (response, response_band(axis, values, of.deviations, of.covariance, response))
+        for response in responses
+    ]
 
 
 def _short(source: str) -> str:
@@ -198,8 +203,8 @@ def correlated_pairs(covariance: FloatArray) -> list[CorrelatedPair]:
         for i, j in combinations(range(len(covariance)), 2)
         if deviations[i] > 0 and deviations[j] > 0
     ]
-    found = (pair for pair in pairs if abs(pair.correlation) > CORRELATED)
-    return sorted(found, key=lambda pair: -abs(pair.correlation))
+    strong = (pair for pair in pairs if abs(pair.correlation) > CORRELATED)
+    return sorted(strong, key=lambda pair: -abs(pair.correlation))
 
 
 def draw_ellipse(axes: Axes, pair: CorrelatedPair, of: ShownParameters, palette: Palette) -> None:

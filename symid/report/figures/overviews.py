@@ -60,7 +60,7 @@ def batch_figure(batch: Batch, palette: Palette = LIGHT, *, narrow: bool = False
     return figure
 
 
-def diagnosis_figure(found: Diagnosis, palette: Palette = LIGHT) -> Drawn:
+def diagnosis_figure(diagnosis: Diagnosis, palette: Palette = LIGHT) -> Drawn:
     """Force and its error over time, the error over frequency, and how far it shrinks.
 
     Models that a diagnosis does not have are left out.
@@ -68,27 +68,27 @@ def diagnosis_figure(found: Diagnosis, palette: Palette = LIGHT) -> Drawn:
     with mpl.rc_context(palette.style):
         figure = Drawn(figsize=(_WIDTH, 4.2 * _ROW), layout="constrained")
         force, error, below = figure.subplots(3, 1, height_ratios=(1.2, 1, 1.3))
-        signals, unit = found.signals, found.gap.unit
+        signals, unit = diagnosis.signals, diagnosis.gap.unit
         models = {
             "nominal": (signals.nominal, palette.residual),
             "re-identified": (signals.reidentified, palette.model),
             "explained": (signals.explained, palette.other),
         }
-        known = {name: one for name, one in models.items() if np.isfinite(one[0]).any()}
+        known = {name: both for name, both in models.items() if np.isfinite(both[0]).any()}
         measured = {"measured": (signals.measured, palette.measured, 2.6)}
         curves = {name: (values, colour, 0.9) for name, (values, colour) in known.items()}
         errors = {name: (signals.measured - values, colour, 0.8) for name, (values, colour) in known.items()}
-        draw_over_time(force, signals.time, measured | curves, f"{found.gap.signal} [{unit}]")
+        draw_over_time(force, signals.time, measured | curves, f"{diagnosis.gap.signal} [{unit}]")
         draw_over_time(error, signals.time, errors, f"error [{unit}]")
         force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
-        force.set_title(found.axis.name, loc="left")
+        force.set_title(diagnosis.axis.name, loc="left")
         error.sharex(force)
         error.set_xlabel("time [s]")
         below.axis("off")
         place: Any = below.get_subplotspec()
         left, right = place.subgridspec(1, 2)
-        _spectrum(figure.add_subplot(left), found, palette)
-        _stages(figure.add_subplot(right), found, palette)
+        _spectrum(figure.add_subplot(left), diagnosis, palette)
+        _stages(figure.add_subplot(right), diagnosis, palette)
         for axes in figure.axes:
             label_log_scales(axes)
     return figure
@@ -102,8 +102,8 @@ def _rows(count: int, palette: Palette, narrow: bool) -> tuple[Drawn, list[Axes]
         return figure, list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0])
 
 
-def _spectrum(axes: Axes, found: Diagnosis, palette: Palette) -> None:
-    spectrum = found.spectrum
+def _spectrum(axes: Axes, diagnosis: Diagnosis, palette: Palette) -> None:
+    spectrum = diagnosis.spectrum
     curves = (
         (spectrum.reidentified, palette.model, "re-identified"),
         (spectrum.explained, palette.other, "explained"),
@@ -113,16 +113,16 @@ def _spectrum(axes: Axes, found: Diagnosis, palette: Palette) -> None:
         if np.isfinite(values).any():
             axes.loglog(spectrum.frequency, values, color=colour, linewidth=1.0, label=name)
     axes.set_xlabel("frequency [Hz]")
-    axes.set_ylabel(f"error [{found.gap.unit}/√Hz]")
+    axes.set_ylabel(f"error [{diagnosis.gap.unit}/√Hz]")
     axes.legend(loc="best", frameon=False)
 
 
-def _stages(axes: Axes, found: Diagnosis, palette: Palette) -> None:
+def _stages(axes: Axes, diagnosis: Diagnosis, palette: Palette) -> None:
     """The error of each model, the noise floor last."""
-    sizes = {stage.model: stage.level.rms for stage in waterfall(found) if stage.level is not None}
+    sizes = {stage.model: stage.level.rms for stage in waterfall(diagnosis) if stage.level is not None}
     axes.barh(list(sizes), list(sizes.values()), color=palette.measured)
     axes.invert_yaxis()
-    axes.set_xlabel(f"rms of the error [{found.gap.unit}]")
+    axes.set_xlabel(f"rms of the error [{diagnosis.gap.unit}]")
 
 
 def correlation_figure(parts: Sequence[OutputCorrelations], *, narrow: bool) -> Drawn | None:

@@ -133,13 +133,13 @@ def _map(
 ) -> None:
     """Residual over a signal, with the means of some parts of it in bins, and twice the deviation of each mean."""
     _dots(axes, x, error, palette)
-    found = [means_over(x[part], error[part]) for part in parts.values()]
+    curves = [means_over(x[part], error[part]) for part in parts.values()]
     looks = ((palette.model, "o", "-"), (palette.other, "^", "--"))
-    for name, means, (colour, mark, style) in zip(parts, found, looks, strict=False):
+    for name, means, (colour, mark, style) in zip(parts, curves, looks, strict=False):
         line: Any = {"color": colour, "marker": mark, "linestyle": style, "markersize": 3, "linewidth": 1.2}
         axes.errorbar(means.places, means.values, means.doubt, elinewidth=0.8, label=name, **line)
     axes.axhline(0.0, color=palette.ink, linewidth=0.6)
-    axes.set_ylim(*seen_range(error, *found))
+    axes.set_ylim(*seen_range(error, *curves))
     axes.set_ylabel(f"residual [{panel.unit}]")
 
 

@@ -23,7 +23,7 @@ _ROW, _WIDTH, _NARROW_WIDTH = 0.55, 8.0, 4.2
 
 def comparison_figure(record: Mapping[str, Any], *, narrow: bool) -> Drawn | None:
     """Each parameter of both results, in percent of A, with 95 % intervals; None where A is 0 throughout."""
-    drawn = {name: one for name, one in record["parameters"].items() if one["a"]["value"]}
+    drawn = {name: entry for name, entry in record["parameters"].items() if entry["a"]["value"]}
     if not drawn:
         return None
     with mpl.rc_context(LIGHT.style):
@@ -32,9 +32,9 @@ def comparison_figure(record: Mapping[str, Any], *, narrow: bool) -> Drawn | Non
         axes = figure.subplots()
         looks = (("a", "A", LIGHT.measured, "o", -0.13), ("b", "B", LIGHT.model, "^", 0.13))
         for side, label, colour, mark, beside in looks:
-            scale = [100.0 / abs(one["a"]["value"]) for one in drawn.values()]
-            apart = [one[side]["value"] - one["a"]["value"] for one in drawn.values()]
-            stds = [one[side]["std"] for one in drawn.values()]
+            scale = [100.0 / abs(entry["a"]["value"]) for entry in drawn.values()]
+            apart = [entry[side]["value"] - entry["a"]["value"] for entry in drawn.values()]
+            stds = [entry[side]["std"] for entry in drawn.values()]
             axes.errorbar(
                 [value * by for value, by in zip(apart, scale, strict=True)],
                 [place + beside for place in range(len(drawn))],

@@ -74,9 +74,9 @@ class DistributionShapes:
     high: str
 
 
-def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
+def chart_shapes(parameter: ParameterReview, rows: Sequence[int]) -> ChartShapes:
     """Shapes of the chart of a parameter with at least one interval; `rows` are those of the page's table, by log."""
-    chart = one.chart
+    chart = parameter.chart
     time = np.array([t.timestamp() if isinstance(t, datetime) else float(t) for t in chart.time])
     x, (low, high) = _horizontal(time), _range(chart)
 
@@ -104,21 +104,23 @@ def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
     )
 
 
-def distribution_shapes(one: ParameterReview, values: FloatArray) -> DistributionShapes:
+def distribution_shapes(parameter: ParameterReview, values: FloatArray) -> DistributionShapes:
     """Shapes of the distribution of a parameter's values, with the curve expected from its intervals."""
-    reach = _REACH * max(robust_deviation(values), 1e-9 * abs(one.median), 1e-300)
-    low, high = max(one.median - reach, values.min()), min(one.median + reach, values.max())
+    reach = _REACH * max(robust_deviation(values), 1e-9 * abs(parameter.median), 1e-300)
+    low, high = max(parameter.median - reach, values.min()), min(parameter.median + reach, values.max())
     margin = 0.12 * (high - low) or reach
-    if math.isfinite(one.spread.promised):  # values that hardly differ need no digits beyond their deviations
-        margin = max(margin, 0.2 * one.spread.promised)
+    if math.isfinite(
+        parameter.spread.promised
+    ):  # values that hardly differ need no digits beyond their deviations
+        margin = max(margin, 0.2 * parameter.spread.promised)
     low, high = float(low - margin), float(high + margin)
     counts, edges = np.histogram(np.clip(values, low, high), bins=_BINS, range=(low, high))
     floor, width = BARS_HEIGHT - 16, BARS_WIDTH / _BINS
     middles = np.linspace(low, high, 141)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        density = np.exp(-0.5 * ((middles - one.median) / one.spread.promised) ** 2)
+        density = np.exp(-0.5 * ((middles - parameter.median) / parameter.spread.promised) ** 2)
         area = values.size * (edges[1] - edges[0])
-        expected = density * area / one.spread.promised / math.sqrt(2 * math.pi)
+        expected = density * area / parameter.spread.promised / math.sqrt(2 * math.pi)
     known = bool(np.all(np.isfinite(expected)))
     if known:  # a narrow curve would dwarf the bars: only its width matters
         expected *= min(1.0, 1.4 * counts.max() / expected.max())
@@ -132,7 +134,7 @@ def distribution_shapes(one: ParameterReview, values: FloatArray) -> Distributio
     line = floor - (floor - 2) * expected / top if known else np.zeros(0)
     places = (middles[: line.size] - low) / (high - low) * BARS_WIDTH
     path = "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(places, line, strict=True))
-    texts = (_number(value, high - low) for value in (low, one.median, high))
+    texts = (_number(value, high - low) for value in (low, parameter.median, high))
     return DistributionShapes(bars, f"M{path}" if path else "", *texts)
 
 

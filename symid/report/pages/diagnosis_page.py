@@ -124,33 +124,33 @@ def write_diagnosis_html(
     return path
 
 
-def _correlations(found: Diagnosis) -> list[OutputCorrelations]:
+def _correlations(diagnosis: Diagnosis) -> list[OutputCorrelations]:
     """Auto- and cross-correlation of each weighted force error, where there are enough rows."""
     parts = []
-    for own in found.drives or (found,):
-        signals, weighted, used = own.signals, own.weighted, own.signals.compared
+    for drive in diagnosis.drives or (diagnosis,):
+        signals, weighted, used = drive.signals, drive.weighted, drive.signals.compared
         if weighted is None or used.sum() < _FEWEST_ROWS:
             continue
         most = min(MOST_LAGS, used.size // 4, weighted.noise.size - 1)
         alone = correlation(weighted.error, weighted.error, used, range(most + 1), weighted.noise)
         across = correlation(weighted.error, weighted.predicted, used, range(-most, most + 1), weighted.noise)
         step = float(signals.time[1] - signals.time[0])
-        title = f"{own.gap.signal}, rows of {1e3 * step:.3g} ms"
+        title = f"{drive.gap.signal}, rows of {1e3 * step:.3g} ms"
         parts.append(OutputCorrelations(title, alone, across))
     return parts
 
 
-def _settings(found: Diagnosis) -> list[tuple[str, str]]:
+def _settings(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """Name and value of each setting of a diagnosis."""
-    gap, nominal = found.gap, any(math.isfinite(p.nominal) for p in found.parameters)
+    gap, nominal = diagnosis.gap, any(math.isfinite(p.nominal) for p in diagnosis.parameters)
     settings = [
-        ("sensors", ", ".join(found.measured)),
-        ("nominal values", "of a simulator's log" if found.simulated else "given" if nominal else "none"),
+        ("sensors", ", ".join(diagnosis.measured)),
+        ("nominal values", "of a simulator's log" if diagnosis.simulated else "given" if nominal else "none"),
         ("forces compared", f"up to {gap.band_hz:.3g} Hz"),
     ]
-    if found.record is not None:
-        log, late = found.record.log, found.record.late
-        settings.append(("motion used", f"up to {found.record.motion_hz:.3g} Hz"))
+    if diagnosis.record is not None:
+        log, late = diagnosis.record.log, diagnosis.record.late
+        settings.append(("motion used", f"up to {diagnosis.record.motion_hz:.3g} Hz"))
         settings.append(("sampled", f"every {1e3 * log.sampling_period:.4g} ms"))
         times = ", ".join(f"{name} {1e6 * by:.4g} us" for name, by in late.items() if by)
         settings.append(("recorded late", times or "nothing"))
@@ -181,8 +181,8 @@ def effect_catalogue() -> Mapping[str, CatalogueEntry]:
     """
     text = (shipped_folder("docs") / "effects" / "index.md").read_text(encoding="utf-8")
     return {
-        found["name"]: CatalogueEntry(_plain(found["law"]), _plain(found["remedy"]))
-        for found in _ENTRY.finditer(text)
+        entry["name"]: CatalogueEntry(_plain(entry["law"]), _plain(entry["remedy"]))
+        for entry in _ENTRY.finditer(text)
     }
 
 

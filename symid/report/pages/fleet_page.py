@@ -54,16 +54,16 @@ class _Section:
 
 
 def write_fleet_html(
-    found: FleetReview, file: str | Path, joined: Mapping[str, JointIdentification] | None = None
+    review: FleetReview, file: str | Path, joined: Mapping[str, JointIdentification] | None = None
 ) -> Path:
     """Write the review of a fleet, with joint results by axis, as one self-contained HTML file; return its path.
 
     Without JavaScript only the table of all logs is missing.
     """
     path = html_path(file)
-    record = fleet_record(found, joined)
-    places = {log: row for row, log in enumerate(map(str, found.table["log"]))}
-    sections, outliers = _sections(found, record, places), _outliers(record)
+    record = fleet_record(review, joined)
+    places = {log: row for row, log in enumerate(map(str, review.table["log"]))}
+    sections, outliers = _sections(review, record, places), _outliers(record)
     page = page_templates().get_template("fleet.html")
     text = page.render(
         r=record,
@@ -76,12 +76,12 @@ def write_fleet_html(
                 "sentence": change["sentence"],
             }
             for place, section in enumerate(sections)
-            for name, one in section.record["parameters"].items()
-            for change in one["changes"]
+            for name, parameter in section.record["parameters"].items()
+            for change in parameter["changes"]
         ],
         outliers=outliers[:_MOST_OUTLIERS],
         outlying=len(outliers),
-        logs=_logs(found),
+        logs=_logs(review),
         drawing=control_chart_svg,
         version=__version__,
     )
@@ -89,43 +89,45 @@ def write_fleet_html(
     return path
 
 
-def _sections(found: FleetReview, record: dict[str, Any], places: dict[str, int]) -> list[_Section]:
+def _sections(review: FleetReview, record: dict[str, Any], places: dict[str, int]) -> list[_Section]:
     """Axes, those with findings first; the first few are open."""
 
     def findings(axis: AxisReview) -> int:
-        return sum(len(one.chart.changes) for one in axis.parameters) + axis.verdict.differs
+        return sum(len(parameter.chart.changes) for parameter in axis.parameters) + axis.verdict.differs
 
-    pairs = sorted(zip(found.axes, record["axes"], strict=True), key=lambda pair: -findings(pair[0]))
+    pairs = sorted(zip(review.axes, record["axes"], strict=True), key=lambda pair: -findings(pair[0]))
     sections = []
     for k, (axis, of_record) in enumerate(pairs):
         drawn = []
-        for one in axis.parameters:
+        for parameter in axis.parameters:
             shapes = distribution = None
-            if one.chart.values.size:
-                shapes = chart_shapes(one, [places[log] for log in one.logs])
-                distribution = distribution_shapes(one, one.chart.values)
-            drawn.append(_Drawn(one.name, of_record["parameters"][one.name], shapes, distribution))
+            if parameter.chart.values.size:
+                shapes = chart_shapes(parameter, [places[log] for log in parameter.logs])
+                distribution = distribution_shapes(parameter, parameter.chart.values)
+            drawn.append(
+                _Drawn(parameter.name, of_record["parameters"][parameter.name], shapes, distribution)
+            )
         sections.append(_Section(of_record, tuple(drawn), opened=k < _MOST_OPEN))
     return sections
 
 
 def _outliers(record: dict[str, Any]) -> list[dict[str, Any]]:
     """Outliers of all axes, the farthest first."""
-    every = [
-        {"axis": axis["name"], "parameter": name, "unit": one["unit"], **far}
+    outliers = [
+        {"axis": axis["name"], "parameter": name, "unit": parameter["unit"], **far}
         for axis in record["axes"]
-        for name, one in axis["parameters"].items()
-        for far in one["outliers"]
+        for name, parameter in axis["parameters"].items()
+        for far in parameter["outliers"]
     ]
-    return sorted(every, key=lambda far: -abs(far["z"]))
+    return sorted(outliers, key=lambda far: -abs(far["z"]))
 
 
-def _logs(found: FleetReview) -> dict[str, Any]:
+def _logs(review: FleetReview) -> dict[str, Any]:
     """Columns of the table of logs; a parameter's deviation stands beside its value, its unit in its heading."""
-    table, units = found.table, defaultdict[str, set[str]](set)
-    for axis in found.axes:
-        for one in axis.parameters:
-            units[one.name].add(one.unit)
+    table, units = review.table, defaultdict[str, set[str]](set)
+    for axis in review.axes:
+        for parameter in axis.parameters:
+            units[parameter.name].add(parameter.unit)
     columns: list[dict[str, Any]] = []
     parameters = [name for name in parameter_names(table) if name in units]  # those that an axis shows
     for name in (*_FIRST, *parameters, *_LAST):

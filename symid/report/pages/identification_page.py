@@ -42,7 +42,7 @@ _INTERVAL = float(scipy.special.ndtri(0.975))
 
 
 def write_identification_html(
-    found: Identification | OutputErrorIdentification,
+    result: Identification | OutputErrorIdentification,
     file: str | Path,
     validation: OutputPrediction | OutputErrorPrediction | None = None,
     *,
@@ -58,23 +58,23 @@ def write_identification_html(
     made it, `reword` writes the settings that messages name.
     """
     path, page = html_path(file), page_templates().get_template("identification.html")
-    record = reword(_record(found, validation))
-    curves = identification_curves(found, validation, axis=axis, runs=runs)
-    own = [one for log in curves.logs[: len(found.logs)] for one in log.outputs]
-    sources = [log if isinstance(log, str) else log.source for log in found.logs]
+    record = reword(_record(result, validation))
+    curves = identification_curves(result, validation, axis=axis, runs=runs)
+    outputs = [one for log in curves.logs[: len(result.logs)] for one in log.outputs]
+    sources = [log if isinstance(log, str) else log.source for log in result.logs]
     text = page.render(
         r=record,
         fits=[_fit(one) for log in curves.logs for one in log.outputs],
-        parameters=_parameters(found),
+        parameters=_parameters(result),
         half_width=_INTERVAL,
-        correlations=_correlations(found),
+        correlations=_correlations(result),
         settings=_settings(record),
         fit=wide_and_narrow(
-            lambda narrow: plot_identification(found, curves=curves, narrow=narrow), "fit-plot"
+            lambda narrow: plot_identification(result, curves=curves, narrow=narrow), "fit-plot"
         ),
         fit_data=curve_data(curves),
-        motions=[asdict(one) for one in _motions(found, curves)],
-        **correlation_fields(residual_correlations(own)),
+        motions=[asdict(one) for one in _motions(result, curves)],
+        **correlation_fields(residual_correlations(outputs)),
         made=provenance([*sources, *([validation.log] if validation else [])], command),
         version=__version__,
     )
@@ -83,13 +83,13 @@ def write_identification_html(
 
 
 def _record(
-    found: Identification | OutputErrorIdentification,
+    result: Identification | OutputErrorIdentification,
     validation: OutputPrediction | OutputErrorPrediction | None,
 ) -> dict[str, Any]:
     """Record of the command line."""
-    if isinstance(found, Identification):
-        return identification_record(found, cast("OutputPrediction | None", validation))
-    return output_error_record(found, cast("OutputErrorPrediction | None", validation))
+    if isinstance(result, Identification):
+        return identification_record(result, cast("OutputPrediction | None", validation))
+    return output_error_record(result, cast("OutputErrorPrediction | None", validation))
 
 
 def _settings(record: dict[str, Any]) -> list[tuple[str, str]]:
@@ -107,15 +107,15 @@ def _settings(record: dict[str, Any]) -> list[tuple[str, str]]:
             ("samples", str(record["samples"])),
             condition,
         ]
-    one = record["filter"]
-    ends = " and ".join(str(samples) for samples in one["trim"]) or "no"
-    late = [f"{signal} by {significant(1e6 * by)} us" for signal, by in one["late_s"].items() if by]
+    used = record["filter"]
+    ends = " and ".join(str(samples) for samples in used["trim"]) or "no"
+    late = [f"{signal} by {significant(1e6 * by)} us" for signal, by in used["late_s"].items() if by]
     return [
         method,
-        ("cutoff frequency", f"{significant(one['cutoff_hz'])} Hz, order {one['order']}"),
-        ("force", "filtered as the motion is" if one["force_filtered"] else "not filtered"),
-        ("decimation", f"one row for every {one['decimation']} samples"),
-        ("differences", f"of order of accuracy {one['difference_order']}"),
+        ("cutoff frequency", f"{significant(used['cutoff_hz'])} Hz, order {used['order']}"),
+        ("force", "filtered as the motion is" if used["force_filtered"] else "not filtered"),
+        ("decimation", f"one row for every {used['decimation']} samples"),
+        ("differences", f"of order of accuracy {used['difference_order']}"),
         ("left out at the ends", f"{ends} samples"),
         ("recorded late", ", ".join(late) or "nothing"),
         condition,
@@ -133,36 +133,36 @@ def _later(late: float) -> str:
     return f"acts {significant(abs(1e6 * late))} us {'before' if late > 0 else 'after'} its record"
 
 
-def _fit(one: PredictedOutput) -> dict[str, Any]:
-    y, predicted = one.measured[one.used], one.predicted[one.used]
+def _fit(output: PredictedOutput) -> dict[str, Any]:
+    y, predicted = output.measured[output.used], output.predicted[output.used]
     rms = float(np.sqrt(np.mean(np.square(y - predicted)))) if y.size else float("nan")
-    of_output = {"log": one.log, "output": one.name, "unit": one.unit, "rms": rms, "rows": y.size}
+    of_output = {"log": output.log, "output": output.name, "unit": output.unit, "rms": rms, "rows": y.size}
     return {**of_output, "fit": fit_percent(y, predicted)}
 
 
 def _motions(
-    found: Identification | OutputErrorIdentification, curves: IdentificationCurves
+    result: Identification | OutputErrorIdentification, curves: IdentificationCurves
 ) -> list[IdentifiedMotion]:
     """The identified axis simulated along each log; none without the axis."""
     if curves.axis is None:
         return []
-    values = found.physical_parameters
+    values = result.physical_parameters
     return [
         replace(identified_motion(curves.axis, values, run, log.late), log=log.title)
         for log, run in zip(curves.logs, curves.runs, strict=False)
     ]
 
 
-def _parameters(found: Identification | OutputErrorIdentification) -> list[dict[str, Any]]:
+def _parameters(result: Identification | OutputErrorIdentification) -> list[dict[str, Any]]:
     """Physical parameters, or minimal ones where there are none, with their 95 % intervals."""
-    shown = parameters_shown(found)
-    every = zip(shown.units.items(), shown.values.tolist(), shown.deviations.tolist(), strict=True)
-    return [{"name": name, "unit": unit, "value": value, "std": std} for (name, unit), value, std in every]
+    shown = parameters_shown(result)
+    rows = zip(shown.units.items(), shown.values.tolist(), shown.deviations.tolist(), strict=True)
+    return [{"name": name, "unit": unit, "value": value, "std": std} for (name, unit), value, std in rows]
 
 
-def _correlations(found: Identification | OutputErrorIdentification) -> list[tuple[str, list[float]]]:
+def _correlations(result: Identification | OutputErrorIdentification) -> list[tuple[str, list[float]]]:
     """Correlations of the parameters that the logs determine."""
-    shown = parameters_shown(found)
+    shown = parameters_shown(result)
     known = np.flatnonzero(np.isfinite(np.diag(shown.covariance)))
     names = [name for place, name in enumerate(shown.units) if place in known]
     rows = correlation_matrix(shown.covariance[np.ix_(known, known)])

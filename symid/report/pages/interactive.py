@@ -50,32 +50,34 @@ class Plots:
     others: Mapping[str, str]  # where it draws the signals of further drives
 
 
-def plots_of(found: Diagnosis) -> Plots:
+def plots_of(diagnosis: Diagnosis) -> Plots:
     """Plots of the signals, the error and the frequency responses, with all that they need."""
     library = Resources(mode="inline", components=["bokeh"]).js_raw
-    over_velocity, over_position = error_maps(found)
+    over_velocity, over_position = error_maps(diagnosis)
     fixed = {
-        "signals": _over_time(found),
+        "signals": _over_time(diagnosis),
         "over_velocity": over_velocity,
         "over_position": over_position,
-        "spectrum": _spectrum(found),
+        "spectrum": _spectrum(diagnosis),
     }
     others = {
-        own.gap.signal: _over_time(replace(found, gap=own.gap, signals=own.signals, spectrum=own.spectrum))
-        for own in found.drives
-        if own.gap.signal != found.gap.signal
+        drive.gap.signal: _over_time(
+            replace(diagnosis, gap=drive.gap, signals=drive.signals, spectrum=drive.spectrum)
+        )
+        for drive in diagnosis.drives
+        if drive.gap.signal != diagnosis.gap.signal
     }
-    drawing, places = components({**fixed, **others, **bode_plots(found)}, wrap_script=False)
+    drawing, places = components({**fixed, **others, **bode_plots(diagnosis)}, wrap_script=False)
     responses = {name: place for name, place in places.items() if name not in {**fixed, **others}}
     drawn = {name: places[name] for name in fixed}
     further = {name: places[name] for name in others}
     return Plots("\n".join([*library, drawing]), **drawn, responses=responses, others=further)
 
 
-def _over_time(found: Diagnosis) -> GridPlot:
+def _over_time(diagnosis: Diagnosis) -> GridPlot:
     """Force, error, position and velocity below each other with one time; values follow the time that is shown."""
-    source, gap, length = _thinned(found), found.gap, length_unit(found.drive.at)
-    curves = _curves(found)
+    source, gap, length = _thinned(diagnosis), diagnosis.gap, length_unit(diagnosis.drive.at)
+    curves = _curves(diagnosis)
     force = new_plot("force", f"{gap.signal} [{gap.unit}]", 320, window_axis="x")
     draw_curves(force, source, curves)
     error = new_plot("error", f"error [{gap.unit}]", 210, force, window_axis="x")
@@ -95,16 +97,16 @@ def _over_time(found: Diagnosis) -> GridPlot:
     return stacked(force, error, position, velocity)
 
 
-def _curves(found: Diagnosis) -> list[Curve]:
+def _curves(diagnosis: Diagnosis) -> list[Curve]:
     """Measured force, and the force of each available model."""
     curves = [
         Curve("measured", "measured", MEASURED, 3.4),
         Curve("nominal", "nominal values", NOMINAL),
         Curve("reidentified", "re-identified", MODEL),
     ]
-    if not np.isfinite(found.signals.nominal).any():
+    if not np.isfinite(diagnosis.signals.nominal).any():
         del curves[1]
-    return [*curves, *([Curve("explained", "with effects", EXPLAINED)] if found.effects else [])]
+    return [*curves, *([Curve("explained", "with effects", EXPLAINED)] if diagnosis.effects else [])]
 
 
 def _compared(curves: list[Curve]) -> list[Curve]:
@@ -112,12 +114,12 @@ def _compared(curves: list[Curve]) -> list[Curve]:
     return [curve for curve in curves if curve.column in ("reidentified", "explained")]
 
 
-def _thinned(found: Diagnosis) -> ColumnDataSource:
+def _thinned(diagnosis: Diagnosis) -> ColumnDataSource:
     """Columns of the plots over time; errors only where samples are part of the gap.
 
     Predictions at the ends of a log far beyond the measured range are left out: they would dwarf the rest.
     """
-    signals = found.signals
+    signals = diagnosis.signals
     columns = {name: getattr(signals, name) for name in ("measured", "position", "velocity")}
     low, high = np.nanmin(signals.measured), np.nanmax(signals.measured)
     room = 0.5 * (high - low)
@@ -131,9 +133,9 @@ def _thinned(found: Diagnosis) -> ColumnDataSource:
     return ColumnDataSource({"time": envelope_places(signals.time, _MOST_POINTS), **thin})
 
 
-def _spectrum(found: Diagnosis) -> GridPlot:
+def _spectrum(diagnosis: Diagnosis) -> GridPlot:
     """Densities of the error of both models against that of the noise, up to the band of the gap and beyond it."""
-    density, gap = found.spectrum, found.gap
+    density, gap = diagnosis.spectrum, diagnosis.gap
     rows = density.frequency > 0
     names = ("frequency", "reidentified", "explained", "noise")
     source = ColumnDataSource({name: getattr(density, name)[rows] for name in names})
@@ -145,7 +147,9 @@ def _spectrum(found: Diagnosis) -> GridPlot:
         y_axis_type="log",
         x_axis_label="frequency [Hz]",
     )
-    draw_curves(plot, source, [*_compared(_curves(found)), Curve("noise", "noise", INK, 1.6)], "frequency")
+    draw_curves(
+        plot, source, [*_compared(_curves(diagnosis)), Curve("noise", "noise", INK, 1.6)], "frequency"
+    )
     plot.add_layout(BoxAnnotation(left=gap.band_hz, fill_color=NOISE, fill_alpha=0.12, level="underlay"))
     return stacked(plot)
 
@@ -154,28 +158,28 @@ _MOST_DOTS = 3000
 _HEIGHT = 300
 
 
-def error_maps(found: Diagnosis) -> tuple[GridPlot, GridPlot]:
+def error_maps(diagnosis: Diagnosis) -> tuple[GridPlot, GridPlot]:
     """Error of the re-identified model, and with the effects found, over velocity and over position.
 
     Dots are samples of the gap; means in bins carry twice their deviation, forward and backward motion each its own:
     friction opposes both, a force of the position does not.
     """
-    signals, unit = found.signals, length_unit(found.drive.at)
+    signals, unit = diagnosis.signals, length_unit(diagnosis.drive.at)
     used = signals.compared & np.isfinite(signals.reidentified)
     speed, place = signals.velocity[used], signals.position[used]
     errors = {"re-identified": (MODEL, (signals.measured - signals.reidentified)[used])}
-    if found.effects:
+    if diagnosis.effects:
         errors["with effects"] = (EXPLAINED, (signals.measured - signals.explained)[used])
     ways = (speed > 0, speed < 0)
-    over_velocity = _map(found, "velocity", speed, errors, ways)
+    over_velocity = _map(diagnosis, "velocity", speed, errors, ways)
     over_velocity.xaxis.axis_label = f"velocity [{unit / Unit.of('s')}]"
-    over_position = _map(found, "position", place, errors, ways)
+    over_position = _map(diagnosis, "position", place, errors, ways)
     over_position.xaxis.axis_label = f"position [{unit}]"
     return stacked(over_velocity), stacked(over_position)
 
 
 def _map(
-    found: Diagnosis,
+    diagnosis: Diagnosis,
     name: str,
     x: FloatArray,
     errors: dict[str, tuple[str, FloatArray]],
@@ -183,9 +187,9 @@ def _map(
 ) -> figure:
     """Errors over a signal, with means forward and backward."""
     means = {label: [means_over(x[way], error[way]) for way in ways] for label, (_, error) in errors.items()}
-    every = np.concatenate([error for _, error in errors.values()])
-    seen = seen_range(every, *(one for both in means.values() for one in both))
-    plot = new_plot(f"error over {name}", f"error [{found.gap.unit}]", _HEIGHT, y_range=seen)
+    all_errors = np.concatenate([error for _, error in errors.values()])
+    seen = seen_range(all_errors, *(one for both in means.values() for one in both))
+    plot = new_plot(f"error over {name}", f"error [{diagnosis.gap.unit}]", _HEIGHT, y_range=seen)
     some = np.random.default_rng(0).permutation(x.size)[:_MOST_DOTS]
     items: dict[str, list[Any]] = {}
     for label, (colour, error) in errors.items():
@@ -194,7 +198,7 @@ def _map(
     for label, (colour, _) in errors.items():
         for one, fill in zip(means[label], (colour, PAPER), strict=True):
             items[label] += _means(plot, one, colour, fill)
-    plot.add_layout(noise_band(2 * found.gap.noise_floor.rms))
+    plot.add_layout(noise_band(2 * diagnosis.gap.noise_floor.rms))
     plot.add_layout(Span(location=0.0, dimension="width", line_color=INK, line_width=0.6))
     add_legend(plot, items)
     return plot

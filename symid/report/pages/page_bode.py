@@ -29,36 +29,40 @@ class _ComparedResponse:
     explained: ComplexArray | None
 
 
-def bode_plots(found: Diagnosis) -> dict[str, GridPlot]:
+def bode_plots(diagnosis: Diagnosis) -> dict[str, GridPlot]:
     """Bode diagrams by the first sensors' names; none with several drives, no search, or an axis hardly excited."""
-    if found.drives:
+    if diagnosis.drives:
         return {}
-    compared = (_compared_response(found, signal) for signal in found.measured[:_MOST_SENSORS])
-    return {f"response of {one.of.signal}": _bode(one) for one in compared if one is not None}
+    compared = (_compared_response(diagnosis, signal) for signal in diagnosis.measured[:_MOST_SENSORS])
+    return {
+        f"response of {response.of.signal}": _bode(response) for response in compared if response is not None
+    }
 
 
-def _compared_response(found: Diagnosis, signal: str) -> _ComparedResponse | None:
+def _compared_response(diagnosis: Diagnosis, signal: str) -> _ComparedResponse | None:
     """Responses of a sensor; None where the axis or the measured response is not determined well enough."""
-    values = {change.name: change.reidentified for change in found.parameters}
-    if found.record is None or not has_response(found.axis, values):
+    values = {change.name: change.reidentified for change in diagnosis.parameters}
+    if diagnosis.record is None or not has_response(diagnosis.axis, values):
         return None
-    of = response_of(found.axis, values, signal, [found.record.log], found.record.late)
+    of = response_of(diagnosis.axis, values, signal, [diagnosis.record.log], diagnosis.record.late)
     if not of.top_hz:
         return None
-    return _ComparedResponse(of, explained_response(found, of) if found.effects else None)
+    return _ComparedResponse(of, explained_response(diagnosis, of) if diagnosis.effects else None)
 
 
-def _bode(one: _ComparedResponse) -> GridPlot:
+def _bode(response: _ComparedResponse) -> GridPlot:
     """Magnitude, phase and coherence below each other."""
-    of = one.of
-    source, sizes = _columns(one)
+    of = response.of
+    source, sizes = _columns(response)
     label = f"{of.quantity} / {of.force} [{of.unit}]"
     seen = (float(sizes.min()) / 2, float(sizes.max()) * 2)
     along: Any = {"x_axis_type": "log"}
     magnitude = new_plot(f"response of {of.signal}", label, 300, y_axis_type="log", y_range=seen, **along)
-    draw_curves(magnitude, source, _curves("magnitude", one), "frequency")
+    draw_curves(magnitude, source, _curves("magnitude", response), "frequency")
     phase = new_plot(f"phase of {of.signal}", "phase [°]", 150, magnitude, y_range=(-190, 190), **along)
-    draw_curves(phase, source, [replace(curve, label="") for curve in _curves("phase", one)], "frequency")
+    draw_curves(
+        phase, source, [replace(curve, label="") for curve in _curves("phase", response)], "frequency"
+    )
     phase.yaxis.ticker = FixedTicker(ticks=[-180, -90, 0, 90, 180])
     name = f"coherence of {of.signal}"
     coherence = new_plot(name, "coherence", 150, magnitude, y_range=(0, 1.03), **along)
@@ -70,28 +74,32 @@ def _bode(one: _ComparedResponse) -> GridPlot:
     return stacked(magnitude, phase, coherence)
 
 
-def _curves(what: str, one: _ComparedResponse) -> list[Curve]:
+def _curves(quantity: str, response: _ComparedResponse) -> list[Curve]:
     """Measured points and computed curves of the magnitude or the phase."""
     return [
-        Curve(f"{what}_doubtful", f"coherence below {COHERENT}", MEASURED, 3, True, 0.25),
-        Curve(f"{what}_measured", "measured", MEASURED, 5, True, 0.8),
-        Curve(f"{what}_reidentified", "re-identified", MODEL, 1.6),
-        *([Curve(f"{what}_explained", "with effects", EXPLAINED, 1.6)] if one.explained is not None else []),
+        Curve(f"{quantity}_doubtful", f"coherence below {COHERENT}", MEASURED, 3, True, 0.25),
+        Curve(f"{quantity}_measured", "measured", MEASURED, 5, True, 0.8),
+        Curve(f"{quantity}_reidentified", "re-identified", MODEL, 1.6),
+        *(
+            [Curve(f"{quantity}_explained", "with effects", EXPLAINED, 1.6)]
+            if response.explained is not None
+            else []
+        ),
     ]
 
 
-def _columns(one: _ComparedResponse) -> tuple[ColumnDataSource, FloatArray]:
+def _columns(compared: _ComparedResponse) -> tuple[ColumnDataSource, FloatArray]:
     """Columns of the plots, and the sizes that must be seen."""
-    of = one.of
+    of = compared.of
     shown = of.frequency <= _BEYOND * of.top_hz
     models = {"reidentified": of.identified[shown]}
-    if one.explained is not None:
-        models["explained"] = one.explained[shown]
+    if compared.explained is not None:
+        models["explained"] = compared.explained[shown]
     measured, sure = of.measured[shown], of.is_coherent[shown]
     columns = {"coherence": of.coherence[shown]}
-    for what, value in (("magnitude", np.abs), ("phase", lambda h: np.rad2deg(np.angle(h)))):
-        columns[f"{what}_measured"] = np.where(sure, value(measured), np.nan)
-        columns[f"{what}_doubtful"] = np.where(sure, np.nan, value(measured))
+    for quantity, value in (("magnitude", np.abs), ("phase", lambda h: np.rad2deg(np.angle(h)))):
+        columns[f"{quantity}_measured"] = np.where(sure, value(measured), np.nan)
+        columns[f"{quantity}_doubtful"] = np.where(sure, np.nan, value(measured))
     for name, response in models.items():
         columns[f"magnitude_{name}"], columns[f"phase_{name}"] = np.abs(response), degrees_of(response)
     thin = {name: values.astype(np.float32) for name, values in columns.items()}

@@ -27,20 +27,20 @@ from symid.text import spoken
 _MOST_ALTERNATIVES = 8
 
 
-def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
+def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """Record of `symid diagnose --json`; unknown numbers are nan. Signals and spectrum stay out: they are for plots."""
-    simulated = {} if found.simulated is None else {"simulated": _simulated(found.simulated)}
+    simulated = {} if diagnosis.simulated is None else {"simulated": _simulated(diagnosis.simulated)}
     return {
-        "axis": found.axis.name,
-        "measured": list(found.measured),
-        "logs": list(found.logs),
-        "verdict": found.verdict,
-        "sentence": found.sentence,
-        "gap": asdict(found.gap),
-        **({"drives": [asdict(own.gap) for own in found.drives]} if found.drives else {}),
-        "waterfall": list(map(_stage, waterfall(found))),
-        "location": [asdict(place) for place in found.location],
-        "maps": {name: [asdict(cell) for cell in cells] for name, cells in found.maps.items()},
+        "axis": diagnosis.axis.name,
+        "measured": list(diagnosis.measured),
+        "logs": list(diagnosis.logs),
+        "verdict": diagnosis.verdict,
+        "sentence": diagnosis.sentence,
+        "gap": asdict(diagnosis.gap),
+        **({"drives": [asdict(drive.gap) for drive in diagnosis.drives]} if diagnosis.drives else {}),
+        "waterfall": list(map(_stage, waterfall(diagnosis))),
+        "location": [asdict(place) for place in diagnosis.location],
+        "maps": {name: [asdict(cell) for cell in cells] for name, cells in diagnosis.maps.items()},
         "effects": [
             {
                 **asdict(effect),
@@ -48,15 +48,15 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
                     {"effect": n, "at": at} for n, at in effect.indistinguishable_from
                 ],
             }
-            for effect in found.effects
+            for effect in diagnosis.effects
         ],
-        "alternatives": [asdict(other) for other in found.alternatives],
-        "probabilities": dict(found.probabilities),
-        "parameters": {change.name: _change(change) for change in found.parameters},
-        "faults": list(found.faults),
-        "assumptions": list(found.assumptions),
-        "next_experiment": found.next_experiment,
-        **({} if found.planned is None else {"experiment": _experiment(found.planned)}),
+        "alternatives": [asdict(cause) for cause in diagnosis.alternatives],
+        "probabilities": dict(diagnosis.probabilities),
+        "parameters": {change.name: _change(change) for change in diagnosis.parameters},
+        "faults": list(diagnosis.faults),
+        "assumptions": list(diagnosis.assumptions),
+        "next_experiment": diagnosis.next_experiment,
+        **({} if diagnosis.planned is None else {"experiment": _experiment(diagnosis.planned)}),
         **simulated,
     }
 
@@ -91,7 +91,7 @@ def _experiment(planned: Experiment) -> dict[str, Any]:
         "motion": None if planned.trajectory is None else planned.trajectory.name,
         "seconds": None if planned.trajectory is None else planned.trajectory.duration,
         "probability": None if run is None else run.probability,
-        "probability_if_right": None if run is None else [found.probability for found in run.separations],
+        "probability_if_right": None if run is None else [each.probability for each in run.separations],
         "further": [
             {"effect": effect, "at": at, "probability": None if math.isnan(p) else p}
             for (effect, at), p in planned.further.items()
@@ -228,16 +228,16 @@ def _effects_table(record: dict[str, Any]) -> TextTable:
     numbers = ("probability", "removes", "leaves")
     table = TextTable("Effects found", "effect", "at", *numbers, "parameters", "or", right=numbers)
     gaps = {gap["signal"]: gap for gap in (record["gap"], *record.get("drives", ()))}
-    for found in record["effects"]:
-        floor = gaps.get(found["signal"], record["gap"])["noise_floor"]["rms"]
-        values = found["parameters"].items()
+    for effect in record["effects"]:
+        floor = gaps.get(effect["signal"], record["gap"])["noise_floor"]["rms"]
+        values = effect["parameters"].items()
         parameters = ", ".join(f"{n} {with_deviation(p['value'], p['std'])} {p['unit']}" for n, p in values)
-        others = ", ".join(spoken(o["effect"], o["at"]) for o in found["indistinguishable_from"])
+        others = ", ".join(spoken(o["effect"], o["at"]) for o in effect["indistinguishable_from"])
         if others:
-            others += f" (one of them: {probability(found['probability_with_ties'])})"
-        sizes = (removes(found["removes"]), times(found["gap_after"]["rms"], floor))
-        certainty = probability(found["probability"])
-        table.add(spoken(found["effect"]), found["at"], certainty, *sizes, parameters, others)
+            others += f" (one of them: {probability(effect['probability_with_ties'])})"
+        sizes = (removes(effect["removes"]), times(effect["gap_after"]["rms"], floor))
+        certainty = probability(effect["probability"])
+        table.add(spoken(effect["effect"]), effect["at"], certainty, *sizes, parameters, others)
     return table
 
 
@@ -258,10 +258,10 @@ def _alternatives_table(record: dict[str, Any]) -> TextTable:
     title = f"Considered: {', '.join(considered)}"
     numbers = ("probability", "gain in log-likelihood", f"leaves [{record['gap']['unit']}]")
     table = TextTable(title, "effect", "at", *numbers, right=numbers)
-    for other in record["alternatives"][:_MOST_ALTERNATIVES]:
-        left = "screened" if other["gap_after"] is None else significant(other["gap_after"]["rms"])
-        gain = significant(other["log_likelihood"])
-        table.add(spoken(other["effect"]), other["at"], probability(other["probability"]), gain, left)
+    for cause in record["alternatives"][:_MOST_ALTERNATIVES]:
+        left = "screened" if cause["gap_after"] is None else significant(cause["gap_after"]["rms"])
+        gain = significant(cause["log_likelihood"])
+        table.add(spoken(cause["effect"]), cause["at"], probability(cause["probability"]), gain, left)
     return table
 
 
@@ -282,15 +282,15 @@ def _parameters_table(record: dict[str, Any]) -> TextTable:
 
 def _simulated_table(record: dict[str, Any]) -> TextTable:
     """Effects of the simulator beside those of the machine; empty without a simulator."""
-    own = record.get("simulated", {"log": "", "parameters": {}, "effects": []})
+    both = record.get("simulated", {"log": "", "parameters": {}, "effects": []})
     numbers = ("simulator", "machine")
-    table = TextTable(f"The simulator ({own['log']})", "", *numbers, "unit", "remark", right=numbers)
-    rows = [(n, p["simulated"], p["machine"], p["unit"], p["differs"]) for n, p in own["parameters"].items()]
-    for found in own["effects"]:
-        place = f"{spoken(found['effect'], found['at'])}: "
-        for name, p in found["simulated"].items():
-            machine = None if found["machine"] is None else found["machine"][name]
-            rows.append((place + name, p, machine, p["unit"], found["differs"]))
+    table = TextTable(f"The simulator ({both['log']})", "", *numbers, "unit", "remark", right=numbers)
+    rows = [(n, p["simulated"], p["machine"], p["unit"], p["differs"]) for n, p in both["parameters"].items()]
+    for effect in both["effects"]:
+        place = f"{spoken(effect['effect'], effect['at'])}: "
+        for name, p in effect["simulated"].items():
+            machine = None if effect["machine"] is None else effect["machine"][name]
+            rows.append((place + name, p, machine, p["unit"], effect["differs"]))
     for name, simulated, machine, unit, differs in rows:
         value = MISSING if machine is None else with_deviation(machine["value"], machine["std"])
         remark = "not in the machine" if machine is None else "differs" if differs else ""

@@ -20,40 +20,40 @@ _LARGE = 3.0
 
 
 def fleet_record(
-    found: FleetReview, joined: Mapping[str, JointIdentification] | None = None
+    review: FleetReview, joined: Mapping[str, JointIdentification] | None = None
 ) -> dict[str, Any]:
     """Record of `symid fleet --json`, with joint results by axis; unknown numbers are nan."""
     return {
-        "sentence": found.sentence,
-        "logs": found.table.height,
-        "statuses": dict(found.statuses),
-        "verdicts": dict(found.verdicts),
+        "sentence": review.sentence,
+        "logs": review.table.height,
+        "statuses": dict(review.statuses),
+        "verdicts": dict(review.verdicts),
         "effects": [
-            {"effect": one.effect, "at": one.at, "logs": one.logs, "axes": list(one.axes)}
-            for one in found.effects
+            {"effect": count.effect, "at": count.at, "logs": count.logs, "axes": list(count.axes)}
+            for count in review.effects
         ],
-        "axes": [{**_axis(axis), "joint": _joint((joined or {}).get(axis.name))} for axis in found.axes],
+        "axes": [{**_axis(axis), "joint": _joint((joined or {}).get(axis.name))} for axis in review.axes],
     }
 
 
-def _joint(found: JointIdentification | None) -> dict[str, Any] | None:
+def _joint(joint: JointIdentification | None) -> dict[str, Any] | None:
     """Physical parameters that the logs share, the minimal ones where there are none; None if nothing was joined."""
-    if found is None:
+    if joint is None:
         return None
-    values, units = found.minimal_parameters, found.model.minimal_units
-    deviations = found.standard_deviations
-    if found.physical:
-        values, units = found.physical_parameters, found.model.physical_units
-        deviations = found.physical_deviations
+    values, units = joint.minimal_parameters, joint.model.minimal_units
+    deviations = joint.standard_deviations
+    if joint.physical:
+        values, units = joint.physical_parameters, joint.model.physical_units
+        deviations = joint.physical_deviations
     return {
-        "logs": len(found.logs),
-        "status": found.status,
-        "message": found.message,
+        "logs": len(joint.logs),
+        "status": joint.status,
+        "message": joint.message,
         "parameters": {
             name: {"value": value, "std": float(std), "unit": str(units[name])}
             for (name, value), std in zip(values.items(), deviations, strict=True)
         },
-        "disagreement_probability": found.disagreement_probability,
+        "disagreement_probability": joint.disagreement_probability,
     }
 
 
@@ -67,33 +67,33 @@ def _axis(axis: AxisReview) -> dict[str, Any]:
         "differs": axis.verdict.differs,
         "differs_in": list(axis.verdict.parameters),
         "verdict": axis.verdict.sentence,
-        "parameters": {one.name: _parameter(one, axis) for one in axis.parameters},
+        "parameters": {parameter.name: _parameter(parameter, axis) for parameter in axis.parameters},
     }
 
 
-def _parameter(one: ParameterReview, axis: AxisReview) -> dict[str, Any]:
-    spread = one.spread
+def _parameter(parameter: ParameterReview, axis: AxisReview) -> dict[str, Any]:
+    spread = parameter.spread
     return {
-        "logs": len(one.logs),
-        "unit": one.unit,
-        "median": one.median,
+        "logs": len(parameter.logs),
+        "unit": parameter.unit,
+        "median": parameter.median,
         "mean": spread.mean,
         "mean_std": spread.mean_std,
         "between": spread.between,
         "between_interval": list(spread.between_interval),
-        "between_within_segments": one.within,
+        "between_within_segments": parameter.within,
         "promised": spread.promised,
         "relative_between": spread.relative_between,
         "relative_promised": spread.relative_promised,
         "Q": spread.statistic,
         "probability": spread.probability,
-        "probability_adjusted": axis.verdict.probabilities.get(one.name, math.nan),
-        "differs": one.name in axis.verdict.parameters,
-        "changes": [change_record(change) for change in one.chart.changes],
+        "probability_adjusted": axis.verdict.probabilities.get(parameter.name, math.nan),
+        "differs": parameter.name in axis.verdict.parameters,
+        "changes": [change_record(change) for change in parameter.chart.changes],
         "outliers": [
-            {"log": far.log, "value": far.value, "level": far.level, "z": far.z} for far in one.outliers
+            {"log": far.log, "value": far.value, "level": far.level, "z": far.z} for far in parameter.outliers
         ],
-        "outside_limits": [one.logs[place] for place in one.chart.order[one.chart.outside]],
+        "outside_limits": [parameter.logs[place] for place in parameter.chart.order[parameter.chart.outside]],
     }
 
 
@@ -161,25 +161,25 @@ def print_fleet(record: dict[str, Any], console: Console | None = None) -> None:
 
 def _effects_table(record: dict[str, Any]) -> TextTable:
     table = TextTable("Effects found", "effect", "at", "logs", "axes", "which", right=("logs", "axes"))
-    for one in record["effects"][:_MOST_EFFECTS]:
-        counts = (str(one["logs"]), str(len(one["axes"])))
-        table.add(spoken(one["effect"]), one["at"], *counts, ", ".join(one["axes"][:4]))
+    for count in record["effects"][:_MOST_EFFECTS]:
+        counts = (str(count["logs"]), str(len(count["axes"])))
+        table.add(spoken(count["effect"]), count["at"], *counts, ", ".join(count["axes"][:4]))
     return table
 
 
 def _parameters_table(axis: dict[str, Any]) -> TextTable:
     numbers = ("logs", "median", "between runs", "promised", "p")
     table = TextTable("", "", *numbers, "unit", "", right=numbers)
-    for name, one in axis["parameters"].items():
+    for name, parameter in axis["parameters"].items():
         table.add(
             name,
-            str(one["logs"]),
-            with_deviation(one["median"], one["mean_std"]),
-            spread_size(one, "between"),
-            spread_size(one, "promised"),
-            probability(one["probability_adjusted"]),
-            one["unit"],
-            "differs" if one["differs"] else "",
+            str(parameter["logs"]),
+            with_deviation(parameter["median"], parameter["mean_std"]),
+            spread_size(parameter, "between"),
+            spread_size(parameter, "promised"),
+            probability(parameter["probability_adjusted"]),
+            parameter["unit"],
+            "differs" if parameter["differs"] else "",
         )
     return table
 
@@ -189,28 +189,30 @@ def _joint_table(joint: dict[str, Any]) -> TextTable:
     trouble = "" if joint["status"] == "ok" else f", {spoken(joint['status'])}: {joint['message']}"
     title = f"Joined from {joint['logs']} logs (p that they share these parameters: {disagreement}{trouble})"
     table = TextTable(title, "", "joint", "unit", right=("joint",))
-    for name, one in joint["parameters"].items():
-        table.add(name, with_deviation(one["value"], one["std"]), one["unit"])
+    for name, parameter in joint["parameters"].items():
+        table.add(name, with_deviation(parameter["value"], parameter["std"]), parameter["unit"])
     return table
 
 
-def spread_size(one: dict[str, Any], which: str) -> str:
+def spread_size(parameter: dict[str, Any], which: str) -> str:
     """A standard deviation for each unit of the mean, as the parameter itself where the mean may be 0."""
-    if not math.isfinite(one[which]):
+    if not math.isfinite(parameter[which]):
         return MISSING
-    if abs(one["mean"]) > 2 * math.hypot(one["between"], one["promised"]):
-        return percent(one[f"relative_{which}"], 2)
-    return significant(one[which], 2)
+    if abs(parameter["mean"]) > 2 * math.hypot(parameter["between"], parameter["promised"]):
+        return percent(parameter[f"relative_{which}"], 2)
+    return significant(parameter[which], 2)
 
 
 def _events(axis: dict[str, Any]) -> list[str]:
     """Changes and outliers, one per line."""
     lines = []
-    for name, one in axis["parameters"].items():
-        lines += [f"{name} {change['sentence']}" for change in one["changes"]]
-        far = one["outliers"]
+    for name, parameter in axis["parameters"].items():
+        lines += [f"{name} {change['sentence']}" for change in parameter["changes"]]
+        far = parameter["outliers"]
         if far:
-            shown = ", ".join(f"{other['log']} ({other['z']:+.3g} sigma)" for other in far[:_MOST_OUTLIERS])
+            shown = ", ".join(
+                f"{outlier['log']} ({outlier['z']:+.3g} sigma)" for outlier in far[:_MOST_OUTLIERS]
+            )
             rest = f" and {len(far) - _MOST_OUTLIERS} more" if len(far) > _MOST_OUTLIERS else ""
             lines.append(f"{name} is an outlier in {shown}{rest}")
     return lines

@@ -21,7 +21,7 @@ from symid.report.tables.number_text import MISSING, significant
 
 
 def identification_record(
-    found: Identification, validation: OutputPrediction | None = None
+    result: Identification, validation: OutputPrediction | None = None
 ) -> dict[str, Any]:
     """Record of `symid identify --json`.
 
@@ -30,51 +30,52 @@ def identification_record(
     systematic error. ``bias_dominates`` names parameters whose bias exceeds a tenth of the corrected deviation.
     """
     record: dict[str, Any] = {
-        "axis": found.model.axis,
-        "measured": list(found.model.measured),
-        "method": found.fit.method,
-        "log": list(found.logs),
-        "status": found.status,
-        "message": found.message,
-        "notes": list(found.notes),
-        "filter": _filter(found.observations[0].preparation),
-        "samples": max(found.fit.rows),
-        "rows": list(found.fit.rows),
-        "condition_number": found.fit.condition_number,
-        "condition_number_scaled": found.fit.condition_number_scaled,
+        "axis": result.model.axis,
+        "measured": list(result.model.measured),
+        "method": result.fit.method,
+        "log": list(result.logs),
+        "status": result.status,
+        "message": result.message,
+        "notes": list(result.notes),
+        "filter": _filter(result.observations[0].preparation),
+        "samples": max(result.fit.rows),
+        "rows": list(result.fit.rows),
+        "condition_number": result.fit.condition_number,
+        "condition_number_scaled": result.fit.condition_number_scaled,
         "minimal": parameter_records(
-            found.model.minimal_units,
-            found.fit.parameters,
-            found.fit.standard_deviations,
-            found.correlated.standard_deviations,
-            found.bias,
-            found.standard_deviations,
+            result.model.minimal_units,
+            result.fit.parameters,
+            result.fit.standard_deviations,
+            result.correlated.standard_deviations,
+            result.bias,
+            result.standard_deviations,
         ),
-        "physical": _physical(found, 0) if found.physical else {},
-        "known": {name: {"value": v, "unit": unit} for name, (v, unit) in found.model.known.items()},
-        "physical_branches": [_physical(found, i) for i in range(1, len(found.physical))],
+        "physical": _physical(result, 0) if result.physical else {},
+        "known": {name: {"value": v, "unit": unit} for name, (v, unit) in result.model.known.items()},
+        "physical_branches": [_physical(result, i) for i in range(1, len(result.physical))],
         # as `std_corrected`; the physical ones of the first branch
         "covariance": {
-            "minimal": found.covariance.tolist(),
-            "physical": found.physical[0].propagated(found.covariance).tolist() if found.physical else None,
+            "minimal": covariance.tolist(),
+            "physical": result.physical[0].propagated(covariance).tolist() if result.physical else None,
         },
-        "relations": _relations(found),
-        "residual": _residuals(found, found.residuals),
+        "relations": _relations(result),
+        "residual": _residuals(result, result.residuals),
         "correlation": {
-            "status": found.correlated.status,
-            "bandwidth": found.correlated.bandwidth,
-            "effective_samples": found.correlated.effective_samples,
+            "status": result.correlated.status,
+            "bandwidth": result.correlated.bandwidth,
+            "effective_samples": result.correlated.effective_samples,
         },
-        "bias_dominates": list(found.dominated_by_bias),
-        "timing": _timing(found),
-        "assumptions": list(found.model.assumptions),
+        "bias_dominates": list(result.dominated_by_bias),
+        "timing": _timing(result),
+        "assumptions": list(result.model.assumptions),
     }
     if validation is not None:
-        record["validation"] = {"log": validation.log, "residual": _residuals(found, validation.residuals)}
+        record["validation"] = {"log": validation.log, "residual": _residuals(result, validation.residuals)}
     return record
 
 
 def _filter(prepared: Preparation) -> dict[str, Any]:
+    covariance = result.covariance
     return {
         "cutoff_hz": prepared.cutoff_hz,
         "order": prepared.order,
@@ -113,18 +114,18 @@ def parameter_records(
     }
 
 
-def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
-    estimate = found.physical[branch]
-    classical = estimate.propagated_deviations(found.fit.covariance)
-    corrected = estimate.propagated_deviations(found.correlated.covariance)
-    bias = None if found.bias is None else found.bias.mapped(estimate.sensitivity)
-    values = found.model.physical_units, estimate.parameters, classical, corrected, bias
-    return parameter_records(*values, found.widened_deviations(estimate))
+def _physical(result: Identification, branch: int) -> dict[str, dict[str, Any]]:
+    estimate = result.physical[branch]
+    classical = estimate.propagated_deviations(result.fit.covariance)
+    corrected = estimate.propagated_deviations(result.correlated.covariance)
+    bias = None if result.bias is None else result.bias.mapped(estimate.sensitivity)
+    values = result.model.physical_units, estimate.parameters, classical, corrected, bias
+    return parameter_records(*values, result.widened_deviations(estimate))
 
 
-def _timing(found: Identification) -> dict[str, Any] | None:
+def _timing(result: Identification) -> dict[str, Any] | None:
     """Estimated delay of the force; ``late_s`` has the sign of ``late``."""
-    timing = found.timing
+    timing = result.timing
     if timing is None:
         return None
     return {
@@ -138,11 +139,11 @@ def _timing(found: Identification) -> dict[str, Any] | None:
     }
 
 
-def _relations(found: Identification) -> dict[str, Any] | None:
+def _relations(result: Identification) -> dict[str, Any] | None:
     """Chi-square of the relations between the minimal parameters."""
-    if not found.physical or not found.physical[0].relations:
+    if not result.physical or not result.physical[0].relations:
         return None
-    estimate = found.physical[0]
+    estimate = result.physical[0]
     return {
         "count": estimate.relations,
         "chi_square": estimate.disagreement,
@@ -150,14 +151,14 @@ def _relations(found: Identification) -> dict[str, Any] | None:
     }
 
 
-def _residuals(found: Identification, residuals: Sequence[EquationResidual]) -> dict[str, dict[str, Any]]:
+def _residuals(result: Identification, residuals: Sequence[EquationResidual]) -> dict[str, dict[str, Any]]:
     outputs = [residual.output for residual in residuals]
     return {
         # an output that occurs again gets the number of its equation
         name if outputs.index(name) == i else f"{name} (equation {i + 1})": {
             "rms": r.rms,
             "relative": r.relative,
-            "unit": found.output_units.get(r.output, ""),
+            "unit": result.output_units.get(r.output, ""),
             "norm": r.norm,
             "std": r.deviation,
             "rows": r.rows,
@@ -206,30 +207,30 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
         console.print(f"[bold]{record['status']}[/bold]: {record['message']}")
 
 
-def shared_record(found: SharedIdentification) -> dict[str, Any]:
+def shared_record(result: SharedIdentification) -> dict[str, Any]:
     """Record of `symid identify --known ... --json`: the physical parameters, and each group of logs."""
-    first, units = found.groups[0], found.physical_units.items()
-    deviations = found.standard_deviations.tolist()
+    first, units = result.groups[0], result.physical_units.items()
+    deviations = result.standard_deviations.tolist()
     return {
-        "axis": found.axis.name,
+        "axis": result.axis.name,
         "measured": list(first.model.measured),
         "method": first.fit.method,
-        "log": [log for group in found.groups for log in group.logs],
-        "status": found.status,
-        "message": found.message,
-        "notes": list(found.constraint_notes),
+        "log": [log for group in result.groups for log in group.logs],
+        "status": result.status,
+        "message": result.message,
+        "notes": list(result.constraint_notes),
         "physical": {
             name: {"value": value, "std": std, "deviation": std, "unit": unit}
-            for (name, unit), value, std in zip(units, found.values.tolist(), deviations, strict=True)
+            for (name, unit), value, std in zip(units, result.values.tolist(), deviations, strict=True)
         },
         "relations": {
-            "number": found.relations,
-            "disagreement": found.disagreement,
-            "probability": found.probability,
+            "number": result.relations,
+            "disagreement": result.disagreement,
+            "probability": result.probability,
         },
         "groups": [
             {**identification_record(group), "known": dict(known)}
-            for group, known in zip(found.groups, found.known, strict=True)
+            for group, known in zip(result.groups, result.known, strict=True)
         ],
     }
 
@@ -242,11 +243,11 @@ def print_shared(record: dict[str, Any], console: Console | None = None) -> None
     if record["message"]:
         console.print(record["message"], markup=False)
     for group in record["groups"]:
-        given = ", ".join(f"{name} = {value:.6g}" for name, value in group["known"].items())
-        console.print(f"  {given}: {', '.join(group['log'])}", markup=False)
+        known = ", ".join(f"{name} = {value:.6g}" for name, value in group["known"].items())
+        console.print(f"  {known}: {', '.join(group['log'])}", markup=False)
     table = TextTable("", "parameter", "value", "deviation", "% of value", "unit")
-    for name, one in record["physical"].items():
-        table.add(name, f"{one['value']:.6g}", f"{one['deviation']:.2g}", _relative(one), one["unit"])
+    for name, entry in record["physical"].items():
+        table.add(name, f"{entry['value']:.6g}", f"{entry['deviation']:.2g}", _relative(entry), entry["unit"])
     console.print(table)
     for line in record["notes"]:
         console.print(f"note: {line}", markup=False)

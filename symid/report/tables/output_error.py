@@ -11,67 +11,69 @@ from symid.report.tables.identification import parameter_records
 
 
 def output_error_record(
-    found: OutputErrorIdentification, validation: OutputErrorPrediction | None = None
+    result: OutputErrorIdentification, validation: OutputErrorPrediction | None = None
 ) -> dict[str, Any]:
     """Record of `symid identify --method oe --json`; the residual is that of the one-step predictions."""
-    fit = found.fit
+    fit = result.fit
     record: dict[str, Any] = {
-        "axis": found.model.axis,
-        "measured": list(found.model.measured),
+        "axis": result.model.axis,
+        "measured": list(result.model.measured),
         "method": "oe",
-        "log": [log.source for log in found.logs],
-        "status": found.status,
-        "message": found.message,
-        "notes": list(found.notes),
+        "log": [log.source for log in result.logs],
+        "status": result.status,
+        "message": result.message,
+        "notes": list(result.notes),
         "filter": {"cutoff_hz": None, "order": None, "decimation": 1},
         "force": {
-            "course": found.comparison.force,
-            "late_s": found.late,
-            "timing": "estimated" if found.comparison.free_timing else "declared",
+            "course": result.comparison.force,
+            "late_s": result.late,
+            "timing": "estimated" if result.comparison.free_timing else "declared",
         },
-        "noise": {n: {"std": std, "unit": str(found.axis.signal_units[n])} for n, std in found.noise.items()},
-        "samples": sum(log.n_samples for log in found.logs),
+        "noise": {
+            n: {"std": std, "unit": str(result.axis.signal_units[n])} for n, std in result.noise.items()
+        },
+        "samples": sum(log.n_samples for log in result.logs),
         "rows": [] if fit is None else list(fit.linear.rows),
         "condition_number": None if fit is None else fit.linear.condition_number,
         "condition_number_scaled": None if fit is None else fit.linear.condition_number_scaled,
-        "minimal": _output_error_parameters(found, "minimal"),
-        "physical": _output_error_parameters(found, "physical"),
-        "known": {name: {"value": v, "unit": unit} for name, (v, unit) in found.model.known.items()},
+        "minimal": _output_error_parameters(result, "minimal"),
+        "physical": _output_error_parameters(result, "physical"),
+        "known": {name: {"value": v, "unit": unit} for name, (v, unit) in result.model.known.items()},
         "physical_branches": [],
         "covariance": None
         if fit is None
         else {
-            "minimal": found.minimal_covariance(corrected=True).tolist(),
-            "physical": found.physical_covariance(corrected=True).tolist(),
+            "minimal": result.minimal_covariance(corrected=True).tolist(),
+            "physical": result.physical_covariance(corrected=True).tolist(),
         },
         "relations": None,
-        "residual": _prediction_errors(found, found.predictions),
+        "residual": _prediction_errors(result, result.predictions),
         "assumptions": [],
     }
     if validation is not None:
-        record["validation"] = {"log": validation.log, "residual": _prediction_errors(found, [validation])}
+        record["validation"] = {"log": validation.log, "residual": _prediction_errors(result, [validation])}
     return record
 
 
 def _output_error_parameters(
-    found: OutputErrorIdentification, kind: Literal["minimal", "physical"]
+    result: OutputErrorIdentification, kind: Literal["minimal", "physical"]
 ) -> dict[str, dict[str, Any]]:
-    if found.fit is None:
+    if result.fit is None:
         return {}
     units, values, covariance = (
-        (found.model.minimal_units, found.minimal_parameters, found.minimal_covariance)
+        (result.model.minimal_units, result.minimal_parameters, result.minimal_covariance)
         if kind == "minimal"
-        else (found.model.physical_units, found.physical_parameters, found.physical_covariance)
+        else (result.model.physical_units, result.physical_parameters, result.physical_covariance)
     )
     classical, corrected = (np.sqrt(np.diag(covariance(corrected=which))) for which in (False, True))
     return parameter_records(units, np.array(list(values.values())), classical, corrected)
 
 
 def _prediction_errors(
-    found: OutputErrorIdentification, predictions: Sequence[OutputErrorPrediction]
+    result: OutputErrorIdentification, predictions: Sequence[OutputErrorPrediction]
 ) -> dict[str, dict[str, Any]]:
     """Innovations of each reading over all logs."""
-    units, errors = found.reading_units, {}
+    units, errors = result.reading_units, {}
     for j, (name, unit) in enumerate(units.items()):
         parts = [prediction.residuals[j] for prediction in predictions]
         if not parts:

@@ -56,20 +56,20 @@ def values_of_record(record: object, source: str) -> Values:
     """
     if not isinstance(record, dict):
         raise SettingError(f"{source} holds {shortened(record)}: give the record of an identification")
-    entries = {n: one for n, one in parameter_entries(record).items() if is_finite_number(one.value)}
+    entries = {n: entry for n, entry in parameter_entries(record).items() if is_finite_number(entry.value)}
     if not entries:
         raise SettingError(
             f"{source} holds no parameters: give the record of an identification, or names and values"
         )
     axis, status = (record[name] if isinstance(record.get(name), str) else "" for name in ("axis", "status"))
-    deviations = {name: one.std for name, one in entries.items()}
+    deviations = {name: entry.std for name, entry in entries.items()}
     return Values(
         source=source,
         axis=axis,
         status=status,
-        values={name: float(one.value) for name, one in entries.items()},
+        values={name: float(entry.value) for name, entry in entries.items()},
         deviations=deviations,
-        units={name: one.unit for name, one in entries.items() if one.unit},
+        units={name: entry.unit for name, entry in entries.items() if entry.unit},
         covariance=_covariance(record, deviations),
         settings=record["filter"] if isinstance(record.get("filter"), dict) else {},
         facts=_facts(record),
@@ -87,16 +87,16 @@ def comparison_record(first: Values, second: Values) -> dict[str, Any]:
         )
     both = (first, second)
     return {
-        "files": [one.source for one in both],
-        "axis": [one.axis for one in both],
-        "status": [one.status for one in both],
+        "files": [side.source for side in both],
+        "axis": [side.axis for side in both],
+        "status": [side.status for side in both],
         "parameters": {name: _compared(name, first, second) for name in shared},
         "facts": _side_by_side(first.facts, second.facts),
         "errors": {
             name: {"a": a and a[0], "b": b and b[0], "unit": (a or b)[1]}
             for name, (a, b) in _side_by_side(first.errors, second.errors).items()
         },
-        "only_in": [[name for name in one.values if name not in shared] for one in both],
+        "only_in": [[name for name in side.values if name not in shared] for side in both],
         "together": _together(first, second),
         "settings": {
             name: values
@@ -114,16 +114,16 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
         console.print(plain(f"{which}: {file}" + "".join(f", {word}" for word in (axis, status) if word)))
     numbers = ("A", "B", "B - A", "% of A", "deviations")
     table = TextTable("", "", *numbers, "unit", right=numbers)
-    for name, one in record["parameters"].items():
-        sides = (with_deviation(one[key]["value"], one[key]["std"]) for key in ("a", "b", "difference"))
-        apart = significant(one["deviations"], 2) + "  differs" * one["differs"]
-        table.add(name, *sides, significant(100 * one["relative"], 2), apart, one["unit"])
+    for name, entry in record["parameters"].items():
+        sides = (with_deviation(entry[key]["value"], entry[key]["std"]) for key in ("a", "b", "difference"))
+        apart = significant(entry["deviations"], 2) + "  differs" * entry["differs"]
+        table.add(name, *sides, significant(100 * entry["relative"], 2), apart, entry["unit"])
     console.print(table)
     if record["errors"]:
         errors = TextTable("", "", "A", "B", "unit", right=("A", "B"))
-        for name, one in record["errors"].items():
-            sizes = (MISSING if size is None else significant(size) for size in (one["a"], one["b"]))
-            errors.add(name, *sizes, one["unit"])
+        for name, entry in record["errors"].items():
+            sizes = (MISSING if size is None else significant(size) for size in (entry["a"], entry["b"]))
+            errors.add(name, *sizes, entry["unit"])
         console.print(errors)
     together = record["together"]
     if together is not None:
@@ -150,7 +150,7 @@ def shown_setting(value: Any) -> str:
     ('F -0.0005', 'none', '49, 0', 'yes')
     """
     if isinstance(value, Mapping):
-        return ", ".join(f"{name} {shown_setting(one)}" for name, one in value.items()) or "none"
+        return ", ".join(f"{name} {shown_setting(item)}" for name, item in value.items()) or "none"
     if isinstance(value, list):
         return ", ".join(map(shown_setting, value)) or "none"
     if isinstance(value, bool):
@@ -165,13 +165,13 @@ def comparison_sentence(record: Mapping[str, Any]) -> str:
     >>> comparison_sentence(comparison_record(a, b))
     'A and B differ in M'
     """
-    different = [name for name, one in record["parameters"].items() if one["differs"]]
+    different = [name for name, entry in record["parameters"].items() if entry["differs"]]
     if different:
         return f"A and B differ in {', '.join(different)}"
     together = record["together"]
     if together is not None and together["differs"]:
         return "A and B differ in their parameters jointly, in no single one"
-    if not any(math.isfinite(one["deviations"]) for one in record["parameters"].values()):
+    if not any(math.isfinite(entry["deviations"]) for entry in record["parameters"].values()):
         return "Neither A nor B has deviations: whether they differ is not known"
     return f"A and B do not differ: no parameter by more than {_DIFFERENT:g} deviations"
 
@@ -202,9 +202,9 @@ def _facts(record: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _effects(record: Mapping[str, Any]) -> list[str]:
-    found = record.get("effects")
-    effects = [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
-    return [spoken(str(one.get("effect")), str(one.get("at"))) for one in effects]
+    listed = record.get("effects")
+    effects = [effect for effect in listed if isinstance(effect, dict)] if isinstance(listed, list) else []
+    return [spoken(str(effect.get("effect")), str(effect.get("at"))) for effect in effects]
 
 
 def _errors(record: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
@@ -213,17 +213,17 @@ def _errors(record: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
     errors = {}
     for where, of in (("", record), (" on the validation", validation)):
         residuals = of.get("residual") if isinstance(of, dict) else None
-        for output, one in residuals.items() if isinstance(residuals, dict) else ():
-            errors[f"rms of the residual of {output}{where}"] = one
+        for output, entry in residuals.items() if isinstance(residuals, dict) else ():
+            errors[f"rms of the residual of {output}{where}"] = entry
     if isinstance(gap, dict):
         for stage in ("nominal", "reidentified", "explained", "noise_floor"):
             level, unit = gap.get(stage), gap.get("unit")
             if isinstance(level, dict):
                 errors[f"error of {gap.get('signal')}, {_STAGES[stage]}"] = {**level, "unit": unit}
     return {
-        name: (float(one["rms"]), str(one.get("unit") or ""))
-        for name, one in errors.items()
-        if isinstance(one, dict) and is_finite_number(one.get("rms"))
+        name: (float(entry["rms"]), str(entry.get("unit") or ""))
+        for name, entry in errors.items()
+        if isinstance(entry, dict) and is_finite_number(entry.get("rms"))
     }
 
 

@@ -11,21 +11,21 @@ from symid.report.tables.number_text import percent
 from symid.tuning import BoundSearch, TotalTuning, Tuning
 
 
-def tuning_record(found: Tuning) -> dict[str, Any]:
+def tuning_record(tuning: Tuning) -> dict[str, Any]:
     """Record of `symid tune --json`."""
     return {
-        "axis": found.axis,
-        "measured": list(found.measured),
-        "status": found.status,
-        "message": found.message,
-        "left_out": list(found.left_out),
-        "filter": {"cutoff_hz": found.cutoff.frequency_hz, "order": found.order, "decimation": 1},
-        "cutoff": _search(found.cutoff),
-        "differences": found.differences,
-        "first_sampling_hz": found.first_sampling_hz,
-        "sampling_hz": found.sampling.frequency_hz,
-        "sampling_period_s": found.sampling_period,
-        "sampling": {"parameters": found.kind, **_search(found.sampling)},
+        "axis": tuning.axis,
+        "measured": list(tuning.measured),
+        "status": tuning.status,
+        "message": tuning.message,
+        "left_out": list(tuning.left_out),
+        "filter": {"cutoff_hz": tuning.cutoff.frequency_hz, "order": tuning.order, "decimation": 1},
+        "cutoff": _search(tuning.cutoff),
+        "differences": tuning.differences,
+        "first_sampling_hz": tuning.first_sampling_hz,
+        "sampling_hz": tuning.sampling.frequency_hz,
+        "sampling_period_s": tuning.sampling_period,
+        "sampling": {"parameters": tuning.kind, **_search(tuning.sampling)},
     }
 
 
@@ -43,22 +43,22 @@ def _search(search: BoundSearch) -> dict[str, Any]:
     }
 
 
-def print_tuning(found: Tuning, console: Console | None = None) -> None:
+def print_tuning(tuning: Tuning, console: Console | None = None) -> None:
     """Print frequencies and errors as tables."""
     console = console or report_console()
-    console.print(f"{found.axis} from {', '.join(found.measured)}: {found.status}")
-    if found.message:
-        console.print(found.message)
-    if found.left_out:
-        console.print(f"tuned without forces that jump at standstill: {', '.join(found.left_out)}")
+    console.print(f"{tuning.axis} from {', '.join(tuning.measured)}: {tuning.status}")
+    if tuning.message:
+        console.print(tuning.message)
+    if tuning.left_out:
+        console.print(f"tuned without forces that jump at standstill: {', '.join(tuning.left_out)}")
     table = Table("", "frequency", "largest error", "bound", box=None)
-    cutoff, sampling = found.cutoff, found.sampling
-    first = f"first sampling frequency [36], {found.differences} differences"
+    cutoff, sampling = tuning.cutoff, tuning.sampling
+    first = f"first sampling frequency [36], {tuning.differences} differences"
     for name, search in (("cutoff [35]", cutoff), ("sampling frequency [37]", sampling)):
         error, bound = f"{search.largest_error:.4g} %", f"{search.bound:g} %"
         table.add_row(name, f"{search.frequency_hz:.2f} Hz", error, bound)
         if search is cutoff:
-            table.add_row(first, f"{found.first_sampling_hz:.2f} Hz", "", "")
+            table.add_row(first, f"{tuning.first_sampling_hz:.2f} Hz", "", "")
     console.print(table)
     errors = Table("error of", "from the cutoff [35]", "from sampling [37]", box=None)
     for name in {**sampling.errors, **cutoff.errors}:
@@ -67,50 +67,50 @@ def print_tuning(found: Tuning, console: Console | None = None) -> None:
     console.print(errors)
 
 
-def total_record(found: TotalTuning) -> dict[str, Any]:
+def total_record(tuning: TotalTuning) -> dict[str, Any]:
     """Record of `symid tune --noise-from LOG --json`."""
     return {
-        "axis": found.axis,
-        "measured": list(found.measured),
-        "status": found.status,
-        "message": found.message,
+        "axis": tuning.axis,
+        "measured": list(tuning.measured),
+        "status": tuning.status,
+        "message": tuning.message,
         "filter": {
-            "cutoff_hz": found.preparation.cutoff_hz,
-            "order": found.preparation.order,
-            "decimation": found.preparation.decimation,
+            "cutoff_hz": tuning.preparation.cutoff_hz,
+            "order": tuning.preparation.order,
+            "decimation": tuning.preparation.decimation,
         },
-        "noise": dict(found.noise),
-        "sampling_hz": found.sampling_hz,
-        "recommended_sampling_hz": found.recommended_sampling_hz,
-        "total_error_percent": found.total_percent,
-        "decisive": list(found.decisive),
+        "noise": dict(tuning.noise),
+        "sampling_hz": tuning.sampling_hz,
+        "recommended_sampling_hz": tuning.recommended_sampling_hz,
+        "total_error_percent": tuning.total_percent,
+        "decisive": list(tuning.decisive),
         "errors_percent": {
-            name: {"systematic": found.systematic[name], "total": total}
-            for name, total in found.total.items()
+            name: {"systematic": tuning.systematic[name], "total": total}
+            for name, total in tuning.total.items()
         },
-        "curve": {"cutoff_hz": found.cutoffs_hz.tolist(), "total_error_percent": found.totals.tolist()},
+        "curve": {"cutoff_hz": tuning.cutoffs_hz.tolist(), "total_error_percent": tuning.totals.tolist()},
     }
 
 
-def print_total_tuning(found: TotalTuning, console: Console | None = None) -> None:
+def print_total_tuning(tuning: TotalTuning, console: Console | None = None) -> None:
     """Print the setting and the errors that it leaves."""
-    console, settings = console or report_console(), found.preparation
-    console.print(f"{found.axis} from {', '.join(found.measured)}: {found.status}")
-    if found.message:
-        console.print(found.message)
-    noise = ", ".join(f"{name} {level:.3g}" for name, level in found.noise.items())
+    console, settings = console or report_console(), tuning.preparation
+    console.print(f"{tuning.axis} from {', '.join(tuning.measured)}: {tuning.status}")
+    if tuning.message:
+        console.print(tuning.message)
+    noise = ", ".join(f"{name} {level:.3g}" for name, level in tuning.noise.items())
     console.print(f"noise (standard deviation, SI): {noise}")
     setting = f"cutoff {settings.cutoff_hz:.4g} Hz, decimation {settings.decimation}"
-    console.print(f"{setting}: total error {found.total_percent:.3g} %")
-    least = found.recommended_sampling_hz
+    console.print(f"{setting}: total error {tuning.total_percent:.3g} %")
+    least = tuning.recommended_sampling_hz
     enough = (
         f"systematic errors are below half of the total from {least:.4g} Hz on"
         if math.isfinite(least)
         else "systematic errors exceed half of the total at every sampling frequency up to eight times this one"
     )
-    console.print(f"sampling frequency {found.sampling_hz:g} Hz; {enough}")
+    console.print(f"sampling frequency {tuning.sampling_hz:g} Hz; {enough}")
     table = Table("error of", "systematic", "total", box=None)
-    for name, total in found.total.items():
-        decides = "" if name in found.decisive else "lost"
-        table.add_row(name, f"{found.systematic[name]:.3g} %", f"{total:.3g} %", decides)
+    for name, total in tuning.total.items():
+        decides = "" if name in tuning.decisive else "lost"
+        table.add_row(name, f"{tuning.systematic[name]:.3g} %", f"{total:.3g} %", decides)
     console.print(table)
