@@ -125,14 +125,14 @@ def _column_of(text: str, columns: Sequence[ForeignColumn]) -> ForeignColumn | N
     name = text.strip()
     if name in ("", "-"):
         return None
-    found = next((c for c in columns if name in (c.header, c.name)), None)
-    if found is None and name.isascii() and name.isdigit() and 1 <= int(name) <= len(columns):
+    column = next((c for c in columns if name in (c.header, c.name)), None)
+    if column is None and name.isascii() and name.isdigit() and 1 <= int(name) <= len(columns):
         return columns[int(name) - 1]
-    if found is None:
+    if column is None:
         raise click.UsageError(
             f"there is no column {name!r}: give a name or number of the table, or - for none"
         )
-    return found
+    return column
 
 
 def _unit_of(text: str, quantity: str, unit: Unit, column: ForeignColumn) -> str:

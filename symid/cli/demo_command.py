@@ -35,11 +35,11 @@ def command(report: str, json_file: str | None) -> None:
     folder = shipped_folder("data") / "emps"
     files = (folder / name for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"))
     log, other = (read_axis_log(axis, file, columns={"q": "qm"}) for file in files)
-    found = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)
+    identification = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)
     with working("diagnosing"):
-        diagnosis = diagnose(axis, log, validation=other, nominal=found.physical_parameters)
+        diagnosis = diagnose(axis, log, validation=other, nominal=identification.physical_parameters)
     write_diagnosis_html(diagnosis, page, with_options)
-    identified = with_options(identification_record(found, predict(found, other)))
+    identified = with_options(identification_record(identification, predict(identification, other)))
     gap = with_options(diagnosis_record(diagnosis))
     if json_file:
         write_json({"identification": identified, "diagnosis": gap, "report": str(page)}, json_file)

@@ -114,44 +114,44 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     page, written = page_of(options["report"]), options["write_axis"] and axis_path(options["write_axis"])
     with working("diagnosing"):
         if simulated:
-            found = diagnose_against(declared, runs[0], simulated, validation=validation, **recorded)
+            result = diagnose_against(declared, runs[0], simulated, validation=validation, **recorded)
         else:
-            found = diagnose(declared, runs, validation=validation, nominal=nominal, **recorded)
+            result = diagnose(declared, runs, validation=validation, nominal=nominal, **recorded)
     if experiment:
-        found = _with_experiment(found, limits, experiment)
+        result = _with_experiment(result, limits, experiment)
     if page:
         from symid.report.pages import (
             write_diagnosis_html,  # bokeh and jinja2 are loaded only where a page is written
         )
 
-        write_diagnosis_html(found, page, with_options, shlex.join(["symid", *sys.argv[1:]]))
-    give_result(diagnosis_record(found), options["json_file"], print_diagnosis)
+        write_diagnosis_html(result, page, with_options, shlex.join(["symid", *sys.argv[1:]]))
+    give_result(diagnosis_record(result), options["json_file"], print_diagnosis)
     if written:
-        _write_axis(found, written)
+        _write_axis(result, written)
 
 
-def _write_axis(found: Diagnosis, file: Path) -> None:
+def _write_axis(result: Diagnosis, file: Path) -> None:
     """The axis with the effects found, and values of its parameters; as it is where only values were off."""
-    if not found.effects and found.verdict not in ("no_gap", "parameters"):
+    if not result.effects and result.verdict not in ("no_gap", "parameters"):
         raise SettingError(
-            f"--write-axis {file}: the gap is not explained ({found.verdict}), so there is no axis to write"
+            f"--write-axis {file}: the gap is not explained ({result.verdict}), so there is no axis to write"
         )
-    explained = explained_axis(found)
-    write_axis(explained.axis, file, f"{found.axis.name} with what a diagnosis found.")
+    explained = explained_axis(result)
+    write_axis(explained.axis, file, f"{result.axis.name} with what a diagnosis found.")
     values = file.with_suffix(".json")
     write_json(explained.values, str(values))
     say(f"wrote {file}, and its values to {values}", err=True)
     for sentence in explained.left_out:
         say(sentence, err=True)
-    if tied := [change.name for change in found.parameters if not change.is_determined]:
+    if tied := [change.name for change in result.parameters if not change.is_determined]:
         say(f"{', '.join(tied)}: the log determines combinations only, other values fit as well", err=True)
 
 
-def _with_experiment(found: Diagnosis, limits: dict[str, float], file: Path) -> Diagnosis:
+def _with_experiment(result: Diagnosis, limits: dict[str, float], file: Path) -> Diagnosis:
     """The diagnosis with the next experiment in words; its reference is written where there is one."""
     with working("planning the next experiment"):
-        planned = next_experiment_of(found, **limits)
+        planned = next_experiment_of(result, **limits)
     if planned.trajectory is None:
-        return replace(found, next_experiment=planned.text, planned=planned)
-    write_log(references_log(found.axis, planned.paths), file)
-    return replace(found, next_experiment=f"{planned.text} Its reference is in {file}.", planned=planned)
+        return replace(result, next_experiment=planned.text, planned=planned)
+    write_log(references_log(result.axis, planned.paths), file)
+    return replace(result, next_experiment=f"{planned.text} Its reference is in {file}.", planned=planned)

@@ -108,7 +108,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     )
     method = options["method"]
     experiment = IdentificationTrial(declared, model, parameters, controllers, limits, force, apart, method)
-    found = design(
+    designed = design(
         experiment,
         options["seconds"],
         options["rate"],
@@ -116,15 +116,17 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         runs=options["runs"],
         track=lambda every: tracked(every, "references"),
     )
-    write_log(references_log(declared, found.best.references), output)
-    give_result(_record(found, experiment, output), json_file, lambda _: _print(found, experiment, output))
+    write_log(references_log(declared, designed.best.references), output)
+    give_result(
+        _record(designed, experiment, output), json_file, lambda _: _print(designed, experiment, output)
+    )
 
 
 def _noisy_sensors(axis: Axis) -> list[str]:
     """Sensors whose noise is known: the log is identified by them."""
-    found = [sensor.signal for sensor in axis.sensors if sensor.noise > 0.0]
-    if found:
-        return found
+    noisy = [sensor.signal for sensor in axis.sensors if sensor.noise > 0.0]
+    if noisy:
+        return noisy
     signals = [*(sensor.signal for sensor in axis.sensors), axis.drives[0].signal]
     raise SettingError(
         f"no sensor of axis {axis.name!r} has noise: give --noise {signals[0]}=STD, also of {signals[-1]}"
@@ -167,41 +169,41 @@ def _limits(text: str, axis: Axis) -> tuple[Limits, float, float | None]:
     return limits, values.get("force", math.inf), values.get("apart")
 
 
-def _record(found: Design, experiment: IdentificationTrial, output: str) -> dict[str, Any]:
-    every = {"designed": found.best, **found.defaults}
+def _record(designed: Design, experiment: IdentificationTrial, output: str) -> dict[str, Any]:
+    references = {"designed": designed.best, **designed.defaults}
     return {
         "axis": experiment.axis.name,
         "measured": list(experiment.model.measured),
         "reference": output,
-        "name": found.best.trajectory.name,
-        "seconds": found.best.trajectory.duration,
-        "tried": found.tried,
+        "name": designed.best.trajectory.name,
+        "seconds": designed.best.trajectory.duration,
+        "tried": designed.tried,
         "limits": experiment.allowed,
-        "undetermined": list(found.best.undetermined),
+        "undetermined": list(designed.best.undetermined),
         "expected": {
             name: one and {"deviations": one.deviations, "relative": one.relative, "reached": one.reached}
-            for name, one in every.items()
+            for name, one in references.items()
         },
     }
 
 
-def _print(found: Design, experiment: IdentificationTrial, output: str) -> None:
-    best, allowed = found.best, experiment.allowed
+def _print(designed: Design, experiment: IdentificationTrial, output: str) -> None:
+    best, allowed = designed.best, experiment.allowed
     motion = best.trajectory
     low, high = motion.extremes.lowest, motion.extremes.highest
-    say(f"{motion.name}: best of {found.tried} references of {motion.duration:g} s")
+    say(f"{motion.name}: best of {designed.tried} references of {motion.duration:g} s")
     limited = [
         f"{name} {best.reached[name]:.3g} of {limit:g}"
         for name, limit in allowed.items()
         if math.isfinite(limit)
     ]
     say(f"reaches {', '.join(limited)} (SI); from {low:.3g} to {high:.3g} relative to its start")
-    every = {"designed": best, **found.defaults}
+    references = {"designed": best, **designed.defaults}
     say("expected relative deviation:")
     width = max(map(len, experiment.parameters))
-    say("  " + " " * width + "".join(f"  {name:>18}" for name in every))
+    say("  " + " " * width + "".join(f"  {name:>18}" for name in references))
     for name in best.relative:
-        cells = ("" if one is None else f"{100 * one.relative[name]:.3g} %" for one in every.values())
+        cells = ("" if one is None else f"{100 * one.relative[name]:.3g} %" for one in references.values())
         say(f"  {name:<{width}}" + "".join(f"  {cell or 'not determined':>18}" for cell in cells))
     if best.undetermined:
         say(

@@ -97,8 +97,8 @@ def _identified(file: str) -> dict[str, Any]:
         measured = None
     if not isinstance(covariance, dict):
         covariance = None
-    found = {name: one.value for name, one in entries_of(minimal).items() if is_finite_number(one.value)}
-    return {"measured": measured, "covariance": covariance, "minimal": found or None}
+    values = {name: one.value for name, one in entries_of(minimal).items() if is_finite_number(one.value)}
+    return {"measured": measured, "covariance": covariance, "minimal": values or None}
 
 
 def _write(exported: Exported, output: str) -> list[str]:

@@ -65,7 +65,7 @@ def command(results: str, **options: Any) -> None:
     page = page_of(options["report"])
     by_folder = options["by"] == "folder"
     with working("reviewing"):
-        found = review_fleet(
+        review = review_fleet(
             table,
             units=units_in(results),
             statuses=statuses,
@@ -78,18 +78,18 @@ def command(results: str, **options: Any) -> None:
             models = partial(_model, {load_axis(source).name: source for source in options["declared"]})
             joined = join_results(table, models, statuses=statuses, by_folder=by_folder)
     if page:
-        write_review(found, page, joined)
-    record = fleet_record(found, joined)
+        write_review(review, page, joined)
+    record = fleet_record(review, joined)
     give_result(record, options["json_file"], print_fleet)
 
 
 def write_review(
-    found: FleetReview, page: Path, joined: Mapping[str, JointIdentification] | None = None
+    review: FleetReview, page: Path, joined: Mapping[str, JointIdentification] | None = None
 ) -> None:
     """Write the page of a review."""
     from symid.report.pages import write_fleet_html  # jinja2 is loaded only where a page is written
 
-    write_fleet_html(found, page, joined)
+    write_fleet_html(review, page, joined)
 
 
 def _model(files: Mapping[str, str], axis: str, sensors: tuple[str, ...]) -> GeneratedModel:

@@ -121,15 +121,15 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     if options["known"]:
         _by_known_values(known, logs, runs, signals, options)
         return
-    found = _identified(axis, runs, signals, fixed, options)
+    result = _identified(axis, runs, signals, fixed, options)
     # output error may have no start to begin at
-    validation: Any = found.predict(validating) if validating and found.fit is not None else None
+    validation: Any = result.predict(validating) if validating and result.fit is not None else None
     if options["method"] == "oe":
         from symid.report.tables import output_error_record  # takes 0.3 s to load
 
-        record = output_error_record(cast("OutputErrorIdentification", found), validation)
+        record = output_error_record(cast("OutputErrorIdentification", result), validation)
     else:
-        record = identification_record(cast("Identification", found), validation)
+        record = identification_record(cast("Identification", result), validation)
     drawn = list(map(first_block, runs))
     drawn += [validating] if validating and validation is not None else []
     if options["plot"]:
@@ -139,13 +139,13 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         )
 
         palette = palette_of(options["dark"])
-        figure = plot_identification(found, validation, axis=known, runs=drawn, palette=palette)
+        figure = plot_identification(result, validation, axis=known, runs=drawn, palette=palette)
         save_figure(figure, options["plot"])
     if options["report"]:
         from symid.report.pages import write_identification_html  # as above
 
         write_identification_html(
-            found,
+            result,
             options["report"],
             validation,
             axis=known,
@@ -169,7 +169,7 @@ def _by_known_values(
             raise SettingError(f"--known and --{name} do not go together: leave one of them out")
     if options["method"] != "wls":
         raise SettingError(f"--known and --method {options['method']} do not go together: take wls")
-    found = identify_with_known(
+    result = identify_with_known(
         declared,
         runs,
         known_by_log(options["known"], declared, logs),
@@ -179,7 +179,7 @@ def _by_known_values(
         bounds=bounds_of(options["bounds"], declared),
         prior=priors_of(options["prior"], declared),
     )
-    give_result(shared_record(found), options["json_file"], print_shared)
+    give_result(shared_record(result), options["json_file"], print_shared)
 
 
 def _identified(
@@ -197,7 +197,7 @@ def _identified(
 
         loop = ClosedLoop.with_gains(declared, cascade_gains(options["gains"]), options["rate"])
     with working("simulating") if method in ("iv", "oe") else nullcontext():
-        found: Identification | OutputErrorIdentification = identify(
+        result: Identification | OutputErrorIdentification = identify(
             axis,
             runs,
             measured=signals,
@@ -210,7 +210,7 @@ def _identified(
             prior=priors_of(options["prior"], unknown),
             loop=loop,
         )
-    return found
+    return result
 
 
 def _preparation(declared: Axis, options: dict[str, Any]) -> Preparation:

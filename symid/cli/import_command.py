@@ -131,7 +131,7 @@ def _may_ask(options: dict[str, Any]) -> bool:
     if options["ask"] is None:
         streams = (sys.stdin, sys.stdout)
         return "-" not in (options["output"], options["json_file"]) and all(
-            one is not None and one.isatty() for one in streams
+            stream is not None and stream.isatty() for stream in streams
         )
     return bool(options["ask"])
 

@@ -64,15 +64,15 @@ def known_by_log(values: tuple[str, ...], axis: Axis, logs: Sequence[str]) -> li
     """Values of ``--known`` in each log, SI; those without ``=`` are tables."""
     units = axis.parameter_units
     tables = [value for value in values if "=" not in value]
-    known = [dict(one) for one in known_of_logs(known_of_tables(tables, units), logs)]
+    known = [dict(values_of_log) for values_of_log in known_of_logs(known_of_tables(tables, units), logs)]
     for name, text in named_values(tuple(v for v in values if v not in tables), "--known", units).items():
         parts = text.split(",")
         if len(parts) != len(logs):
             raise SettingError(
                 f"--known {name}={text} has {len(parts)} values for {len(logs)} logs: give one for each log"
             )
-        for one, part in zip(known, parts, strict=True):
-            one[name] = quantity(part, units[name], f"--known {name}")
+        for values_of_log, part in zip(known, parts, strict=True):
+            values_of_log[name] = quantity(part, units[name], f"--known {name}")
     return known
 
 
@@ -117,14 +117,14 @@ def quantity(text: str, unit: Unit, what: str) -> float:
     ... )
     (12.5, 3000.0, 7.0)
     """
-    found = _QUANTITY.fullmatch(text)
-    if found is None:
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
         return number(text, what)
     try:
-        factor = to_si(found["unit"], unit) if found["unit"] else 1.0
+        factor = to_si(match["unit"], unit) if match["unit"] else 1.0
     except SymidError as error:
         raise SettingError(f"{what}={text}: {error}") from error
-    return number(found["number"], what) * factor
+    return number(match["number"], what) * factor
 
 
 def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | None, float | None]]:
@@ -153,8 +153,10 @@ def priors_of(file: str | None, axis: Axis) -> dict[str, Any]:
     if not isinstance(values, dict):
         raise SettingError(f'{file} holds no priors: write {{"NAME": [mean, deviation], ...}} in SI units')
     if isinstance(values.get("physical"), dict):
-        found = {n: one for n, one in parameter_entries(values).items() if n in axis.physical_parameters}
-        if unsure := [name for name, one in found.items() if math.isnan(one.std)]:
+        entries = {
+            n: entry for n, entry in parameter_entries(values).items() if n in axis.physical_parameters
+        }
+        if unsure := [name for name, entry in entries.items() if math.isnan(entry.std)]:
             raise SettingError(f"{file}: {unsure[0]} has no standard deviation, which a prior needs")
-        return {name: (one.value, one.std) for name, one in found.items()}
+        return {name: (entry.value, entry.std) for name, entry in entries.items()}
     return values

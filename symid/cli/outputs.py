@@ -147,9 +147,9 @@ def _inputs(command: click.Command, values: Mapping[str, Any]) -> Iterator[tuple
                     path = str(axis_file(text))
                 except SymidError:
                     continue  # reported when the axis is loaded
-            found = _identity(path)
-            if found is not None and os.path.isfile(path):
-                yield found, path
+            identity = _identity(path)
+            if identity is not None and os.path.isfile(path):
+                yield identity, path
 
 
 def _texts(value: object) -> tuple[str, ...]:

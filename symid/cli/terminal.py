@@ -52,11 +52,11 @@ def with_options(value: Any) -> Any:
     return value
 
 
-def _option(found: re.Match[str]) -> str:
-    whole, name, value = found.groups()
+def _option(match: re.Match[str]) -> str:
+    whole, name, value = match.groups()
     option = _OPTIONS.get(whole) or _OPTIONS.get(name)
     if option is None:
-        return found[0]
+        return match[0]
     return f"{option} {value}" if value and whole not in _OPTIONS else option
 
 

@@ -133,9 +133,9 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
         record = total_record(total)
         draw, show = partial(plot_total_tuning, total), partial(print_total_tuning, total)
     else:
-        found = _bounded(declared, parameters, options)
-        record = tuning_record(found)
-        draw, show = partial(plot_tuning, found), partial(print_tuning, found)
+        result = _bounded(declared, parameters, options)
+        record = tuning_record(result)
+        draw, show = partial(plot_tuning, result), partial(print_tuning, result)
     if options["plot"]:
         save_figure(draw(palette_of(options["dark"])), options["plot"])
     give_result(record, json_file, lambda _: show())

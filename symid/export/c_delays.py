@@ -101,7 +101,9 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float) -> dict[str, str]:
         "lanes": first_reading + len(late),
         "longest": longest,
         "shortest": shortest,
-        "begin": "\n".join(["    if (!way->lane[0].count) {", lines(f"    {one}" for one in begin), "    }"]),
+        "begin": "\n".join(
+            ["    if (!way->lane[0].count) {", lines(f"    {line}" for line in begin), "    }"]
+        ),
         "late": lines(arrive),
         "read": lines(read),
     }

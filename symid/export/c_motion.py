@@ -106,17 +106,17 @@ def acting_force(
     """Statements for the acting forces; `lag` gives those of a lag, and its value, from its place and state."""
     if not acts_otherwise(dynamics):
         return []
-    found = list[str]()
+    statements = list[str]()
     for path in dynamics.imperfect.drives:
         force = acting(path.drive)
-        found.append(f"double {force} = {c_name(path.drive.signal)};")
+        statements.append(f"double {force} = {c_name(path.drive.signal)};")
         for i, (element, memory) in enumerate(path.elements):
             before, value = (
                 ([], c_code(sent(element, path.drive))) if memory is None else lag(f"{force}{i}", memory)
             )
             first, *others = [*before, f"{force} = {value};"]
-            found += [f"{first}  /* {type(element).__name__} */", *others]
-    return found
+            statements += [f"{first}  /* {type(element).__name__} */", *others]
+    return statements
 
 
 def settled_lags(dynamics: SymbolicDynamics) -> str:
@@ -131,7 +131,7 @@ def settled_lags(dynamics: SymbolicDynamics) -> str:
 
 def readings(dynamics: SymbolicDynamics) -> str:
     """Readings of the sensors from a state and its derivative, with ripple and resolution."""
-    n, found = len(dynamics.bodies), []
+    n, statements = len(dynamics.bodies), []
     steps = {sensor.signal: sensor.resolution for sensor in dynamics.axis.sensors}
     parameters = dynamics.axis.physical_parameters
     given = {sp.Symbol(n): sp.Symbol(f"{dynamics.axis.name}_values.{c_name(n)}") for n in parameters}
@@ -152,14 +152,14 @@ def readings(dynamics: SymbolicDynamics) -> str:
                 q, v = (sp.Add(*map(sp.Mul, joint.direction, places[k : k + n])) for k in (0, n))
                 of_law = joint.force.xreplace(given).xreplace({DISPLACEMENT: q, VELOCITY: v})
                 value += reading.per_force.xreplace(given) * of_law
-        found.append(f"y[{i}] = {c_code(value)};  /* {signal} */")
+        statements.append(f"y[{i}] = {c_code(value)};  /* {signal} */")
         if (law := misread(dynamics.axis, signal)) is not None:
-            found.append(f"y[{i}] = {c_code(law.xreplace({READING: sp.Symbol(f'y[{i}]')}))};")
+            statements.append(f"y[{i}] = {c_code(law.xreplace({READING: sp.Symbol(f'y[{i}]')}))};")
         if steps[signal]:
-            found.append(quantised(f"y[{i}]", steps[signal]))
+            statements.append(quantised(f"y[{i}]", steps[signal]))
     orders = {k for reading in dynamics.sensors.values() for k in range(3) if any(reading.motion.row(k))}
     unused = [*([] if orders & {0, 1} else ["(void)x;"]), *([] if 2 in orders else ["(void)dx;"])]
-    return lines([*unused, *found])
+    return lines([*unused, *statements])
 
 
 def quantised(name: str, step: float) -> str:

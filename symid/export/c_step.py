@@ -144,16 +144,16 @@ def _lagging(place: str, memory: Memory) -> tuple[list[str], str]:
 
 def _after(dynamics: SymbolicDynamics) -> str:
     """Statements for the states of friction and the time after the step."""
-    (_, v), found = state_symbols(len(dynamics.bodies)), []
+    (_, v), statements = state_symbols(len(dynamics.bodies)), []
     for joint in dynamics.laws:
         now = {VELOCITY: (joint.direction @ v)[0]}
-        found += [
+        statements += [
             _follows(replace(m, gain=m.gain.xreplace(now), decay=m.decay.xreplace(now)))
             for m in joint.memories
         ]
     if dynamics.imperfect.clock:
-        found.append(f"{dynamics.imperfect.clock} += h;")
-    return "".join(f"    {line}\n" for line in found)
+        statements.append(f"{dynamics.imperfect.clock} += h;")
+    return "".join(f"    {line}\n" for line in statements)
 
 
 def _follows(memory: Memory) -> str:
@@ -178,11 +178,11 @@ def _law(dynamics: SymbolicDynamics) -> str:
 def _beyond(dynamics: SymbolicDynamics) -> list[tuple[str, str]]:
     """Inputs of laws other than the motion, as parameters of a C function and as arguments."""
     symbols = set().union(*(joint.force.free_symbols for joint in dynamics.laws))
-    found = []
+    statements = []
     if any(memory.symbol in symbols for joint in dynamics.laws for memory in joint.memories):
-        found.append(("const double x[]", "x"))
+        statements.append(("const double x[]", "x"))
     inputs = (*map(acting, dynamics.axis.drives), NOW)
-    return [*found, *((f"double {s}", str(s)) for s in inputs if s in symbols)]
+    return [*statements, *((f"double {s}", str(s)) for s in inputs if s in symbols)]
 
 
 def _joints(dynamics: SymbolicDynamics) -> str:

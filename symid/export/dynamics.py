@@ -198,9 +198,9 @@ def _without_nodes(dynamics: SymbolicDynamics, is_node: list[bool]) -> SymbolicD
         T[i, k] = 1
     for k, i in enumerate(nodes):
         T[i, :] = balanced.row(k)
-    found: SymbolicDynamics = condensed(dynamics, T, tuple(dynamics.bodies[i] for i in heavy))
+    reduced: SymbolicDynamics = condensed(dynamics, T, tuple(dynamics.bodies[i] for i in heavy))
     return replace(
-        found,
-        stiffness=found.stiffness.applyfunc(sp.cancel),
-        sensors={s: r._replace(motion=r.motion.applyfunc(sp.cancel)) for s, r in found.sensors.items()},
+        reduced,
+        stiffness=reduced.stiffness.applyfunc(sp.cancel),
+        sensors={s: r._replace(motion=r.motion.applyfunc(sp.cancel)) for s, r in reduced.sensors.items()},
     )

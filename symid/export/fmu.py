@@ -117,7 +117,7 @@ def write_fmu(
 
 def _binaries(source: Path, name: str) -> dict[str, Path]:
     """Libraries compiled beside a source, by platform: this one, and Windows if its cross compiler is installed."""
-    compiler = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
+    compiler = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)
     if compiler is None:
         raise SettingError(
             "a unit needs a C compiler, and none is on the path: install gcc or clang, or take `to=c`"

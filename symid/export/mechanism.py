@@ -180,8 +180,8 @@ class _Collector:
             power = {"stiffness": 2, "damping": 2, "armature": 2, "cubic": 4, "drag": 3}.get(name, 1)
             path = ((body, 1.0),)
             value *= ratio if name == "constant" else abs(ratio) ** power
-        found = self.paths.get(path, Properties())
-        self.paths[path] = replace(found, **{name: getattr(found, name) + value})
+        properties = self.paths.get(path, Properties())
+        self.paths[path] = replace(properties, **{name: getattr(properties, name) + value})
 
     def _check_coupling(self, body: Body, path: Path) -> None:
         """SettingError if a body couples joints that are not nested: MuJoCo cannot couple the inertia of these."""

@@ -129,12 +129,12 @@ class _Writer:
         return [units, ctrl, *(f"Lost: {loss}".replace("--", "- -") for loss in self.losses)]
 
     def _body(self, body: Body, depth: int) -> str:
-        indent, found = "  " * depth, self.machine.inertial(body)
-        inertia = " ".join([_written(found.inertia)] * 3)
+        indent, mass = "  " * depth, self.machine.inertial(body)
+        inertia = " ".join([_written(mass.inertia)] * 3)
         kind = "hinge" if body.turns else "slide"
         inner = [
             f'<joint name={quoteattr(body.name)} type="{kind}" axis="1 0 0"{self._properties(((body.name, 1.0),))}/>',
-            f'<inertial pos="0 0 {_written(found.height)}" mass="{_written(found.mass)}" diaginertia="{inertia}"/>',
+            f'<inertial pos="0 0 {_written(mass.height)}" mass="{_written(mass.mass)}" diaginertia="{inertia}"/>',
             f'<geom type="box" size="{_SITE} {_SITE} {_SITE}" mass="0" contype="0" conaffinity="0"/>',
             f'<site name={quoteattr(body.name)} size="0.01"/>',
         ]
@@ -144,21 +144,23 @@ class _Writer:
 
     def _properties(self, path: Path) -> str:
         """Attributes of a joint or tendon."""
-        found = self.machine.paths.get(path)
-        if found is None:
+        properties = self.machine.paths.get(path)
+        if properties is None:
             return ""
         words = {
-            "armature": [found.armature],
-            "stiffness": [found.stiffness, 0.0, found.cubic] if found.cubic else [found.stiffness],
-            "damping": [found.damping, found.drag] if found.drag else [found.damping],
-            "frictionloss": [found.frictionloss],
+            "armature": [properties.armature],
+            "stiffness": [properties.stiffness, 0.0, properties.cubic]
+            if properties.cubic
+            else [properties.stiffness],
+            "damping": [properties.damping, properties.drag] if properties.drag else [properties.damping],
+            "frictionloss": [properties.frictionloss],
         }
         written = {
             name: " ".join(f"{_written(x)}" for x in numbers)
             for name, numbers in words.items()
             if any(numbers)
         }
-        if found.frictionloss:
+        if properties.frictionloss:
             written["solreffriction"] = f"{2 * self.timestep:.3g} 1"
             written["solimpfriction"] = "0.99 0.9999 0.001"
         return "".join(f' {name}="{text}"' for name, text in written.items())
@@ -190,10 +192,10 @@ class _Writer:
         axis, (where, ratio) = self.axis, self._transmission(path)
         name = quoteattr(drive.command or drive.signal)
         words = f'name={name} {where} gear="{_written(ratio * gain)}"'
-        own = axis.imperfections_of(drive)
-        lags = [e.seconds for e in own if isinstance(e, ActuatorLag)]
-        limits = [e.force / abs(drive.factor) for e in own if isinstance(e, ForceLimit)]
-        delay = sum(e.seconds for e in own if isinstance(e, ActuatorDelay))
+        imperfections = axis.imperfections_of(drive)
+        lags = [e.seconds for e in imperfections if isinstance(e, ActuatorLag)]
+        limits = [e.force / abs(drive.factor) for e in imperfections if isinstance(e, ForceLimit)]
+        delay = sum(e.seconds for e in imperfections if isinstance(e, ActuatorDelay))
         if limits:
             edge = _written(min(limits))
             words += f' ctrllimited="true" ctrlrange="-{edge} {edge}"'
@@ -206,13 +208,13 @@ class _Writer:
     def _constants(self) -> list[str]:
         """Constant forces, as actuators with a bias only."""
         lines = []
-        for path, found in self.machine.paths.items():
-            if found.constant:
+        for path, properties in self.machine.paths.items():
+            if properties.constant:
                 where, ratio = self._transmission(path)
                 name = "constant_" + "_".join(body for body, _ in path)
                 lines.append(
                     f'<general name={quoteattr(name)} {where} gear="{_written(ratio)}" gainprm="0" biastype="affine" '
-                    f'biasprm="{_written(found.constant)} 0 0"/>'
+                    f'biasprm="{_written(properties.constant)} 0 0"/>'
                 )
         return lines
 

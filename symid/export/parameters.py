@@ -49,8 +49,8 @@ def parameter_record(
     require_physical(axis, values)
     known = covariances or {}
     if minimal is None:
-        found = module.minimal_parameters(*(values[name] for name in module.physical_units))
-        minimal = dict(zip(module.minimal_units, map(float, found), strict=True))
+        minimal_values = module.minimal_parameters(*(values[name] for name in module.physical_units))
+        minimal = dict(zip(module.minimal_units, map(float, minimal_values), strict=True))
     if missing := [name for name in module.minimal_units if name not in minimal]:
         raise SettingError(
             f"the minimal parameter {missing[0]} has no value: give `measured` as it was identified, or physical "

@@ -115,7 +115,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     ['friction := Fs*direction + Fv*velocity;']
     """
     require_physical(axis, values)
-    found, drive = feedforward(axis.without(*axis.imperfections)), axis.only_drive
+    law, drive = feedforward(axis.without(*axis.imperfections)), axis.only_drive
     named = {name: _name(name, axis.physical_parameters) for name in axis.physical_parameters}
     losses = list(losses_of_imperfections(axis, "a feed-forward"))
     if len(axis.bodies) > 1:
@@ -128,10 +128,10 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     text = _BLOCK.format(
         name=axis.name,
         notes="\n".join(f"   {line}" for line in wrapped),
-        inputs="\n".join(f"    {line}" for line in _inputs(axis, values, found.force, named)),
+        inputs="\n".join(f"    {line}" for line in _inputs(axis, values, law.force, named)),
         outputs="\n".join(f"    {line}" for line in _outputs(axis)),
-        friction=_statement(found.friction, named),
-        force=_statement(found.force - found.friction, named, "friction"),
+        friction=_statement(law.friction, named),
+        force=_statement(law.force - law.friction, named, "friction"),
         command=f"\ncommand := force / {_number(drive.factor)};" if drive.command else "",
     )
     return Exported({".st": text}, tuple(losses))

@@ -50,12 +50,12 @@ def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
 
 def _linked(machine: Mechanism, parent: str, body: Body) -> Iterator[str]:
     """Link and joint of a body, then those of the bodies that it carries."""
-    mass, height, own = machine.inertial(body)
-    found = machine.paths.get(((body.name, 1.0),))
-    damping, friction = (found.damping, found.frictionloss) if found else (0.0, 0.0)
+    mass, height, inner = machine.inertial(body)
+    properties = machine.paths.get(((body.name, 1.0),))
+    damping, friction = (properties.damping, properties.frictionloss) if properties else (0.0, 0.0)
     yield f"  <link name={quoteattr(body.name)}>"
     yield f'    <inertial><origin xyz="0 0 {height!r}"/><mass value="{mass!r}"/>'
-    yield f'      <inertia ixx="{own!r}" iyy="{own!r}" izz="{own!r}" ixy="0" ixz="0" iyz="0"/></inertial>'
+    yield f'      <inertia ixx="{inner!r}" iyy="{inner!r}" izz="{inner!r}" ixy="0" ixz="0" iyz="0"/></inertial>'
     yield "  </link>"
     kind = "continuous" if body.turns else "prismatic"
     yield f'  <joint name={quoteattr(f"{body.name}_joint")} type="{kind}">'
@@ -72,11 +72,11 @@ def _losses(axis: Axis, machine: Mechanism) -> Iterator[str]:
     """Parts of an axis that URDF cannot express."""
     yield f"{', '.join(d.signal for d in axis.drives)}: URDF has no drives; force acts on the joints."
     yield f"{', '.join(s.signal for s in axis.sensors)}: URDF has no sensors."
-    for path, found in machine.paths.items():
+    for path, properties in machine.paths.items():
         held, among = (_LOST, "") if is_joint(path) else ((*_LOST, *_HELD), " between joints")
         where = " and ".join(body for body, _ in path)
         for name in held:
-            if value := getattr(found, name):
+            if value := getattr(properties, name):
                 yield f"{name} {value:.6g} of {where}, SI: URDF has none{among}."
     for play in machine.plays:
         yield f"play of {play.gap:.6g} m or rad: URDF has none."

@@ -186,13 +186,13 @@ def _identified(
             book = opened.enter_context(Journal(journal)) if journal else None
             finished = opened.enter_context(closing(run.run(partial(work, chosen), tasks)))
             for task, outcome in track(finished, len(tasks)):
-                found = outcome or killed(task)
-                if found.row is None:  # log, axis and settings are unchanged
-                    rows[task.log] = earlier[visible(task.log)][str(found.unchanged)]
+                result = outcome or killed(task)
+                if result.row is None:  # log, axis and settings are unchanged
+                    rows[task.log] = earlier[visible(task.log)][str(result.unchanged)]
                     continue
                 if book:
-                    book.append(found.row)
-                rows[task.log] = found.row
+                    book.append(result.row)
+                rows[task.log] = result.row
                 made += 1
     except KeyboardInterrupt as stop:
         raise Interrupted(len(rows), journal) from stop
@@ -217,11 +217,11 @@ def _identified(
 
 def _by_key(rows: Iterable[Row]) -> dict[str, dict[str, Row]]:
     """Finished rows by log and key; a row is reused if the key is unchanged."""
-    found: dict[str, dict[str, Row]] = defaultdict(dict)
+    by_key: dict[str, dict[str, Row]] = defaultdict(dict)
     for row in rows:
         if row.get("key") and row.get("status"):
-            found[str(row["log"])][str(row["key"])] = row
-    return found
+            by_key[str(row["log"])][str(row["key"])] = row
+    return by_key
 
 
 def _words_on_rows(rows: int, journal: Path | None) -> str:

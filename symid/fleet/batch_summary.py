@@ -39,17 +39,17 @@ def summary_of(batch: Batch) -> dict[str, Any]:
     if batch.diagnosed:
         verdicts = Counter(row["verdict"] for row in batch.rows if row.get("verdict"))
         record["verdicts"] = dict(verdicts.most_common())
-        found = ((str(row.get("axis")), row.get("effect"), row.get("at")) for row in batch.rows)
-        record["effects"] = [asdict(one) for one in count_effects(found)]
+        effects = ((str(row.get("axis")), row.get("effect"), row.get("at")) for row in batch.rows)
+        record["effects"] = [asdict(count) for count in count_effects(effects)]
     return record
 
 
 def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
     """Statistics of each parameter over the logs of an axis, for each set of sensors."""
-    found = []
+    records = []
     for measured, units in batch.units[axis].items():
-        wanted = {"axis": axis, "measured": measured, "status": "ok"}.items()
-        rows = [r for r in batch.rows if wanted <= r.items()]
+        same = {"axis": axis, "measured": measured, "status": "ok"}.items()
+        rows = [r for r in batch.rows if same <= r.items()]
         known = [name for name in units if any(row.get(name) is not None for row in rows)]
         shown = without_repeats(known, units)
         for name, unit in units.items():
@@ -58,7 +58,7 @@ def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
                 for column in (name, f"{name}_std")
             )
             if values.size:
-                found.append(
+                records.append(
                     {
                         "name": name,
                         "measured": measured,
@@ -70,4 +70,4 @@ def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
                         "repeats": name not in shown,
                     }
                 )
-    return found
+    return records

@@ -38,12 +38,12 @@ class LogFactors:
             object.__setattr__(self, name, read_only(matrix))
 
 
-def log_factors(found: Identification) -> LogFactors:
+def log_factors(identification: Identification) -> LogFactors:
     """Triangular factors of an identified log, from which it can be joined without being read again.
 
     Parameters
     ----------
-    found : Identification
+    identification : Identification
         Identification from a single log.
 
     Raises
@@ -60,23 +60,32 @@ def log_factors(found: Identification) -> LogFactors:
     >>> [factor.R.shape for factor in log_factors(identify(load_generated("emps"), log)).factors]
     [(5, 5)]
     """
-    if len(found.logs) != 1:
-        raise SettingError(f"identified from {len(found.logs)} logs: identify each log alone to join them")
-    count = found.correlated.effective_samples
-    dependence = max(1.0, max(found.fit.rows) / count) if np.isfinite(count) and count > 0 else 1.0
-    own, by_segments = np.diag(found.covariance), 0.0 if found.scatter is None else np.diag(found.scatter)
-    wider = np.sqrt(np.maximum(np.divide(by_segments, own, out=np.ones_like(own), where=own > 0), 1.0))
-    errors = [_likely_change(one) for one in found.discrepancies]
-    if found.bias is not None:
-        errors.append(found.bias.total)
-    systematic = sum((np.outer(error, error) for error in errors), start=np.zeros((own.size, own.size)))
-    covariance = found.covariance * np.outer(wider, wider)
-    return LogFactors(found.logs[0], found.fit.factors, covariance, systematic, dependence)
+    if len(identification.logs) != 1:
+        raise SettingError(
+            f"identified from {len(identification.logs)} logs: identify each log alone to join them"
+        )
+    count = identification.correlated.effective_samples
+    dependence = max(1.0, max(identification.fit.rows) / count) if np.isfinite(count) and count > 0 else 1.0
+    variances, by_segments = (
+        np.diag(identification.covariance),
+        0.0 if identification.scatter is None else np.diag(identification.scatter),
+    )
+    wider = np.sqrt(
+        np.maximum(np.divide(by_segments, variances, out=np.ones_like(variances), where=variances > 0), 1.0)
+    )
+    errors = [_likely_change(discrepancy) for discrepancy in identification.discrepancies]
+    if identification.bias is not None:
+        errors.append(identification.bias.total)
+    systematic = sum(
+        (np.outer(error, error) for error in errors), start=np.zeros((variances.size, variances.size))
+    )
+    covariance = identification.covariance * np.outer(wider, wider)
+    return LogFactors(identification.logs[0], identification.fit.factors, covariance, systematic, dependence)
 
 
-def _likely_change(one: Discrepancy) -> FloatArray:
+def _likely_change(discrepancy: Discrepancy) -> FloatArray:
     """Change of the minimal parameters, as large as its variance states, signed as the clearest alternative."""
-    noise = np.diag(one.covariance)
-    clear = np.square(one.changes) / np.where(noise > 0, noise, np.inf)
-    signs = np.sign(one.changes[np.argmax(clear.max(axis=1))])
-    return np.asarray(signs * np.sqrt(one.variance(np.eye(noise.size))))
+    noise = np.diag(discrepancy.covariance)
+    clear = np.square(discrepancy.changes) / np.where(noise > 0, noise, np.inf)
+    signs = np.sign(discrepancy.changes[np.argmax(clear.max(axis=1))])
+    return np.asarray(signs * np.sqrt(discrepancy.variance(np.eye(noise.size))))

@@ -217,9 +217,9 @@ class _SingleEstimate:
 def _single_estimates(logs: Sequence[LogFactors]) -> list[_SingleEstimate]:
     """Estimates from the logs that determine all parameters alone."""
     return [
-        _SingleEstimate(log.log, own.parameters, log.covariance)
-        for log, own in ((log, estimate(log.factors)) for log in logs)
-        if own.status == "ok" and np.all(np.isfinite(log.covariance))
+        _SingleEstimate(log.log, fit.parameters, log.covariance)
+        for log, fit in ((log, estimate(log.factors)) for log in logs)
+        if fit.status == "ok" and np.all(np.isfinite(log.covariance))
     ]
 
 
@@ -228,9 +228,9 @@ def _differing_log(
 ) -> str:
     """Statement on a log whose own physical parameters, to first order, differ from the others; else empty."""
 
-    def estimated(one: _SingleEstimate) -> LogEstimate:
-        values = physical.parameters + physical.sensitivity @ (one.parameters - fit.parameters)
-        return LogEstimate(one.log, values, physical.propagated_deviations(one.covariance))
+    def estimated(single: _SingleEstimate) -> LogEstimate:
+        values = physical.parameters + physical.sensitivity @ (single.parameters - fit.parameters)
+        return LogEstimate(single.log, values, physical.propagated_deviations(single.covariance))
 
     return disagreement_between(list(model.physical_units), list(map(estimated, alone)))
 
@@ -241,10 +241,12 @@ def _disagreement(alone: Sequence[_SingleEstimate]) -> tuple[float, int]:
         return float("nan"), 0
     # In units of their typical deviations, neither large nor small parameters lose digits. The mean is weighted with
     # the inverse covariances; the sum of squared Mahalanobis distances from it is the chi-square.
-    scale = np.sqrt(np.mean([np.diag(one.covariance) for one in alone], axis=0))
+    scale = np.sqrt(np.mean([np.diag(single.covariance) for single in alone], axis=0))
     scale = np.where(scale > 0, scale, 1.0)
-    precisions = [np.linalg.pinv(one.covariance / np.outer(scale, scale), hermitian=True) for one in alone]
-    values = [one.parameters / scale for one in alone]
+    precisions = [
+        np.linalg.pinv(single.covariance / np.outer(scale, scale), hermitian=True) for single in alone
+    ]
+    values = [single.parameters / scale for single in alone]
     weighted = [P @ X for P, X in zip(precisions, values, strict=True)]
     mean = np.linalg.solve(sum(precisions), np.sum(weighted, axis=0))
     total = sum(float((X - mean) @ P @ (X - mean)) for P, X in zip(precisions, values, strict=True))

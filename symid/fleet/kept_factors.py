@@ -15,7 +15,7 @@ from symid.fleet.results import UNKNOWN, groups
 from symid.fleet.row import FACTORS
 
 
-def packed(found: LogFactors) -> str:
+def packed(factors: LogFactors) -> str:
     """Factors as text: all numbers as little-endian doubles in base 64.
 
     >>> factor = TriangularFactor.empty(1).update(np.array([[3.0], [4.0]]), np.array([3.0, 4.0]))
@@ -23,11 +23,11 @@ def packed(found: LogFactors) -> str:
     >>> len(text), unpacked("a", text).factors[0].rows
     (108, 2)
     """
-    head = [found.dependence, float(len(found.factors)), float(found.factors[0].parameters)]
-    rows = [float(factor.rows) for factor in found.factors]
-    matrices = [*(factor.R for factor in found.factors), found.covariance, found.systematic]
-    every = np.concatenate([np.array(head + rows), *(matrix.ravel() for matrix in matrices)])
-    return base64.b64encode(every.astype("<f8").tobytes()).decode()
+    head = [factors.dependence, float(len(factors.factors)), float(factors.factors[0].parameters)]
+    rows = [float(factor.rows) for factor in factors.factors]
+    matrices = [*(factor.R for factor in factors.factors), factors.covariance, factors.systematic]
+    numbers = np.concatenate([np.array(head + rows), *(matrix.ravel() for matrix in matrices)])
+    return base64.b64encode(numbers.astype("<f8").tobytes()).decode()
 
 
 def unpacked(log: str, text: str) -> LogFactors:
@@ -40,8 +40,10 @@ def unpacked(log: str, text: str) -> LogFactors:
         sizes = (3, n, *[(p + 1) ** 2] * n, p * p, p * p)
         head, rows, *factors, covariance, systematic = np.split(numbers, np.cumsum(sizes)[:-1])
         Rs = [R.reshape(p + 1, p + 1) for R in factors]
-        kept = tuple(TriangularFactor(R, int(count)) for R, count in zip(Rs, rows, strict=True))
-        return LogFactors(log, kept, covariance.reshape(p, p), systematic.reshape(p, p), float(head[0]))
+        factors_of_log = tuple(TriangularFactor(R, int(count)) for R, count in zip(Rs, rows, strict=True))
+        return LogFactors(
+            log, factors_of_log, covariance.reshape(p, p), systematic.reshape(p, p), float(head[0])
+        )
     except (ValueError, IndexError, OverflowError) as error:
         raise SettingError(f"{log}: its factors are damaged: make the batch with `joint` again") from error
 
@@ -71,10 +73,10 @@ def join_results(
     """
     if FACTORS not in table.columns:
         raise SettingError("the results hold no factors to join: make the batch with `joint`")
-    found = {}
+    joined = {}
     for part in groups(table, by_folder):
         rows = part.rows.filter(pl.col("status").is_in(list(statuses)), pl.col(FACTORS).is_not_null())
-        kept = [unpacked(str(log), text) for log, text in rows.select("log", FACTORS).iter_rows()]
-        if kept and part.axis != UNKNOWN:
-            found[part.name] = identify_jointly(model_of(part.axis, part.sensors), kept)
-    return found
+        logs = [unpacked(str(log), text) for log, text in rows.select("log", FACTORS).iter_rows()]
+        if logs and part.axis != UNKNOWN:
+            joined[part.name] = identify_jointly(model_of(part.axis, part.sensors), logs)
+    return joined

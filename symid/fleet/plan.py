@@ -105,12 +105,12 @@ def fleet_axes(
         )
     settings.check(tuple(declared))
     _require_no_column(declared)
-    found = []
+    planned = []
     for source, axis in zip(given, declared, strict=True):
-        own = settings.of_axis(axis)
-        sets = (own.measured,) if own.measured else axis.sensor_sets
-        found.append(FleetAxis(axis, tuple(_modules(source, axis, sets, folder)), own))
-    return tuple(found)
+        restricted = settings.of_axis(axis)
+        sets = (restricted.measured,) if restricted.measured else axis.sensor_sets
+        planned.append(FleetAxis(axis, tuple(_modules(source, axis, sets, folder)), restricted))
+    return tuple(planned)
 
 
 def _require_no_column(axes: Sequence[Axis]) -> None:
@@ -129,13 +129,13 @@ def _modules(
     source: str | Axis, axis: Axis, sets: Sequence[tuple[str, ...]], folder: Path | None
 ) -> Iterator[tuple[tuple[str, ...], StoredModule]]:
     """Current modules of an axis; if there is none, the first one that can be derived."""
-    found, refused = False, list[EliminationError]()
+    any_model, refused = False, list[EliminationError]()
     for measured in sets:
         try:
             module = stored_module(source, measured, folder)
             module.compiled()
         except SymidError:
-            if found:
+            if any_model:
                 continue
             try:
                 model_of(axis, measured)
@@ -143,9 +143,9 @@ def _modules(
                 refused.append(error)
                 continue
             module = stored_module(axis, measured)
-        found = True
+        any_model = True
         yield tuple(sensor.signal for sensor in axis.measured(measured)), module
-    if not found:
+    if not any_model:
         raise refused[0]
 
 
@@ -163,12 +163,12 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
     skipped = {os.path.abspath(path) for path in exclude}
     files: dict[str, str] = {}
     for item in (str(os.fspath(path)) for path in given):
-        found = [path for path in _expanded(item) if os.path.abspath(path) not in skipped]
-        if not found:
+        paths = [path for path in _expanded(item) if os.path.abspath(path) not in skipped]
+        if not paths:
             raise SettingError(
                 f"{item}: there is no log: give {', '.join(FOLDER_SUFFIXES)} files, or a folder of them"
             )
-        for path in (path for path in found if not holds_results(path)):
+        for path in (path for path in paths if not holds_results(path)):
             files.setdefault(os.path.abspath(path), path)
     if not files:
         raise SettingError("there is no log: give at least one file, folder or pattern that holds one")
@@ -182,8 +182,8 @@ def _expanded(item: str) -> list[str]:
     if has_magic(item) and not os.path.exists(item):
         places = glob(os.path.dirname(item) or os.curdir, recursive=True)
         closed = [p for p in places if os.path.isdir(p) and not os.access(p, os.R_OK | os.X_OK)]
-        found = (_logs_in(path) if os.path.isdir(path) else (path,) for path in glob(item, recursive=True))
-        return sorted({*closed, *chain.from_iterable(found)})
+        matches = (_logs_in(path) if os.path.isdir(path) else (path,) for path in glob(item, recursive=True))
+        return sorted({*closed, *chain.from_iterable(matches)})
     return [item]
 
 

@@ -143,10 +143,10 @@ def without_repeats(known: Iterable[str], declared: Iterable[str] = ()) -> list[
     >>> without_repeats(["X1", "X2", "M"]), without_repeats(["X1", "X2"]), without_repeats(["X1", "M"], ["M", "K"])
     (['M'], ['X1', 'X2'], ['X1', 'M'])
     """
-    every = list(known)
-    physical = [name for name in every if not _MINIMAL.fullmatch(name)]
+    names = list(known)
+    physical = [name for name in names if not _MINIMAL.fullmatch(name)]
     whole = all(name in physical for name in declared if not _MINIMAL.fullmatch(name))
-    return physical if physical and whole else every
+    return physical if physical and whole else names
 
 
 def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
@@ -160,7 +160,7 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
     folders = pl.Series([str(Path(log).parent) if by_folder else "" for log in logs], dtype=pl.String)
     keyed = _filled(table.with_columns(_FOLDER=folders, _SENSORS=_sensors(table)))
     several = keyed.group_by("_AXIS").agg(pl.col("_SENSORS").n_unique()).filter(pl.col("_SENSORS") > 1)
-    found = []
+    parts_named = []
     parts = keyed.partition_by("_AXIS", "_SENSORS", "_FOLDER", maintain_order=True, as_dict=True)
     for (axis, sensors, folder), rows in parts.items():
         name = str(axis)
@@ -169,8 +169,8 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
         if folder:
             name += f" in {folder}"
         signals = tuple(each.strip() for each in str(sensors).split(",") if each.strip())
-        found.append(Group(name, str(axis), signals, rows.drop("_AXIS", "_SENSORS", "_FOLDER")))
-    return tuple(sorted(found, key=lambda group: group.name))
+        parts_named.append(Group(name, str(axis), signals, rows.drop("_AXIS", "_SENSORS", "_FOLDER")))
+    return tuple(sorted(parts_named, key=lambda group: group.name))
 
 
 def _filled(table: pl.DataFrame) -> pl.DataFrame:
@@ -211,11 +211,11 @@ def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
     """
     if "recorded" not in rows.columns:
         return None
-    found = [_moment(value) for value in rows["recorded"]]
-    known = [moment for moment in found if moment is not None]
+    times = [_moment(value) for value in rows["recorded"]]
+    known = [moment for moment in times if moment is not None]
     if len(known) > 1 and len(set(known)) == 1:
         return None  # times of a copy of the files, not of the recordings
-    return known if len(known) == len(found) else None
+    return known if len(known) == len(times) else None
 
 
 def _moment(value: object) -> datetime | None:
@@ -239,14 +239,14 @@ class EffectCount:
     axes: Mapping[str, int]
 
 
-def count_effects(found: Iterable[tuple[str, object, object]]) -> tuple[EffectCount, ...]:
+def count_effects(places: Iterable[tuple[str, object, object]]) -> tuple[EffectCount, ...]:
     """Effects in a fleet, the most frequent first, from the axis, effect (or None) and place of each log.
 
     >>> count_effects([("emps", "backlash", "load"), ("rig", None, None), ("emps", "backlash", "load")])
     (EffectCount(effect='backlash', at='load', logs=2, axes={'emps': 2}),)
     """
     axes: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
-    for axis, effect, at in found:
+    for axis, effect, at in places:
         if effect:
             axes[str(effect), str(at or "")][axis] += 1
     counts = (EffectCount(*place, counted.total(), dict(counted)) for place, counted in axes.items())

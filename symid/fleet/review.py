@@ -162,22 +162,24 @@ def review_fleet(
 
 def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], units: Units) -> AxisReview:
     rows = group.rows.filter(pl.col("status").is_in(list(statuses)))
-    own = units.get(group.axis, {}).get(",".join(group.sensors), {})
+    group_units = units.get(group.axis, {}).get(",".join(group.sensors), {})
     known = [name for name in names if np.isfinite(numbers_in(rows, name)).any()]
     # A minimal parameter that equals a physical one has the same numbers under a second name and is left out.
     last = {numbers_in(rows, name).tobytes(): name for name in known}
     distinct = [
-        name for name in without_repeats(known, own) if last[numbers_in(rows, name).tobytes()] == name
+        name for name in without_repeats(known, group_units) if last[numbers_in(rows, name).tobytes()] == name
     ]
-    found = tuple(one for one in (_parameter_review(rows, name, own) for name in distinct) if one is not None)
+    parameters = tuple(
+        one for one in (_parameter_review(rows, name, group_units) for name in distinct) if one is not None
+    )
     return AxisReview(
         name=group.name,
         axis=group.axis,
         logs=group.rows.height,
         trusted=rows.height,
         statuses=_counts(group.rows, "status"),
-        parameters=found,
-        verdict=judge_spread({one.name: one.spread for one in found}),
+        parameters=parameters,
+        verdict=judge_spread({one.name: one.spread for one in parameters}),
     )
 
 

@@ -19,26 +19,29 @@ def review_sentence(
     logs = sum(statuses.values())
     if not logs:
         return "No log."
-    known = [one for one in axes if one.axis != UNKNOWN]
+    known = [review for review in axes if review.axis != UNKNOWN]
     only = known[0].name if len(known) == 1 else ""
     good = statuses.get("ok", 0)
     others = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in statuses.items() if name != "ok")
     ok = "all ok" if good == logs else f"{good} ok ({others})"
     parts = [f"{counted(logs, 'log')} of {only or counted(len(known), 'axis', 'axes')}, {ok}."]
-    tested = [one for one in axes if one.verdict.probabilities]
-    differing = [one for one in tested if one.verdict.differs]
-    differing.sort(key=lambda axis: -max(one.spread.share for one in axis.parameters))
+    tested = [review for review in axes if review.verdict.probabilities]
+    differing = [review for review in tested if review.verdict.differs]
+    differing.sort(key=lambda axis: -max(review.spread.share for review in axis.parameters))
     if differing:
-        which = [f"{_names(one.verdict.parameters)}{'' if only else f' of {one.name}'}" for one in differing]
+        which = [
+            f"{_names(review.verdict.parameters)}{'' if only else f' of {review.name}'}"
+            for review in differing
+        ]
         verb = "differs" if len(differing) == len(differing[0].verdict.parameters) == 1 else "differ"
         parts.append(f"{_names(which)} {verb} from run to run beyond the intervals.")
     elif tested:
         parts.append("No parameter differs from run to run beyond the intervals.")
-    changed = [(one, p) for one in axes for p in one.parameters if p.chart.changes]
+    changed = [(review, p) for review in axes for p in review.parameters if p.chart.changes]
     for kind in ("step", "drift"):
         moved = [
-            p.name if only else f"{p.name} of {one.name}"
-            for one, p in changed
+            p.name if only else f"{p.name} of {review.name}"
+            for review, p in changed
             if any(change.kind == kind for change in p.chart.changes)
         ]
         if moved:

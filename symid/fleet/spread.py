@@ -185,16 +185,16 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
     >>> judge_spread({"M": steady}).sentence
     'within noise: 40 runs scatter as their intervals promise'
     """
-    known = {name: one for name, one in spreads.items() if math.isfinite(one.probability)}
+    known = {name: spread for name, spread in spreads.items() if math.isfinite(spread.probability)}
     if not known:
-        most = max((one.runs for one in spreads.values()), default=0)
+        most = max((spread.runs for spread in spreads.values()), default=0)
         sentence = f"not known: {most} runs with intervals; {_LEAST_RUNS} are required"
         return SpreadVerdict(False, (), sentence, {})
-    adjusted = dict(zip(known, _holm([one.probability for one in known.values()]), strict=True))
+    adjusted = dict(zip(known, _holm([spread.probability for spread in known.values()]), strict=True))
     differing = [n for n in known if adjusted[n] < level and known[n].exceeds_tolerance]
     differing.sort(key=lambda name: -known[name].share)
     if not differing:
-        runs = max(one.runs for one in known.values())
+        runs = max(spread.runs for spread in known.values())
         sentence = f"within noise: {runs} runs scatter as their intervals promise"
         return SpreadVerdict(False, (), sentence, adjusted)
     sizes = "; ".join(_size(name, known[name]) for name in differing)

@@ -147,9 +147,9 @@ def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:
     if settings.method == "oe":
         row |= _by_output_error(axis, model, in_memory(log))
     else:
-        found = _by_regression(axis, model, log)
-        row |= _columns_of(found)
-        row |= {FACTORS: packed(log_factors(found))} if settings.joint else {}
+        identification = _by_regression(axis, model, log)
+        row |= _columns_of(identification)
+        row |= {FACTORS: packed(log_factors(identification))} if settings.joint else {}
     if settings.diagnose:
         row |= _diagnosed(axis, in_memory(log), str(row["message"] or ""))
     return row
@@ -222,19 +222,23 @@ def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[s
     if settings.controller:
         loop = ClosedLoop.with_gains(declared, settings.controller, settings.rate_hz)
     given: Any = {"preparation": settings.preparation, "nominal": settings.nominal}
-    found = identify_output_error(declared, model, log, loop=loop, **given)
-    row: dict[str, Value] = {"status": found.status, "message": found.message, "decimation": 1}
-    row["notes"] = "; ".join(found.notes) or None
-    if found.fit is None:
+    identification = identify_output_error(declared, model, log, loop=loop, **given)
+    row: dict[str, Value] = {
+        "status": identification.status,
+        "message": identification.message,
+        "decimation": 1,
+    }
+    row["notes"] = "; ".join(identification.notes) or None
+    if identification.fit is None:
         return row
-    residual = found.predictions[0].residuals[0]
+    residual = identification.predictions[0].residuals[0]
     row |= {
-        "condition_number": finite(found.fit.linear.condition_number),
+        "condition_number": finite(identification.fit.linear.condition_number),
         "residual_rms": finite(residual.rms),
         "residual_relative": finite(residual.relative),
     }
-    row |= with_deviations(found.minimal_parameters, found.standard_deviations)
-    return row | with_deviations(found.physical_parameters, found.physical_deviations)
+    row |= with_deviations(identification.minimal_parameters, identification.standard_deviations)
+    return row | with_deviations(identification.physical_parameters, identification.physical_deviations)
 
 
 def _diagnosed(axis: FleetAxis, log: Log, message: str) -> dict[str, Value]:
@@ -243,19 +247,19 @@ def _diagnosed(axis: FleetAxis, log: Log, message: str) -> dict[str, Value]:
 
     settings, prepared = axis.settings, axis.settings.preparation
     try:
-        found = diagnose(axis.axis, log, nominal=settings.nominal, late=prepared.late, held=prepared.held)
+        diagnosis = diagnose(axis.axis, log, nominal=settings.nominal, late=prepared.late, held=prepared.held)
     except (Exception, PanicException) as error:  # noqa: BLE001  the identification stands whatever happens here
         cause = str(failure_row(log.source, error)["message"])
         return {"message": "; ".join(part for part in (message, f"no diagnosis: {cause}") if part)}
     row: dict[str, Value] = {
-        "verdict": found.verdict,
-        "closed_fraction": finite(found.gap.closed_fraction),
-        "gap_reidentified": finite(found.gap.reidentified.rms),
-        "gap_explained": finite(found.gap.explained.rms),
-        "gap_floor": finite(found.gap.noise_floor.rms),
-        "sentence": found.sentence,
+        "verdict": diagnosis.verdict,
+        "closed_fraction": finite(diagnosis.gap.closed_fraction),
+        "gap_reidentified": finite(diagnosis.gap.reidentified.rms),
+        "gap_explained": finite(diagnosis.gap.explained.rms),
+        "gap_floor": finite(diagnosis.gap.noise_floor.rms),
+        "sentence": diagnosis.sentence,
     }
-    if found.effects:
-        first = found.effects[0]
+    if diagnosis.effects:
+        first = diagnosis.effects[0]
         row |= {"effect": first.effect, "at": first.at, "probability": finite(first.probability)}
     return row

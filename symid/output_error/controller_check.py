@@ -177,8 +177,8 @@ def _certain_changes(V: FloatArray, y: FloatArray, rows: Sequence[int], fitted: 
     U, sizes, rotation = np.linalg.svd(V, full_matrices=False)
     seen = sizes > _VISIBLE * sizes[0]
     U = U[:, seen]
-    found = estimate(triangular_factors(U[None], y[None]))
-    size, covariance = found.solution, _covariance(U, y, found, rows)
+    fit = estimate(triangular_factors(U[None], y[None]))
+    size, covariance = fit.solution, _covariance(U, y, fit, rows)
     freedom = y.size - fitted - size.size
     if freedom < size.size or not np.isfinite(covariance).all():
         return np.zeros(len(rotation))
@@ -190,10 +190,10 @@ def _certain_changes(V: FloatArray, y: FloatArray, rows: Sequence[int], fitted: 
     return np.asarray(rotation[seen].T @ (np.where(certain, size, 0.0) / sizes[seen]))
 
 
-def _covariance(U: FloatArray, y: FloatArray, found: LeastSquares, rows: Sequence[int]) -> FloatArray:
+def _covariance(U: FloatArray, y: FloatArray, fit: LeastSquares, rows: Sequence[int]) -> FloatArray:
     """Covariance of sizes, at least as large as their scatter between segments, as that of the parameters."""
-    covariance = corrected_covariance(U[None], y[None], found).covariance
-    by_segments = np.diag(scatter(segments_of_rows(U, y, found, rows), found))
+    covariance = corrected_covariance(U[None], y[None], fit).covariance
+    by_segments = np.diag(scatter(segments_of_rows(U, y, fit, rows), fit))
     wider = np.fmax(np.sqrt(by_segments / np.diag(covariance)), 1.0)
     return np.asarray(covariance * np.outer(wider, wider))
 

@@ -35,7 +35,7 @@ _MUCH_CORRELATED = 8.0
 
 
 def verdict_of(
-    found: OutputErrorIdentification,
+    result: OutputErrorIdentification,
     regression: Identification | None = None,
     alone: Sequence[OutputErrorIdentification] = (),
 ) -> tuple[Status, str]:
@@ -44,64 +44,64 @@ def verdict_of(
     A fault of a channel that least squares found in the same logs holds here too, and others where the innovations are
     not white either. `alone` are the results of each of several logs.
     """
-    if found.fit is None:
+    if result.fit is None:
         return (
             "no_start",
             "no start can be evaluated: a log holds no lasting motion, or no sensor sees where a free body is; give "
             "`nominal`, values to start from, measure its position, or take `method=wls`",
         )
-    minimum = found.fit.search.minimum
+    minimum = result.fit.search.minimum
     if minimum is None or not minimum.converged:
         return ("not_converged", "the iterations did not converge: give `nominal`, values to start from")
-    mismatch = controller_mismatch(found.fit)
-    if mismatch and (contradiction := mismatch.statement(found.fit.search.seen)):
+    mismatch = controller_mismatch(result.fit)
+    if mismatch and (contradiction := mismatch.statement(result.fit.search.seen)):
         return "poor_fit", contradiction
-    values = np.array(list(found.physical_parameters.values()))
-    absent = _absent_friction(found)
-    if below := [name for name in negative_parameters(found.model, values) if name not in absent]:
+    values = np.array(list(result.physical_parameters.values()))
+    absent = _absent_friction(result)
+    if below := [name for name in negative_parameters(result.model, values) if name not in absent]:
         return (
             "not_physical",
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
         )
-    if doubt := _hidden_friction_remark(found):
+    if doubt := _hidden_friction_remark(result):
         return "poor_fit", doubt
-    if unknown := undetermined(found):
+    if unknown := undetermined(result):
         return unknown
-    if regression is not None and (fault := fault_of(found, regression)):
+    if regression is not None and (fault := fault_of(result, regression)):
         return fault, regression.message
     if doubt := (
-        _noise_remark(found)
-        or _change_remark(found)
+        _noise_remark(result)
+        or _change_remark(result)
         or _log_remark(alone)
-        or _regression_remark(found, regression)
+        or _regression_remark(result, regression)
     ):
         return "poor_fit", doubt
     # Innovations at the rate of the samples show little of slow forces that the model lacks: least squares do.
-    is_correlated = _inflation(found) > _CORRELATED
-    if regression is not None and regression.status == "poor_fit" and (is_correlated or _is_dense(found)):
+    is_correlated = _inflation(result) > _CORRELATED
+    if regression is not None and regression.status == "poor_fit" and (is_correlated or _is_dense(result)):
         return "poor_fit", regression.message
     if is_correlated:
         if regression is not None and regression.status == "timing":
             return "timing", regression.message
-        if _inflation(found) > _MUCH_CORRELATED:
+        if _inflation(result) > _MUCH_CORRELATED:
             return (
                 "poor_fit",
-                f"{_correlated_remark(found)}: the log is damaged, or the model lacks an effect",
+                f"{_correlated_remark(result)}: the log is damaged, or the model lacks an effect",
             )
     return "ok", ""
 
 
-def undetermined(found: OutputErrorIdentification, cure: str = _EXCITE) -> tuple[Status, str] | None:
+def undetermined(result: OutputErrorIdentification, cure: str = _EXCITE) -> tuple[Status, str] | None:
     """The status of an estimate of which the logs do not determine a parameter; None if they determine all."""
-    vague = _uncertain_parameters(found, CRITERIA.undetermined)
+    vague = _uncertain_parameters(result, CRITERIA.undetermined)
     if not vague:
         return None
-    if lost := open_by_structure(found.model):
+    if lost := open_by_structure(result.model):
         return "undetermined", not_by_structure(lost)
     return "undetermined", f"the log does not determine {', '.join(vague)}: {cure}"
 
 
-def fault_of(found: OutputErrorIdentification, regression: Identification) -> Status | None:
+def fault_of(result: OutputErrorIdentification, regression: Identification) -> Status | None:
     """The fault of a log that least squares found, if it holds for output error too.
 
     A delay is estimated with the parameters; a lag or a drifting clock is not, and biases the parameters beside white
@@ -112,39 +112,39 @@ def fault_of(found: OutputErrorIdentification, regression: Identification) -> St
         return None if delay and regression.message.startswith(delay) else "timing"
     has_inverse = regression.model.physical_parameters is not None
     if regression.status == "not_physical" or (regression.status == "no_physical_parameters" and has_inverse):
-        return "not_physical" if _is_dense(found) else None
+        return "not_physical" if _is_dense(result) else None
     return "recording" if regression.status == "recording" else None
 
 
-def _is_dense(found: OutputErrorIdentification) -> bool:
+def _is_dense(result: OutputErrorIdentification) -> bool:
     """Whether each period of the highest mode holds many samples, and the course of the force between them is known."""
-    if found.fit is None or found.comparison.force == "simulated":
+    if result.fit is None or result.comparison.force == "simulated":
         return False
-    highest = found.fit.search.dynamics.at(found.fit.search.parameters).highest_mode
-    return all(log.sampling_frequency > _DENSE * highest for log in found.logs)
+    highest = result.fit.search.dynamics.at(result.fit.search.parameters).highest_mode
+    return all(log.sampling_frequency > _DENSE * highest for log in result.logs)
 
 
-def _uncertain_parameters(found: OutputErrorIdentification, most: float) -> list[str]:
+def _uncertain_parameters(result: OutputErrorIdentification, most: float) -> list[str]:
     """Parameters whose deviation exceeds a share of their value, except those that may be 0 by declaration."""
-    values = found.physical_parameters
+    values = result.physical_parameters
     return [
         name
-        for (name, value), deviation in zip(values.items(), found.physical_deviations, strict=True)
-        if name not in (*found.model.signed, *_absent_friction(found))
+        for (name, value), deviation in zip(values.items(), result.physical_deviations, strict=True)
+        if name not in (*result.model.signed, *_absent_friction(result))
         and np.isfinite(value)
         and not deviation < most * abs(value)
     ]
 
 
-def _absent_friction(found: OutputErrorIdentification) -> frozenset[str]:
+def _absent_friction(result: OutputErrorIdentification) -> frozenset[str]:
     """Friction levels that are 0 within three deviations, where these are small compared with the force."""
-    model = found.model
-    force = max(float(np.sqrt(np.mean(log[name] ** 2))) for log in found.logs for name in model.forces)
+    model = result.model
+    force = max(float(np.sqrt(np.mean(log[name] ** 2))) for log in result.logs for name in model.forces)
     units = {unit for unit in model.output_units if unit in _FORCES}
     rows = zip(
         model.physical_units.items(),
-        found.physical_parameters.values(),
-        found.physical_deviations,
+        result.physical_parameters.values(),
+        result.physical_deviations,
         strict=True,
     )
     return frozenset(
@@ -154,11 +154,11 @@ def _absent_friction(found: OutputErrorIdentification) -> frozenset[str]:
     )
 
 
-def _noise_remark(found: OutputErrorIdentification) -> str:
+def _noise_remark(result: OutputErrorIdentification) -> str:
     """Remark on forces and accelerations that are mostly noise, beyond the noise that their spectra show."""
-    log, parts, levels = found.logs[0], [], noise_deviations(found.model, found.logs[0])
-    orders = {signal: sensor.order for signal, sensor in found.comparison.dynamics.sensors.items()}
-    for signal, noise in found.noise.items():
+    log, parts, levels = result.logs[0], [], noise_deviations(result.model, result.logs[0])
+    orders = {signal: sensor.order for signal, sensor in result.comparison.dynamics.sensors.items()}
+    for signal, noise in result.noise.items():
         size = float(np.sqrt(np.mean(log[signal] ** 2)))
         seen = levels.get(signal, 0.0)
         is_position = orders.get(signal) in (0, 1)
@@ -167,8 +167,8 @@ def _noise_remark(found: OutputErrorIdentification) -> str:
     return unexplained_statement(parts)
 
 
-def _change_remark(found: OutputErrorIdentification) -> str:
-    fit = found.fit
+def _change_remark(result: OutputErrorIdentification) -> str:
+    fit = result.fit
     if fit is None or fit.change is None:
         return ""
     inside, outside, names = fit.change.inside, fit.change.outside, fit.search.seen
@@ -190,17 +190,17 @@ def _log_remark(alone: Sequence[OutputErrorIdentification]) -> str:
     """Remark on a log whose own parameters, if they are ok, differ from those of the others."""
     each = [
         LogEstimate(
-            ", ".join(log.source for log in one.logs),
-            np.array(list(one.physical_parameters.values())),
-            one.physical_deviations,
+            ", ".join(log.source for log in single.logs),
+            np.array(list(single.physical_parameters.values())),
+            single.physical_deviations,
         )
-        for one in alone
-        if one.status == "ok"
+        for single in alone
+        if single.status == "ok"
     ]
     return disagreement_between(list(alone[0].model.physical_units), each) if each else ""
 
 
-def _regression_remark(found: OutputErrorIdentification, regression: Identification | None) -> str:
+def _regression_remark(result: OutputErrorIdentification, regression: Identification | None) -> str:
     """Remark on parameters that differ from those of a least-squares fit without a fault.
 
     What the model lacks need not be in their deviations: it moves both. Where samples are sparse, a fit with a negative
@@ -208,80 +208,81 @@ def _regression_remark(found: OutputErrorIdentification, regression: Identificat
     """
     if regression is None or regression.status not in ("ok", "undetermined"):
         return ""
-    own, other = found.physical_parameters, regression.physical_parameters
-    if not _is_dense(found) and negative_parameters(found.model, np.array(list(other.values()))):
+    values, by_regression = result.physical_parameters, regression.physical_parameters
+    if not _is_dense(result) and negative_parameters(result.model, np.array(list(by_regression.values()))):
         return ""
-    spread = np.hypot(found.physical_deviations, replace(regression, discrepancies=()).physical_deviations)
+    spread = np.hypot(result.physical_deviations, replace(regression, discrepancies=()).physical_deviations)
     far = [
-        f"{name} ({own[name]:.4g}, {other[name]:.4g})"
-        for name, deviation in zip(own, spread, strict=True)
-        if abs(own[name] - other[name]) > max(_DISAGREE * deviation, _NOTICEABLE * abs(other[name]))
+        f"{name} ({values[name]:.4g}, {by_regression[name]:.4g})"
+        for name, deviation in zip(values, spread, strict=True)
+        if abs(values[name] - by_regression[name])
+        > max(_DISAGREE * deviation, _NOTICEABLE * abs(by_regression[name]))
     ]
     cure = "one of them is biased; compare the logs' noise, timing and drive with what is declared"
     return f"least squares and output error differ in {', '.join(far)}: {cure}" if far else ""
 
 
-def _hidden_friction_remark(found: OutputErrorIdentification) -> str:
+def _hidden_friction_remark(result: OutputErrorIdentification) -> str:
     """Remark on dry friction that no sensor of motion reads, where predictions from the force do not follow it.
 
     A predictor does not know whether such a joint sticks; masses on both sides of a spring were exchanged beside "ok".
     """
-    fit = found.fit
-    if fit is None or found.comparison.force == "simulated" or _inflation(found) <= _CORRELATED:
+    fit = result.fit
+    if fit is None or result.comparison.force == "simulated" or _inflation(result) <= _CORRELATED:
         return ""
     plant = fit.search.dynamics.at(fit.search.parameters)
-    sensors = (plant.sensors[signal] for signal in found.model.measured)
+    sensors = (plant.sensors[signal] for signal in result.model.measured)
     seen = [sensor.row / np.linalg.norm(sensor.row) for sensor in sensors if sensor.order in (0, 1)]
     dry = [law.direction / np.linalg.norm(law.direction) for law in plant.laws if law.can_hold]
     if not any(np.linalg.matrix_rank([*seen, row], tol=_SEEN) > len(seen) for row in dry):
         return ""
     return (
-        f"{_correlated_remark(found)}: dry friction acts where no sensor reads the motion; give `controller`, so that "
+        f"{_correlated_remark(result)}: dry friction acts where no sensor reads the motion; give `controller`, so that "
         "the closed loop is simulated, or add a sensor there"
     )
 
 
-def _inflation(found: OutputErrorIdentification) -> float:
-    return found.fit.inflation if found.fit else 1.0
+def _inflation(result: OutputErrorIdentification) -> float:
+    return result.fit.inflation if result.fit else 1.0
 
 
-def _correlated_remark(found: OutputErrorIdentification) -> str:
-    assert found.fit is not None
+def _correlated_remark(result: OutputErrorIdentification) -> str:
+    assert result.fit is not None
     return (
         "the innovations are correlated, which suggests an error of model or timing: "
-        f"{found.fit.linear.rows[0]} of them count as {found.fit.correlated.effective_samples:.0f}"
+        f"{result.fit.linear.rows[0]} of them count as {result.fit.correlated.effective_samples:.0f}"
     )
 
 
-def remarks_on(found: OutputErrorIdentification) -> tuple[str, ...]:
+def remarks_on(result: OutputErrorIdentification) -> tuple[str, ...]:
     """Notes on the estimate for the user."""
-    if found.fit is None:
+    if result.fit is None:
         return ()
-    remarks = [_course_remark(found)]
-    covariance = found.physical_covariance(corrected=True)
-    values = np.array(list(found.physical_parameters.values()))
+    remarks = [_course_remark(result)]
+    covariance = result.physical_covariance(corrected=True)
+    values = np.array(list(result.physical_parameters.values()))
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = 100 * np.sqrt(np.diag(covariance)) / np.abs(values)
-    vague = [n for n, r in zip(found.model.physical_units, relative, strict=True) if r > _VAGUE]
+    vague = [n for n, r in zip(result.model.physical_units, relative, strict=True) if r > _VAGUE]
     if vague:
         remarks.append(
             f"the log hardly determines {', '.join(vague)}: the standard deviation exceeds {_VAGUE:g} %"
         )
-    fit = found.fit
-    if _inflation(found) > _CORRELATED:
-        remarks.append(_correlated_remark(found))
+    fit = result.fit
+    if _inflation(result) > _CORRELATED:
+        remarks.append(_correlated_remark(result))
     highest = fit.search.dynamics.at(fit.search.parameters).highest_mode
     if highest:
         remarks.append(
             f"the highest mode, {highest:.3g} Hz, is taken to lie below half the sampling frequency of "
-            f"{found.logs[0].sampling_frequency:g} Hz"
+            f"{result.logs[0].sampling_frequency:g} Hz"
         )
     return tuple(remarks)
 
 
-def _course_remark(found: OutputErrorIdentification) -> str:
-    force, course = " and ".join(found.model.forces), found.comparison.force
-    several = len(found.model.forces) > 1
+def _course_remark(result: OutputErrorIdentification) -> str:
+    force, course = " and ".join(result.model.forces), result.comparison.force
+    several = len(result.model.forces) > 1
     if course == "simulated":
         return (
             f"readings and {force} are compared with those of the simulated closed loop; the deviations take the gains "
@@ -289,9 +290,9 @@ def _course_remark(found: OutputErrorIdentification) -> str:
         )
     if course == "held":
         return f"{force} {'are' if several else 'is'} held from each sample to the next"
-    if not found.comparison.free_timing:
+    if not result.comparison.free_timing:
         return f"{force} run{'' if several else 's'} smoothly between samples"
-    samples = found.late / found.logs[0].sampling_period
+    samples = result.late / result.logs[0].sampling_period
     how = "later" if samples < 0 else "earlier"
     return (
         f"{force} run{'' if several else 's'} smoothly between samples and act{'' if several else 's'} "

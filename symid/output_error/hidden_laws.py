@@ -82,8 +82,8 @@ def _at_hidden_joints(axis: Axis, measured: Sequence[str]) -> set[str]:
             if name in measured and sensor.order in (0, 1)
         ]
     )
-    found: set[str] = set()
+    names: set[str] = set()
     for direction, terms in dynamics.laws:
         if combination_of(rows, direction) is None:
-            found = found.union(*(dynamics.names(term.parameter) for term in terms))
-    return found
+            names = names.union(*(dynamics.names(term.parameter) for term in terms))
+    return names

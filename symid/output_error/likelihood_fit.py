@@ -162,11 +162,11 @@ def _promising(
 
 def _ranked(trials: Sequence[Search]) -> list[Search]:
     """Trials in order of cost, without repetitions of the same minimum."""
-    found: list[Search] = []
+    searches: list[Search] = []
     for trial in sorted(trials, key=lambda trial: trial.cost):
-        if not any(_is_same(trial, better) for better in found):
-            found.append(trial)
-    return found
+        if not any(_is_same(trial, better) for better in searches):
+            searches.append(trial)
+    return searches
 
 
 def _is_same(trial: Search, better: Search) -> bool:

@@ -105,15 +105,15 @@ def identify_output_error(
         )
         agreed = regression if visible is whole else None
         each = [judge.least_squares([run], settings) for run in runs if agreed and len(runs) > 1]
-        found = judge.result(runs, _best_fit(comparisons, runs, starts), agreed, each, notes)
-        if found.status == "not_physical" and agreed is not None and agreed.status == "ok":
+        result = judge.result(runs, _best_fit(comparisons, runs, starts), agreed, each, notes)
+        if result.status == "not_physical" and agreed is not None and agreed.status == "ok":
             # a model whose force hardly acts can be likelier: it predicts smooth readings by themselves
             nearest = judge.result(runs, _best_fit(comparisons, runs, starts[:1]), agreed, each, notes)
-            found = found if nearest.status in ("not_physical", "not_converged", "no_start") else nearest
-    if found.status == "not_converged" and visible is not whole and loop is None:
+            result = result if nearest.status in ("not_physical", "not_converged", "no_start") else nearest
+    if result.status == "not_converged" and visible is not whole and loop is None:
         message = "predictions do not determine friction at hidden bodies: give `controller`, its gains"
-        return replace(found, message=message)
-    return found
+        return replace(result, message=message)
+    return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +145,7 @@ class _Judge:
     ) -> OutputErrorIdentification:
         """Result of a fit, with notes besides those given; `each` are the regressions of single logs."""
         fit, comparison, own = best
-        found = OutputErrorIdentification(
+        result = OutputErrorIdentification(
             axis=self.axis,
             model=self.model,
             logs=logs,
@@ -158,33 +158,33 @@ class _Judge:
         # of several logs with regressions, each is judged alone, too; a single log has neither `own` nor `each`
         singles = zip(logs, own, each, strict=True) if each and len(own) == len(each) else ()
         alone = [self.result((log,), (one, comparison, []), single) for log, one, single in singles]
-        timed = self._in_time(found, regression)
-        status, message = verdict_of(found, timed, alone)
+        timed = self._in_time(result, regression)
+        status, message = verdict_of(result, timed, alone)
         if status == "ok" and timed is not None and timed.status == "ok" and timed.physical:
             is_timed = comparison.free_timing or comparison.force != "smooth"
             lacking = timed.by_lacking(timed.physical[0].sensitivity, delays=not is_timed)
-            found = replace(found, lacking=lacking)
-            status, message = undetermined(found, _MAY_LACK) or ("ok", "")
+            result = replace(result, lacking=lacking)
+            status, message = undetermined(result, _MAY_LACK) or ("ok", "")
         elif status in _OPEN and timed is not None and timed.status not in ("ok", "undetermined"):
             message = f"{message}; least squares: {timed.message}"
-        return replace(found, status=status, message=message, notes=(*notes, *remarks_on(found)))
+        return replace(result, status=status, message=message, notes=(*notes, *remarks_on(result)))
 
     def _in_time(
-        self, found: OutputErrorIdentification, regression: Identification | None
+        self, result: OutputErrorIdentification, regression: Identification | None
     ) -> Identification | None:
         """Least squares, or that with the hold or the delay of the force that output error found, where that fits it.
 
         A delay makes parameters negative there that are not, and hides what else does not fit.
         """
-        course = found.comparison.force
-        if regression is None or regression.status == "ok" or found.fit is None or course == "simulated":
+        course = result.comparison.force
+        if regression is None or regression.status == "ok" or result.fit is None or course == "simulated":
             return regression
-        late = dict.fromkeys(found.model.forces, found.late) if course == "smooth" else {}
+        late = dict.fromkeys(result.model.forces, result.late) if course == "smooth" else {}
         timed = replace(self.settings, held=course == "held", late={**self.settings.late, **late})
-        again = self.least_squares(found.logs, timed) if timed != self.settings else None
+        again = self.least_squares(result.logs, timed) if timed != self.settings else None
         if again is None:
             return regression
-        is_new = again.status == "poor_fit" and fault_of(found, regression) is None
+        is_new = again.status == "poor_fit" and fault_of(result, regression) is None
         return again if again.status == "ok" or is_new else regression
 
 
@@ -195,12 +195,12 @@ def _best_fit(
     fits: list[tuple[LikelihoodFit, ErrorModel, list[LikelihoodFit]]] = []
     for comparison in comparisons:
         alone = [comparison.fit([log], starts) for log in runs] if len(runs) > 1 else []
-        own = [one for one in alone if one is not None]
-        fit = comparison.fit(runs, [one.search.parameters for one in own] or starts)
+        results = [result for result in alone if result is not None]
+        fit = comparison.fit(runs, [result.search.parameters for result in results] or starts)
         if fit is not None:  # other courses of the force need not begin at all starts again
-            fits.append((fit, comparison, own))
+            fits.append((fit, comparison, results))
             starts = [starts[0], fit.search.parameters, *map(dict, fit.promising)]
-    return min(fits, key=lambda one: one[0].cost, default=(None, comparisons[0], []))
+    return min(fits, key=lambda result: result[0].cost, default=(None, comparisons[0], []))
 
 
 def _comparisons(
@@ -242,11 +242,15 @@ def _starts(
             sound = [plausible(model, dynamics, values, dict(nominal))]
     else:
         rough = rigid_start(model, dynamics, logs)
-        found = regression.physical_parameters if regression is not None else {}
+        identified = regression.physical_parameters if regression is not None else {}
         is_sound = regression is not None and regression.status == "ok"
         # accepted masses are not compared with rough ones, which do not know what a gear makes of a mass
-        masses = {name: found[name] for name in dynamics.parameters_of("mass") if is_sound and name in found}
-        better = plausible(model, dynamics, found, rough | masses)
+        masses = {
+            name: identified[name]
+            for name in dynamics.parameters_of("mass")
+            if is_sound and name in identified
+        }
+        better = plausible(model, dynamics, identified, rough | masses)
         heavy = with_heavy_bodies(dynamics, rough)
         known = [
             values for i, values in enumerate((better, rough, heavy)) if values not in (better, rough)[:i]

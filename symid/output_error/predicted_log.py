@@ -26,12 +26,12 @@ class OutputErrorPrediction:
     @property
     def residuals(self) -> tuple[EquationResidual, ...]:
         """Residual of each reading, relative to its standard deviation."""
-        found = []
+        residuals = []
         for signal, readings, innovations in zip(
             self.signals, self.readings.T, self.innovations.T, strict=True
         ):
             used = np.isfinite(innovations)
-            found.append(
+            residuals.append(
                 EquationResidual.of_rows(signal, innovations[used], readings[used] - np.mean(readings[used]))
             )
-        return tuple(found)
+        return tuple(residuals)

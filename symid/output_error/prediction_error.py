@@ -67,20 +67,20 @@ class PredictionError:
 
     def innovations(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Innovations of shape (n_samples, n_outputs), in the units of the readings."""
-        raw, found = self._raw(parameters, nuisance)
-        whitening, _ = _whitening(found)
-        return np.asarray(np.linalg.solve(whitening, self._projected(raw, found, whitening).T).T)
+        raw, kalman = self._raw(parameters, nuisance)
+        whitening, _ = _whitening(kalman)
+        return np.asarray(np.linalg.solve(whitening, self._projected(raw, kalman, whitening).T).T)
 
     def scaled(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Scaled innovations, the stretches one after the other, of shape (n_samples * n_outputs,)."""
-        raw, found = self._raw(parameters, nuisance)
-        return self._projected(raw, found, _whitening(found)[0]).ravel()
+        raw, kalman = self._raw(parameters, nuisance)
+        return self._projected(raw, kalman, _whitening(kalman)[0]).ravel()
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
         """Standard deviations of the noise of forces and readings, SI: their ratios at the level observed."""
-        raw, found = self._raw(parameters, nuisance)
-        whitening, unit = _whitening(found)
-        level = float(np.sqrt(np.mean(self._projected(raw, found, whitening) ** 2))) / unit
+        raw, kalman = self._raw(parameters, nuisance)
+        whitening, unit = _whitening(kalman)
+        level = float(np.sqrt(np.mean(self._projected(raw, kalman, whitening) ** 2))) / unit
         forces, readings = self._assumed_noise(self._sampled(self.dynamics.at(parameters)), nuisance)
         drives = [drive.signal for drive in self.dynamics.axis.drives]
         deviations = [*forces[: len(drives)], *readings]
@@ -158,14 +158,14 @@ class PredictionError:
     def states(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Predicted displacements and velocities of the bodies, of shape (n_samples, 2 n)."""
         plant = self.dynamics.at(parameters)
-        sampled, found = self._predictor(plant, nuisance)
+        sampled, kalman = self._predictor(plant, nuisance)
         inputs = self._inputs(plant, sampled, nuisance)
-        n = len(found.innovations.A)
-        whole = found.innovations.observed(np.eye(n))
+        n = len(kalman.innovations.A)
+        whole = kalman.innovations.observed(np.eye(n))
         states = whole.response(inputs, self.run.starts)
         raw = inputs[:, : len(self.run.signals)] - states @ sampled.output.T
         for first, last in self._stretches:
-            free = found.innovations.free_response(last - first)
+            free = kalman.innovations.free_response(last - first)
             start = np.linalg.lstsq(free.reshape(-1, n), -raw[first:last].ravel(), rcond=None)[0]
             states[first:last] += whole.free_response(last - first) @ start
         return np.asarray(states @ sampled.basis.T)
@@ -217,8 +217,10 @@ class PredictionError:
         seen = np.abs(effects + sampled.noise_feedthrough)[places, range(len(places))]
         seen = np.where(seen > 0, seen, np.max(np.abs(effects), initial=np.finfo(float).tiny))
         first = sorted(set(self._driven))
-        own, others = levels[: len(first)], levels[len(first) :]
-        sources = np.append(own[[first.index(i) for i in self._driven]], others[: len(self._disturbed)])
+        first_levels, others = levels[: len(first)], levels[len(first) :]
+        sources = np.append(
+            first_levels[[first.index(i) for i in self._driven]], others[: len(self._disturbed)]
+        )
         readings = np.append(1.0, others[len(self._disturbed) :])
         return sources * self.run.steps[places] / seen, self.run.steps * readings
 
@@ -228,8 +230,8 @@ class PredictionError:
 
     def _raw(self, parameters: Mapping[str, float], nuisance: FloatArray) -> tuple[FloatArray, Predictor]:
         plant = self.dynamics.at(parameters)
-        sampled, found = self._predictor(plant, nuisance)
-        return found.innovations.response(self._inputs(plant, sampled, nuisance), self.run.starts), found
+        sampled, kalman = self._predictor(plant, nuisance)
+        return kalman.innovations.response(self._inputs(plant, sampled, nuisance), self.run.starts), kalman
 
     def _inputs(self, plant: Plant, sampled: SampledPlant, nuisance: FloatArray) -> FloatArray:
         """Readings without what forces add to them directly, and effects of the forces on the state."""
@@ -249,12 +251,12 @@ class PredictionError:
             direct += nuisance[-1] * (run.drive_rate_at @ at_once[:, :m].T)
         return np.hstack([run.readings - direct, effects])
 
-    def _projected(self, raw: FloatArray, found: Predictor, whitening: FloatArray) -> FloatArray:
+    def _projected(self, raw: FloatArray, kalman: Predictor, whitening: FloatArray) -> FloatArray:
         """Innovations without what any initial state of a stretch could make."""
-        n = len(found.innovations.A)
+        n = len(kalman.innovations.A)
         errors = raw @ whitening.T
         longest = max(last - first for first, last in self._stretches)
-        free = whitening @ found.innovations.free_response(longest, _FORGOTTEN)
+        free = whitening @ kalman.innovations.free_response(longest, _FORGOTTEN)
         if not np.all(np.isfinite(free)):
             raise np.linalg.LinAlgError("the predictor is not stable")
         # The initial state of a stretch is unknown, and its effect decays within `memory` samples. Projecting these
@@ -271,9 +273,9 @@ class PredictionError:
         return errors
 
 
-def _whitening(found: Predictor) -> tuple[FloatArray, float]:
+def _whitening(kalman: Predictor) -> tuple[FloatArray, float]:
     """Whitening matrix of determinant 1 for the innovations, and their level for unit noise."""
-    root = np.linalg.cholesky(found.covariance)
+    root = np.linalg.cholesky(kalman.covariance)
     level = float(np.exp(np.mean(np.log(np.diag(root)))))
     return level * np.linalg.inv(root), level
 

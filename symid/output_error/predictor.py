@@ -126,7 +126,7 @@ def _stationary_covariance(
     weighted = np.linalg.solve(measurement, np.hstack([C, cross.T]))
     covariance = process - cross @ weighted[:, n:]
     transition = np.ascontiguousarray((A - cross @ weighted[:, :n]).T)
-    found = doubled(transition, C.T @ weighted[:, :n], covariance)
-    if not found or not np.isfinite(covariance).all():
+    solution = doubled(transition, C.T @ weighted[:, :n], covariance)
+    if not solution or not np.isfinite(covariance).all():
         raise np.linalg.LinAlgError("no stationary predictor is found")
     return covariance

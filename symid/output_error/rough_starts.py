@@ -37,10 +37,10 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     lowpass = LowPass(0.02 * log.sampling_frequency)
     orders = read_orders(dynamics, log)
     known = [name for name, order in orders.items() if order == min(orders.values())]
-    found = []
+    starts = []
     # F = m a + c v + Fc sign(v) + F0 by least squares, with a and v from the signal of the lowest derivative
-    for drive, own in zip(axis.drives, axis.controlled_signals, strict=True):
-        signal = own if own in known else known[0]
+    for drive, controlled in zip(axis.drives, axis.controlled_signals, strict=True):
+        signal = controlled if controlled in known else known[0]
         read = lowpass.apply(log[signal], log.sampling_frequency)
         if orders[signal] == 2:
             read = np.cumsum(read - read.mean()) * log.sampling_period
@@ -48,8 +48,8 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
         v, a = rates if orders[signal] == 0 else (read, rates[0])
         motion = np.stack([a, v, np.sign(v), np.ones_like(v)], axis=1)
         force = lowpass.apply(log[drive.signal], log.sampling_frequency)
-        found.append(np.linalg.lstsq(motion, force, rcond=None)[0])
-    mass, viscous, coulomb, _ = np.mean(np.abs(found), axis=0)
+        starts.append(np.linalg.lstsq(motion, force, rcond=None)[0])
+    mass, viscous, coulomb, _ = np.mean(np.abs(starts), axis=0)
     mass = max(float(mass), 1e-12)
     values = dict.fromkeys(model.physical_units, 0.0)
     gains = {sensor.named("gain") for sensor in axis.sensors} | {drive.constant for drive in axis.drives}
@@ -73,12 +73,12 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
 
 def _behind_gears(dynamics: ForwardDynamics, values: Mapping[str, float]) -> dict[str, float]:
     """Values as their gears make them: each mass as heavy for the drive, each spring as stiff for the masses at it."""
-    found, plant = dict(values), dynamics.with_nodes(values)
+    apart, plant = dict(values), dynamics.with_nodes(values)
     moved, springs = _without_deflection(plant), dynamics.parameters_of("stiffness")
     for name in dynamics.parameters_of("mass"):
         share = float(moved @ dynamics.derivative(values, name).mass @ moved)
-        found[name] = values[name] / share if share > 0.0 else values[name]
-    lighter = np.linalg.pinv(dynamics.with_nodes(found).mass)  # a node without mass moves with its neighbours
+        apart[name] = values[name] / share if share > 0.0 else values[name]
+    lighter = np.linalg.pinv(dynamics.with_nodes(apart).mass)  # a node without mass moves with its neighbours
     for name in springs | dynamics.parameters_of("damping") if springs else ():
         slope = dynamics.derivative(values, name)
         part = slope.stiffness if name in springs else slope.damping
@@ -86,8 +86,8 @@ def _behind_gears(dynamics: ForwardDynamics, values: Mapping[str, float]) -> dic
             np.abs(np.linalg.eigvals(lighter @ part)).max()
         )  # of both ends, per unit force in the joint
         mass = float(np.mean([values[one] for one in dynamics.parameters_of("mass")]))
-        found[name] = values[name] / (mobility * mass) if mobility > 0.0 else values[name]
-    return found
+        apart[name] = values[name] / (mobility * mass) if mobility > 0.0 else values[name]
+    return apart
 
 
 def _without_deflection(plant: Plant) -> FloatArray:
@@ -114,7 +114,10 @@ def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> 
 
 
 def plausible(
-    model: GeneratedModel, dynamics: ForwardDynamics, found: Mapping[str, float], rough: Mapping[str, float]
+    model: GeneratedModel,
+    dynamics: ForwardDynamics,
+    physical: Mapping[str, float],
+    rough: Mapping[str, float],
 ) -> dict[str, float]:
     """Estimated parameters where they are physically possible; rough ones where they are not, nan or missing.
 
@@ -132,12 +135,12 @@ def plausible(
     values = dict(rough)
     masses, springs = dynamics.parameters_of("mass"), dynamics.parameters_of("stiffness")
     together = masses | springs
-    if all(found.get(name, -1.0) > 0 for name in together) and all(
-        rough[name] / _FARTHEST < found[name] < rough[name] * _FARTHEST for name in masses
+    if all(physical.get(name, -1.0) > 0 for name in together) and all(
+        rough[name] / _FARTHEST < physical[name] < rough[name] * _FARTHEST for name in masses
     ):
-        values.update({name: found[name] for name in together})
+        values.update({name: physical[name] for name in together})
     for name in values:
-        value = found.get(name, math.nan)
+        value = physical.get(name, math.nan)
         if name not in together and math.isfinite(value) and (value >= 0 or name in model.signed):
             values[name] = value
     return values

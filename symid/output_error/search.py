@@ -136,10 +136,10 @@ class Search:
 
     def improved(self, iterations: int = 60) -> Search:
         """The search after more iterations."""
-        found = levenberg_marquardt(
+        minimum = levenberg_marquardt(
             self.residual, self.x, self._steps(), longest=self._longest_moves(), iterations=iterations
         )
-        return replace(self, x=found.x, minimum=found)
+        return replace(self, x=minimum.x, minimum=minimum)
 
     def continued(self, errors: Sequence[RunError]) -> Search:
         """The search with other runs, such as the whole logs after excerpts of them."""

@@ -38,10 +38,10 @@ def distinct(
         smaller = (
             (i, _reduced_by(reduced[i], reduced[j], powers, operators, shared=scaled[j])) for i, j in pairs
         )
-        found = next(((i, row) for i, row in smaller if row), None)
-        if found is None:
+        smallest = next(((i, row) for i, row in smaller if row), None)
+        if smallest is None:
             return reduced
-        reduced[found[0]] = found[1]
+        reduced[smallest[0]] = smallest[1]
 
 
 def _with_scale(rows: Sequence[EliminationRow], operators: OperatorModel) -> list[bool]:
@@ -97,16 +97,16 @@ def _multiples_within(
     # Each signal beyond these is eliminated from the derivatives of the row, at the cost of one of them.
     multiples = [row.scaled(operators.ring.gens[0] ** k) for k in range(1 + max(0, degree))]
     while multiples:
-        found = [_signals_of(multiple, operators) for multiple in multiples]
-        beyond = next((signal for own in found for signal in own if signal not in signals), None)
+        signals_of_each = [_signals_of(multiple, operators) for multiple in multiples]
+        beyond = next((signal for own in signals_of_each for signal in own if signal not in signals), None)
         if beyond is None:
             break
-        pivot = next(i for i, own in enumerate(found) if beyond in own)
+        pivot = next(i for i, own in enumerate(signals_of_each) if beyond in own)
         multiples = [
-            _cleared(multiple, multiples[pivot], own[beyond], found[pivot][beyond])
+            _cleared(multiple, multiples[pivot], own[beyond], signals_of_each[pivot][beyond])
             if beyond in own
             else multiple
-            for i, (multiple, own) in enumerate(zip(multiples, found, strict=True))
+            for i, (multiple, own) in enumerate(zip(multiples, signals_of_each, strict=True))
             if i != pivot
         ]
     return multiples

@@ -57,11 +57,11 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     operators, known, same = _posed(model, measured)
     rows, scaling = _rows(operators, known), None
     while operators.ring.domain != QQ and scaling is None:
-        found = scaling_of(rows, operators)
-        if isinstance(found, Scaling):
-            scaling = found
+        exponents = scaling_of(rows, operators)
+        if isinstance(exponents, Scaling):
+            scaling = exponents
         else:
-            operators, known, same = _posed(model, measured, (*map(str, operators.numbers), *found))
+            operators, known, same = _posed(model, measured, (*map(str, operators.numbers), *exponents))
             rows = _rows(operators, known)
     powers = {f"y{i}": f.order for i, f in enumerate(known.basis) if f.order}
     if scaling is None:
@@ -135,7 +135,7 @@ def _rows(operators: OperatorModel, known: Measurement) -> dict[str, Row]:
 def _driven(
     equation: InputOutputEquation,
     row: EliminationRow,
-    found: Sequence[tuple[InputOutputEquation, EliminationRow]],
+    pairs: Sequence[tuple[InputOutputEquation, EliminationRow]],
     signals: SignalWriter,
 ) -> InputOutputEquation:
     """Add an equation that contains the force to one that does not, if both are linear in the physical parameters.
@@ -156,11 +156,11 @@ def _driven(
     def of_torques(balances: Mapping[str, PolyElement]) -> bool:
         return turns[next(iter(balances))]
 
-    def of_balances(one: InputOutputEquation) -> bool:
-        return one.multipliers.keys() <= turns.keys()
+    def of_balances(written: InputOutputEquation) -> bool:
+        return written.multipliers.keys() <= turns.keys()
 
     sums: list[InputOutputEquation] = []
-    for other, its_row in found:
+    for other, its_row in pairs:
         if not (other.force and other.is_linear and equation.parameters & other.parameters):
             continue
         if of_balances(other) and of_balances(equation):

@@ -108,11 +108,11 @@ class SignalWriter:
     def _motion_terms(self, row: EliminationRow) -> tuple[list[RegressorTerm], PolyElement]:
         """Terms of the measured motion, and the constant that the offsets of sensors leave."""
         offsets = self.operators.ring.zero
-        own = {signal for signal in self.known.in_equations if reading_of(signal) in row.multipliers}
+        in_reading = {signal for signal in self.known.in_equations if reading_of(signal) in row.multipliers}
         collected: dict[tuple[str, int], RegressorTerm] = {}
         for index in range(len(self.known.basis)):
             for order, coefficient in sorted(by_power(row.entries.get(f"y{index}")).items(), reverse=True):
-                for signal, left, share in self.known.derivative(index, order, own):
+                for signal, left, share in self.known.derivative(index, order, in_reading):
                     previous = collected.get((signal, left))
                     part = coefficient * share
                     if scale := self.scales.get(signal):
@@ -239,10 +239,10 @@ def driving_terms(row: EliminationRow, operators: OperatorModel) -> tuple[Row, R
 def _derivatives(law: sp.Expr, highest: int) -> list[sp.Expr]:
     """A law and its time derivatives, in the displacement u0 and its derivatives u1, u2, ..."""
     displacements = sp.symbols(f"u:{highest + 2}", real=True)
-    found = [law.xreplace({sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]})]
+    derivatives = [law.xreplace({sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]})]
     for _ in range(highest):
-        found.append(time_derivative(found[-1], displacements))
-    return found
+        derivatives.append(time_derivative(derivatives[-1], displacements))
+    return derivatives
 
 
 def _sees(known: Measurement, columns: Mapping[str, Any], lowest: int) -> bool:

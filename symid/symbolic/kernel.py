@@ -192,16 +192,19 @@ def _single_row(
     entries = {(i, j): row[c] for i, row in enumerate(rows) for j, c in enumerate(columns) if c in row}
     one = to_flint({"": ring.one})[""]
     minors, places = Minors(entries, one), tuple(range(len(rows)))
-    found = [minors.of(places[:i] + places[i + 1 :], places[:-1]) * (-1) ** i for i in places]
-    if not any(found):
+    multipliers = [minors.of(places[:i] + places[i + 1 :], places[:-1]) * (-1) ** i for i in places]
+    if not any(multipliers):
         raise _undetermined(columns)
-    common = reduce(lambda common, part: common.gcd(part), sorted(found, key=len))
-    found = [minor / common for minor in found]
+    common = reduce(lambda common, part: common.gcd(part), sorted(multipliers, key=len))
+    multipliers = [minor / common for minor in multipliers]
     shown = dict.fromkeys(c for row in rows for c in row if c not in columns)
     sums = {
-        c: sum((m * row[c] for m, row in zip(found, rows, strict=True) if c in row), one * 0) for c in shown
+        c: sum((m * row[c] for m, row in zip(multipliers, rows, strict=True) if c in row), one * 0)
+        for c in shown
     }
-    return EliminationRow(from_flint(dict(zip(block, found, strict=True)), ring), from_flint(sums, ring))
+    return EliminationRow(
+        from_flint(dict(zip(block, multipliers, strict=True)), ring), from_flint(sums, ring)
+    )
 
 
 def _order_basis(
@@ -225,8 +228,8 @@ def _meet_condition(
     rows: list[EliminationRow], column: str, exponent: int, budget: Budget
 ) -> list[EliminationRow]:
     """Make the coefficient of s**exponent in a column vanish, at the cost of one degree of one row."""
-    found = (by_power(row.entries.get(column)).get(exponent) for row in rows)
-    residuals = {i: residual for i, residual in enumerate(found) if residual is not None}
+    coefficients = (by_power(row.entries.get(column)).get(exponent) for row in rows)
+    residuals = {i: residual for i, residual in enumerate(coefficients) if residual is not None}
     if not residuals:
         return rows
     # The row of lowest degree clears the coefficient in the others, whose degrees do not change, and is then itself

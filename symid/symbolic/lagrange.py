@@ -156,12 +156,12 @@ def _values_of_constants(axis: Axis) -> dict[str, list[float]]:
     ]
     named = [(f"ratio_{first}_{second}", ratio) for first, second, ratio in pairs]
     named += [("gravity", e.acceleration) for e in axis.elements if isinstance(e, (Weight, PendulumWeight))]
-    found: dict[str, list[float]] = {}
+    by_name: dict[str, list[float]] = {}
     for name, value in named:
-        values = found.setdefault(name, [])
+        values = by_name.setdefault(name, [])
         if value not in values:
             values.append(value)
-    return found
+    return by_name
 
 
 def inverse_dynamics(axis: Axis) -> InverseDynamicModel:

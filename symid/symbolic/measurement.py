@@ -76,7 +76,7 @@ class Measurement:
         function = self.basis[index]
         best: tuple[tuple[str, int, Any], ...] = ((function.signal, order - function.order, 1),)
         reached = function.order
-        for other in (one for one in self.repeated if one.signal not in without):
+        for other in (repeated for repeated in self.repeated if repeated.signal not in without):
             share = other.combination.get(index)
             rest = {i: c for i, c in other.combination.items() if i != index}
             saves = reached < other.order <= order and all(self.basis[i].order == other.order for i in rest)

@@ -67,7 +67,7 @@ def sensor_terms(operators: OperatorModel, sensor: Sensor) -> ReadingTerms:
 
 def _laws_read(operators: OperatorModel, sensor: Sensor) -> Row:
     """Parameters of the nonlinear laws of the spring whose force is read, by the symbols of their values."""
-    source, found = operators.source, Row()
+    source, laws = operators.source, Row()
     kinematics = Kinematics(source.axis)
     read = kinematics.displacement(sensor.joint)
     of_joint = {
@@ -77,8 +77,8 @@ def _laws_read(operators: OperatorModel, sensor: Sensor) -> Row:
     for law in source.axis.laws:
         for term in law.terms() if in_spring and law.in_spring and law.at == sensor.joint else ():
             symbol = of_joint[law_expression(term.expression)]
-            found = add(found, {symbol: _parameter(operators, term.parameter)}, operators.ring.one)
-    return found
+            laws = add(laws, {symbol: _parameter(operators, term.parameter)}, operators.ring.one)
+    return laws
 
 
 def reading_of(signal: str) -> str:
@@ -107,17 +107,17 @@ def with_readings(
 
 def _with_equation(operators: OperatorModel, sensor: Sensor, terms: ReadingTerms) -> OperatorModel:
     """Operators with the equation motion x + drives F + laws - gain * signal - offset = 0 of one more sensor."""
-    own = add(terms.drives, {sensor.signal: terms.gain}, -1)
+    drives = add(terms.drives, {sensor.signal: terms.gain}, -1)
     constant = add(terms.laws, {str(ONE_INPUT): -terms.offset} if terms.offset else {}, operators.ring.one)
     motion, inputs, force = dict(operators.motion), dict(operators.inputs), dict(operators.force)
     if sensor.derivative is None:
         for body, share in _acts_on(operators, sensor).items():
             factor = operators.ring(-share)
             motion[body] = add(motion[body], terms.motion, factor)
-            force[body] = add(force[body], own, factor)
+            force[body] = add(force[body], drives, factor)
             inputs[body] = add(inputs[body], constant, factor)
     name = reading_of(sensor.signal)
-    motion[name], force[name], inputs[name] = terms.motion, own, constant
+    motion[name], force[name], inputs[name] = terms.motion, drives, constant
     return replace(operators, motion=motion, inputs=inputs, force=force)
 
 

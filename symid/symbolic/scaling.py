@@ -196,14 +196,14 @@ def _constants_of_laws(operators: OperatorModel, rows: Mapping[str, Row]) -> set
 def _split_inputs(operators: OperatorModel, rows: Mapping[str, Row]) -> dict[str, Row]:
     """Laws by balance, with a column for each power of the constants that occur in laws only."""
     symbols = [str(symbol) for symbol in operators.ring.domain.symbols]
-    own = [symbols.index(name) for name in sorted(_constants_of_laws(operators, rows))]
+    places = [symbols.index(name) for name in sorted(_constants_of_laws(operators, rows))]
     split: dict[str, Row] = {}
     for balance, row in operators.inputs.items():
         parts: Row = {}
         for column, entry in row.items():
             for monomial, c in entry.terms():
                 exponents = term_of(c)[1]
-                power = "".join(f"*{symbols[k]}^{exponents[k]}" for k in own if exponents and exponents[k])
+                power = "".join(f"*{symbols[k]}^{exponents[k]}" for k in places if exponents and exponents[k])
                 parts = add(parts, {column + power: operators.ring({monomial: c})}, operators.ring.one)
         split[balance] = parts
     return split

@@ -44,15 +44,15 @@ class Span:
 
     def reduced(self) -> list[SpanRow]:
         """Basis of the span in which each vector is 0 at the pivots of all others (reduced echelon form)."""
-        found: list[SpanRow] = []
+        rows: list[SpanRow] = []
         for pivot, vector, coordinates in reversed(self._rows):
             row = SpanRow(pivot, dict(vector), dict(coordinates))
-            for other in found:
+            for other in rows:
                 if share := row.vector.get(other.pivot):
                     subtract(row.vector, other.vector, share)
                     subtract(row.coordinates, other.coordinates, share)
-            found.insert(0, row)
-        return found
+            rows.insert(0, row)
+        return rows
 
     def coordinates(self, vector: Vector) -> dict[int, Any] | None:
         """Coefficients of the added vectors, by index, that sum to a vector; None if it is outside the span."""

@@ -100,8 +100,8 @@ class _HeldEquation:
     @cached_property
     def monomials(self) -> list[tuple[int, ...]]:
         """Monomials of the equation in the unknowns."""
-        own = (monomial[: self.unknowns] for monomial in self.polynomial.monoms())
-        return list(dict.fromkeys(tuple(map(int, monomial)) for monomial in own))
+        monomials = (monomial[: self.unknowns] for monomial in self.polynomial.monoms())
+        return list(dict.fromkeys(tuple(map(int, monomial)) for monomial in monomials))
 
     @cached_property
     def is_short(self) -> bool:
@@ -110,12 +110,12 @@ class _HeldEquation:
     @cached_property
     def linear(self) -> list[tuple[bool, int, int, int, int]]:
         """Unknowns in which it is linear, after what a step costs; its denominator should be short, best known."""
-        found = []
+        costs = []
         for unknown in (unknown for unknown, degree in self.held.items() if degree == 1):
             leading = [monomial for monomial in self.monomials if monomial[unknown]]
             is_known = not any(sum(monomial) > 1 for monomial in leading)
-            found.append((not is_known, len(leading), len(self.monomials), len(self.polynomial), unknown))
-        return found
+            costs.append((not is_known, len(leading), len(self.monomials), len(self.polynomial), unknown))
+        return costs
 
     def step(self, unknown: int) -> SolvedUnknown:
         """The step that solves it for an unknown."""
@@ -180,8 +180,8 @@ def _over_unknowns(equation: Any, unknowns: int) -> list[Any]:
     """Coefficients of the monomials in the unknowns, as polynomials in the right-hand sides."""
     parts: dict[tuple[int, ...], dict[tuple[int, ...], object]] = {}
     for monomial, value in equation.terms():
-        own = tuple(map(int, monomial[:unknowns]))
-        parts.setdefault(own, {})[(*(0,) * unknowns, *monomial[unknowns:])] = value
+        powers = tuple(map(int, monomial[:unknowns]))
+        parts.setdefault(powers, {})[(*(0,) * unknowns, *monomial[unknowns:])] = value
     return list(map(equation.context().from_dict, parts.values()))
 
 

@@ -49,11 +49,11 @@ class AddedColumn:
         largest = np.max(np.abs(C), axis=0, initial=0.0)
         units = C / np.maximum(largest, tiny)  # of a filter's tail alone, its squares would underflow
         # Only the component orthogonal to the model's columns can reduce the residual (Frisch-Waugh-Lovell theorem).
-        own = unexplained_by(Z, units)
-        rest, whole = np.sum(own**2, axis=0), np.sum(units**2, axis=0)
+        outside = unexplained_by(Z, units)
+        rest, whole = np.sum(outside**2, axis=0), np.sum(units**2, axis=0)
         counts = (largest > tiny) & (rest >= _INDEPENDENT * whole) & (power > 0.0)
         length = np.sqrt(np.where(counts, rest, 1.0))
-        taken = r @ own / length
+        taken = r @ outside / length
         factors = taken / length / np.maximum(largest, tiny)
         return [
             cls(t**2 / power, t / size, factor) if counted else cls()

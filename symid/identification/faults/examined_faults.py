@@ -26,7 +26,7 @@ from symid.identification.rows.excerpts import Excerpt
 
 
 def faults_of(
-    found: Identification,
+    result: Identification,
     fit: LeastSquares,
     parts: Sequence[Excerpt],
     change: Change | None,
@@ -38,9 +38,9 @@ def faults_of(
 
     `noise_alone` is whether the residual is no larger than the noise of the signals makes it.
     """
-    model = found.model
+    model = result.model
     shown = shown_late(model, noise_alone=noise_alone)
-    inflation = rows_per_independent(found)
+    inflation = rows_per_independent(result)
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
     alike, friction_holds = one_direction(model, parts)
     return Faults(
@@ -48,20 +48,20 @@ def faults_of(
         or smoothing_of(model, parts)
         or folding_of(model, parts)
         or disagreement_of(model, parts)
-        or ac_coupling_of(found, parts, fit, shown)
-        or ("" if drift else smoothing_by_residual(found, parts, fit, shown))
+        or ac_coupling_of(result, parts, fit, shown)
+        or ("" if drift else smoothing_by_residual(result, parts, fit, shown))
         or ("" if drift else more.sensor_gain() or more.uneven_gain()),  # a lag changes gains too
         poor_fit=contradicting_part(model, parts, fit)
         or more.force_nonlinearity()
-        or _change_statement(found, change)
+        or _change_statement(result, change)
         or more.gain_drift()
-        or friction_shape(more, found)
+        or friction_shape(more, result)
         or more.force_limit()
-        or _structure_fault(found)
-        or _mode_beyond_band(found, parts, fit)
+        or _structure_fault(result)
+        or _mode_beyond_band(result, parts, fit)
         or ("" if model.known else unexplained_outputs(model, parts, fit)),  # known parts are off the output
         drift=drift,
-        missing_friction=missing_friction(more, found, found.timing),
+        missing_friction=missing_friction(more, result, result.timing),
         noise_alone=noise_alone,
         constant_force=constant_force(model, parts) or alike,
         note=friction_holds or friction_unseen(model, parts),
@@ -69,43 +69,43 @@ def faults_of(
     )
 
 
-def rows_per_independent(found: Identification) -> float:
+def rows_per_independent(result: Identification) -> float:
     """Rows for each one that is independent of the others, as their residual is correlated."""
-    return sum(found.fit.rows) / max(found.correlated.effective_samples, 1.0)
+    return sum(result.fit.rows) / max(result.correlated.effective_samples, 1.0)
 
 
-def _change_statement(found: Identification, change: Change | None) -> str:
+def _change_statement(result: Identification, change: Change | None) -> str:
     """Statement on a span of the logs with other parameters, that distort those of all or explain much."""
     if change is None:
         return ""
     signed = np.zeros(change.inside.size, dtype=bool)
     # minimal parameters of which all parts may be negative, such as an offset of the force
-    if found.physical:
-        slopes = jacobian(found.model, found.physical[0].parameters)
-        positive = [name not in found.model.signed for name in found.model.physical_units]
+    if result.physical:
+        slopes = jacobian(result.model, result.physical[0].parameters)
+        positive = [name not in result.model.signed for name in result.model.physical_units]
         signed = ~np.any(slopes[:, positive], axis=1)
-    return change.statement(found.model, signed, distorts=is_beyond_intervals(found, change.outside))
+    return change.statement(result.model, signed, distorts=is_beyond_intervals(result, change.outside))
 
 
-def _structure_fault(found: Identification) -> str:
+def _structure_fault(result: Identification) -> str:
     """Statement on an axis whose minimal parameters contradict each other, or that lost its mode; else empty."""
-    if not found.physical:
+    if not result.physical:
         return ""
-    if found.physical[0].disagreement_probability < CRITERIA.disagreement:
+    if result.physical[0].disagreement_probability < CRITERIA.disagreement:
         return (
             "relations between the minimal parameters do not hold (probability "
-            f"{found.physical[0].disagreement_probability:.1g}): the model lacks an effect, or a signal was filtered "
+            f"{result.physical[0].disagreement_probability:.1g}): the model lacks an effect, or a signal was filtered "
             "before it was recorded"
         )
-    minimal = np.asarray(found.model.minimal_parameters(*found.physical[0].parameters))
-    return lost_mode(found.model, minimal, found.observations[0].preparation.cutoff_hz or 1.0)
+    minimal = np.asarray(result.model.minimal_parameters(*result.physical[0].parameters))
+    return lost_mode(result.model, minimal, result.observations[0].preparation.cutoff_hz or 1.0)
 
 
-def _mode_beyond_band(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+def _mode_beyond_band(result: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on a mode above the cutoff of a model that does not describe even what lies below; else empty."""
-    cutoff = found.observations[0].preparation.cutoff_hz
-    if found.model.known or cutoff is None:
+    cutoff = result.observations[0].preparation.cutoff_hz
+    if result.model.known or cutoff is None:
         return ""
-    if np.max(unexplained(found.model, parts, fit)) <= CRITERIA.cutoff_fit:
+    if np.max(unexplained(result.model, parts, fit)) <= CRITERIA.cutoff_fit:
         return ""
-    return mode_above(found.model, fit.solution, cutoff)
+    return mode_above(result.model, fit.solution, cutoff)

@@ -46,20 +46,20 @@ _SETTLED = 0.01
 """Relative change of the factor that ends the rounds."""
 
 
-def lag_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+def lag_of(result: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on a signal that lags; empty without one, or if a delay explains as much.
 
     A lag that leaves much of the residual, as noise of the derivative of its signal does, must be certain and move
     parameters out of their intervals.
     """
-    timing = found.timing
+    timing = result.timing
     by_delay = timing.remaining if timing is not None and timing.is_significant else 1.0
     most = CRITERIA.lag_leaves * by_delay
-    every = [
+    filters = [
         (_filtered_before(parts, fit, [part.moved(name).slope for part in parts], most=most), name)
-        for name in shiftable(found.model)
+        for name in shiftable(result.model)
     ]
-    lags = [(lag.remaining, name, lag) for lag, name in every if lag is not None]
+    lags = [(lag.remaining, name, lag) for lag, name in filters if lag is not None]
     if not lags:
         return ""
     remaining, name, best = min(lags, key=lambda one: one[:2])
@@ -68,7 +68,7 @@ def lag_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -
         return ""
     explains = remaining <= CRITERIA.lagging * by_delay
     if not explains and not (
-        is_beyond_intervals(found, best.parameters) and lag > CRITERIA.ac_coupling * best.deviation()
+        is_beyond_intervals(result, best.parameters) and lag > CRITERIA.ac_coupling * best.deviation()
     ):
         return ""
     return (
@@ -79,10 +79,10 @@ def lag_of(found: Identification, parts: Sequence[Excerpt], fit: LeastSquares) -
 
 
 def ac_coupling_of(
-    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
+    result: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
 ) -> str:
     """Statement on one of some signals that has passed a high-pass, which moves parameters out of their intervals."""
-    model, passed, most = found.model, [], CRITERIA.ac_coupling_leaves
+    model, passed, most = result.model, [], CRITERIA.ac_coupling_leaves
     for name in names:
         made = [
             part.made_by(
@@ -92,30 +92,30 @@ def ac_coupling_of(
             )
             for part in parts
         ]
-        integrals, starts = ([one[k] for one in made] for k in (0, 1))
-        one = (
+        integrals, starts = ([filter_[k] for filter_ in made] for k in (0, 1))
+        filter_ = (
             _by_other_sensors(model, parts, integrals, name)
             or _filtered_before(parts, fit, integrals, starts, most=most)
             or _filtered_before(parts, fit, integrals, most=most)  # the model has its own constant
         )
-        passed += [(one, name)] if one else []
-    for one, name in sorted(passed, key=lambda pair: pair[0].remaining):
-        explains = one.remaining < most
+        passed += [(filter_, name)] if filter_ else []
+    for filter_, name in sorted(passed, key=lambda pair: pair[0].remaining):
+        explains = filter_.remaining < most
         if (
             explains
-            and is_beyond_intervals(found, one.parameters)
-            and one.factor > CRITERIA.ac_coupling * one.deviation()
+            and is_beyond_intervals(result, filter_.parameters)
+            and filter_.factor > CRITERIA.ac_coupling * filter_.deviation()
         ):
             return (
-                f"{name} seems to have passed a high-pass with a corner of {one.factor / (2 * np.pi):.3g} Hz, which "
-                "biases all parameters: the sensor is AC coupled, or the model lacks a force; record it DC coupled, "
-                "or leave it out of `measured`"
+                f"{name} seems to have passed a high-pass with a corner of {filter_.factor / (2 * np.pi):.3g} Hz, "
+                "which biases all parameters: the sensor is AC coupled, or the model lacks a force; record it DC "
+                "coupled, or leave it out of `measured`"
             )
     return ""
 
 
 def smoothing_by_residual(
-    found: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
+    result: Identification, parts: Sequence[Excerpt], fit: LeastSquares, names: Sequence[str]
 ) -> str:
     """Statement on one of some signals whose fast part was damped without a delay, as a zero-phase filter does.
 
@@ -124,23 +124,23 @@ def smoothing_by_residual(
     with noise was filtered. Then less counts: what this takes from the residual, and half of the change, since of other
     filters it undoes a part only.
     """
-    is_late = found.timing is not None and found.timing.is_significant
+    is_late = result.timing is not None and result.timing.is_significant
     is_filtered = not is_late and _is_bare(parts)
     most = 1.0 if is_filtered else max(CRITERIA.smoothing_leaves, CRITERIA.lagging)
-    every = []
+    filters = []
     for name in names:
         bent = [
             part.made_by(name, _second_derivative(part.log[name], part.log.sampling_period))[0]
             for part in parts
         ]
-        one = _filtered_before(parts, fit, bent, most=most)
-        every += [(one, name)] if one else []
-    if not every:
+        filter_ = _filtered_before(parts, fit, bent, most=most)
+        filters += [(filter_, name)] if filter_ else []
+    if not filters:
         return ""
-    best, name = min(every, key=lambda pair: pair[0].remaining)
+    best, name = min(filters, key=lambda pair: pair[0].remaining)
     least = 1.0 if is_filtered else CRITERIA.smoothing_leaves if best.factor < 0.0 else CRITERIA.lagging
     moves = CRITERIA.smoothing_moves if is_filtered else CRITERIA.cutoff_change
-    if best.remaining > least or not is_beyond_intervals(found, best.parameters, moves):
+    if best.remaining > least or not is_beyond_intervals(result, best.parameters, moves):
         return ""
     if not abs(best.factor) > CRITERIA.ac_coupling * best.deviation():
         return ""
@@ -203,37 +203,37 @@ def _filtered_before(
     `most` of the residual.
     """
     before = estimate_of_parts(parts)
-    every = [
+    step_rows = [
         _StepRows.of(part.observation, [one, *constants[k : k + 1]])
         for k, (part, one) in enumerate(zip(parts, more, strict=True))
     ]
-    whole = np.maximum(before.residual_norm**2, np.finfo(float).tiny)
-    least = np.concatenate([rows.least_squares for rows in every])
-    if math.sqrt(float(np.mean(least / whole))) > most:
+    power = np.maximum(before.residual_norm**2, np.finfo(float).tiny)
+    least = np.concatenate([rows.least_squares for rows in step_rows])
+    if math.sqrt(float(np.mean(least / power))) > most:
         return None
     factor, X, p = 0.0, fit.solution, fit.solution.size
     for _ in range(_MOST_ROUNDS):
-        steps = [rows.of_step(factor, X, k, len(constants)) for k, rows in enumerate(every)]
-        found = estimate(
+        steps = [rows.of_step(factor, X, k, len(constants)) for k, rows in enumerate(step_rows)]
+        step_fit = estimate(
             [
-                TriangularFactor(triangle(whole.R @ step), whole.rows)
-                for rows, step in zip(every, steps, strict=True)
-                for whole in rows.factors
+                TriangularFactor(triangle(power.R @ step), power.rows)
+                for rows, step in zip(step_rows, steps, strict=True)
+                for power in rows.factors
             ]
         )
-        if found.status != "ok":
+        if step_fit.status != "ok":
             return None
-        X, size = found.solution[:p], float(found.solution[p])
+        X, size = step_fit.solution[:p], float(step_fit.solution[p])
         factor += size
         if abs(size) < _SETTLED * abs(factor):
             break
 
     def deviation() -> float:
-        last = [rows.combined(step) for rows, step in zip(every, steps, strict=True)]
-        correlated = corrected_covariance_of_blocks(lambda: blocks_of(last), found)
+        last = [rows.combined(step) for rows, step in zip(step_rows, steps, strict=True)]
+        correlated = corrected_covariance_of_blocks(lambda: blocks_of(last), step_fit)
         return float(correlated.standard_deviations[p])
 
-    remaining = float(np.sqrt(np.mean(found.residual_norm**2 / whole)))
+    remaining = float(np.sqrt(np.mean(step_fit.residual_norm**2 / power)))
     return _Filter(factor, deviation, remaining, X)
 
 

@@ -18,7 +18,7 @@ _LAWS = {"Coulomb friction": "CoulombFriction", "viscous friction": "ViscousFric
 """Laws by the names of their courses, as they are declared."""
 
 
-def missing_friction(tests: ColumnTests, found: Identification, timing: Timing | None) -> str:
+def missing_friction(tests: ColumnTests, result: Identification, timing: Timing | None) -> str:
     """Statement on a friction law that the model lacks, where it explains more than a delay; empty without one.
 
     It does so where it moves parameters beyond their intervals. Friction without its law looks like a late force, as
@@ -32,7 +32,7 @@ def missing_friction(tests: ColumnTests, found: Identification, timing: Timing |
     if not any(tests.model.sliding):
         courses["Coulomb friction"] = [direction(v) for v in speeds]
     shares = {}
-    for law, (column, outside, moves) in zip(courses, _beside(tests, found, courses.values()), strict=True):
+    for law, (column, outside, moves) in zip(courses, _beside(tests, result, courses.values()), strict=True):
         is_lacking = column.factor > 0.0 and outside > CRITERIA.independent  # friction takes power
         if is_lacking and moves and column.share > max(CRITERIA.friction_shape, by_delay):
             shares[law] = column.share
@@ -45,7 +45,7 @@ def missing_friction(tests: ColumnTests, found: Identification, timing: Timing |
     )
 
 
-def friction_shape(tests: ColumnTests, found: Identification) -> str:
+def friction_shape(tests: ColumnTests, result: Identification) -> str:
     """Statement on friction that varies with the speed, where that moves parameters beyond their intervals.
 
     The columns are friction that decays exponentially with the speed, within two parts of the highest one.
@@ -55,7 +55,7 @@ def friction_shape(tests: ColumnTests, found: Identification) -> str:
     speeds = [speeds_of(part) for part in tests.parts]
     highest = max(float(np.max(np.abs(v))) for v in speeds) or 1.0
     each = [decaying(v, highest) for v in speeds]
-    for column, _, moves in _beside(tests, found, ([one[name] for one in each] for name in each[0])):
+    for column, _, moves in _beside(tests, result, ([decays[name] for decays in each] for name in each[0])):
         if column.share > CRITERIA.friction_shape and moves:
             more = "more" if column.factor > 0 else "less"
             return (
@@ -67,17 +67,17 @@ def friction_shape(tests: ColumnTests, found: Identification) -> str:
 
 
 def _beside(
-    tests: ColumnTests, found: Identification, courses: Iterable[Sequence[FloatArray]]
+    tests: ColumnTests, result: Identification, courses: Iterable[Sequence[FloatArray]]
 ) -> Iterator[tuple[AddedColumn, float, bool]]:
     """Effect of frictions of some courses, the part of each column that the model leaves, and whether it counts.
 
     It counts if it is certain and moves parameters beyond their intervals.
     """
     Z, rest, y = tests.all_rows
-    every = tests.made_by(tests.model.force, *courses)
+    columns = tests.made_by(tests.model.force, *courses)
     certain = tests.certain(rest, CRITERIA.gain_certain)
-    for made, column in zip(every, AddedColumn.of_each(Z, rest, every, y), strict=True):
+    for made, column in zip(columns, AddedColumn.of_each(Z, rest, columns, y), strict=True):
         along = Z.T @ made
         outside = 1.0 - float(along @ along) / max(float(made @ made), np.finfo(float).tiny)
         without = tests.fit.solution - tests.fit.rank.inverse_root @ along * column.factor
-        yield column, outside, column.share > certain and is_beyond_intervals(found, without)
+        yield column, outside, column.share > certain and is_beyond_intervals(result, without)

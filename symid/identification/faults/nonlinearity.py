@@ -103,12 +103,14 @@ class ColumnTests:
         for force in self.model.forces:
             signs = [[np.sign(part.log[force]) for part in self.parts]]
             signs += [[direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
-            both_ways = [one for one in signs if not self._acts_one_way(force, one)]
+            both_ways = [
+                sign_by_part for sign_by_part in signs if not self._acts_one_way(force, sign_by_part)
+            ]
             # without their mean: the force itself holds the residual
-            means = [float(np.mean(np.concatenate(one))) for one in both_ways]
+            means = [float(np.mean(np.concatenate(sign_by_part))) for sign_by_part in both_ways]
             courses = [
-                [part.log[force] * (sign - mean) for part, sign in zip(self.parts, one, strict=True)]
-                for one, mean in zip(both_ways, means, strict=True)
+                [part.log[force] * (sign - mean) for part, sign in zip(self.parts, sign_by_part, strict=True)]
+                for sign_by_part, mean in zip(both_ways, means, strict=True)
             ]
             for column in AddedColumn.of_each(Z, rest, self.made_by(force, *courses), y):
                 if column.share > least and CRITERIA.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
@@ -122,7 +124,7 @@ class ColumnTests:
         """Whether a force hardly acts where one of the signs holds, in the rows that are used."""
         equations = range(len(self.model.output_names))
         used = [np.any([used_samples(part, j) for j in equations], axis=0) for part in self.parts]
-        squares = [np.square(part.log[force]) * one for part, one in zip(self.parts, used, strict=True)]
+        squares = [np.square(part.log[force]) * mask for part, mask in zip(self.parts, used, strict=True)]
         pairs = list(zip(squares, signs, strict=True))
         both = sum(float(square @ np.abs(sign)) for square, sign in pairs)
         apart = abs(sum(float(square @ sign) for square, sign in pairs))
@@ -158,8 +160,8 @@ class ColumnTests:
         if not courses:
             return []
         by_part = [
-            part.made_by(force, *own)
-            for part, own in zip(self.parts, zip(*courses, strict=True), strict=True)
+            part.made_by(force, *course)
+            for part, course in zip(self.parts, zip(*courses, strict=True), strict=True)
         ]
         return [
             np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows])
@@ -192,13 +194,13 @@ class ColumnTests:
         for name in shiftable(self.model):
             if name in self.model.forces:
                 continue
-            own = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
-            gain = AddedColumn.of(Z, rest, np.concatenate(own), y)
+            columns = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
+            gain = AddedColumn.of(Z, rest, np.concatenate(columns), y)
             certain = self.certain(rest, CRITERIA.gain_certain)
             if abs(gain.factor - 1.0) < _FREE:
                 continue  # free parameters multiply all of its terms, and absorb its gain
             is_wrong = gain.share > certain and abs(gain.factor) > CRITERIA.sensor_gain
-            if is_wrong and not self._is_noise(name, np.concatenate(own), Z, rest):
+            if is_wrong and not self._is_noise(name, np.concatenate(columns), Z, rest):
                 return (
                     f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
                     "correct its unit, sign or gain (`units`, `gains`)"
@@ -212,7 +214,7 @@ class ColumnTests:
         that the sensor seems too large where its column holds little else (errors in variables).
         """
         along = np.linalg.lstsq(Z, column, rcond=None)[0]
-        own = column - Z @ along
+        outside = column - Z @ along
         error = np.append(self.fit.solution, -1.0)  # the residual is -[W, y] error
         of_model = np.append(self.fit.rank.inverse_root @ along, 0.0)
         in_column, in_both = 0.0, 0.0
@@ -225,11 +227,11 @@ class ColumnTests:
                 kept = of_model + (error if signal == name else 0.0)  # own is -[W, y] kept
                 in_column += float(np.einsum("j,a,jab,b->", rows, kept, noise, kept))
                 in_both += float(np.einsum("j,a,jab,b->", rows, kept, noise, error))
-        power, taken = float(own @ own), float(own @ residual) - in_both
+        power, explained = float(outside @ outside), float(outside @ residual) - in_both
         certain = self.certain(residual, CRITERIA.gain_beyond_noise)
-        is_small = abs(taken) <= CRITERIA.sensor_gain * (power - in_column)
+        is_small = abs(explained) <= CRITERIA.sensor_gain * (power - in_column)
         is_little = power < in_column  # beyond the model the sensor holds nothing but noise
-        return is_small or is_little or taken**2 <= certain * power * float(residual @ residual)
+        return is_small or is_little or explained**2 <= certain * power * float(residual @ residual)
 
     def certain(self, residual: FloatArray, deviations: float) -> float:
         """Part of the residual's power that a column takes away whose parameter is a number of deviations from 0."""
@@ -257,17 +259,17 @@ class ColumnTests:
         return np.asarray(weight * (y[j] - W[j] @ self.fit.solution)[part.observation.valid[j]])
 
 
-def _joined(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _joined(rows: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Columns, residual and prediction of rows of several equations and parts."""
     Z, rest, y = (
-        np.concatenate([getattr(r, name) for r in every]) for name in ("Z", "residual", "prediction")
+        np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
     )
     return Z, rest, y
 
 
 def _of_equation(
-    every: Sequence[WhitenedRows], equation: int
+    all_rows: Sequence[WhitenedRows], equation: int
 ) -> tuple[list[WhitenedRows], FloatArray, FloatArray, FloatArray]:
     """Rows of an equation by part, and of all parts together columns, residual and prediction."""
-    rows = [r for r in every if r.equation == equation]
+    rows = [r for r in all_rows if r.equation == equation]
     return rows, *_joined(rows)

@@ -165,13 +165,13 @@ def _rows_near(part: Excerpt, samples: BoolArray) -> BoolArray:
 
 def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> str:
     """Statement on a window of an equation whose residual is as large as its output; empty without one."""
-    found = np.concatenate([_windows(part, fit, equation) for part in parts])
-    if len(found) < _LEAST_WINDOWS:
+    windows = np.concatenate([_windows(part, fit, equation) for part in parts])
+    if len(windows) < _LEAST_WINDOWS:
         return ""
-    residual, output, predicted, time = found.T
+    residual, output, predicted, time = windows.T
     worst, usual = int(np.argmax(residual)), float(np.median(residual))
     many, size = (
-        len(found) >= _WINDOWS // 2,
+        len(windows) >= _WINDOWS // 2,
         max(output[worst], predicted[worst], float(np.sqrt(np.mean(output**2)))),
     )
     if many and residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * size:
@@ -202,5 +202,5 @@ def _windows(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
         np.sqrt(np.sum(np.where(valid, x.reshape(n, size), 0.0) ** 2, axis=1) / np.maximum(counts, 1))
         for x in (y - predicted, y, predicted)
     ]
-    found = np.stack([*rms, seen.time[: n * size : size]], axis=1)
-    return np.asarray(found[counts >= _LEAST_ROWS // 2])
+    windows = np.stack([*rms, seen.time[: n * size : size]], axis=1)
+    return np.asarray(windows[counts >= _LEAST_ROWS // 2])

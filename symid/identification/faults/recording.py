@@ -138,8 +138,8 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
         odd = np.abs(mover[spans[:, 1]] - mover[spans[:, 0]]) > 0.25 * pace
         if not is_noise or np.mean(rough[1:] * rough[:-1] < 0.0) < _ROUGH:
             odd &= [_bends(mover, *span) for span in spans]
-    found = int(np.count_nonzero(inside & odd))
-    return found if found >= FEWEST_LOST else 0
+    count = int(np.count_nonzero(inside & odd))
+    return count if count >= FEWEST_LOST else 0
 
 
 def _bends(mover: FloatArray, start: int, stop: int) -> bool:
@@ -209,11 +209,11 @@ def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares)
         return ""
     laws = {parameter for _, parameter in model.law_columns}
     units = list(model.minimal_units.items())
-    own = model.output_units[0] if model.output_units else ""
+    output_unit = model.output_units[0] if model.output_units else ""
     for j in sorted(laws):
         name, unit = units[j]
         level = abs(float(fit.solution[j]))
-        if unit == own and step / 2 > CRITERIA.step_share * level:
+        if unit == output_unit and step / 2 > CRITERIA.step_share * level:
             return (
                 f"{force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the "
                 f"friction {name}: record it with more digits"

@@ -32,41 +32,41 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
         if not all(signal in part.log.signals for part in parts for signal in used):
             continue
         pairs = [_compared(model, part, name, terms) for part in parts]
-        own, other = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
-        crossed, power = float(own @ other), max(float(own @ own), 1e-300)
-        low, high = sorted((crossed / max(float(other @ other), 1e-300), power / (crossed or 1e-300)))
-        what = " + ".join(f"derivative {order} of {signal}" for signal, order, _ in terms)
+        reading, expected = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
+        crossed, power = float(reading @ expected), max(float(reading @ reading), 1e-300)
+        low, high = sorted((crossed / max(float(expected @ expected), 1e-300), power / (crossed or 1e-300)))
+        source = " + ".join(f"derivative {order} of {signal}" for signal, order, _ in terms)
         if low > 1.0 + CRITERIA.gain or high < 1.0 - CRITERIA.gain or crossed <= 0.0:
             return (
                 f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
-                f"({what}): correct its unit, sign or gain (`units`, `gains`)"
+                f"({source}): correct its unit, sign or gain (`units`, `gains`)"
             )
-        if late := _samples_late(own, other):
+        if late := _samples_late(reading, expected):
             shift = f"{1e3 * abs(late) * parts[0].log.sampling_period:.3g} ms {'later' if late > 0 else 'earlier'}"
             return (
-                f"{name} is {shift} than what other sensors say ({what}): correct the time of one of them (`late`), "
+                f"{name} is {shift} than what other sensors say ({source}): correct the time of one of them (`late`), "
                 "or leave one out of `measured`"
             )
-        differs = float(np.sqrt(np.sum((own - other) ** 2) / power))
-        noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * own.size / power)
+        differs = float(np.sqrt(np.sum((reading - expected) ** 2) / power))
+        noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * reading.size / power)
         if differs > max(CRITERIA.worst_fit, CRITERIA.noise_explains * float(noise)):
             return (
-                f"{name} differs from what other sensors say ({what}) by {100 * differs:.3g} %, more than noise does: "
-                "one of them is late or damaged; correct its time (`late`), or leave it out of `measured`"
+                f"{name} differs from what other sensors say ({source}) by {100 * differs:.3g} %, more than noise "
+                "does: one of them is late or damaged; correct its time (`late`), or leave it out of `measured`"
             )
     return ""
 
 
-def _samples_late(own: FloatArray, other: FloatArray) -> float:
+def _samples_late(reading: FloatArray, expected: FloatArray) -> float:
     """Samples by which a signal is later than what it should be; 0 if that does not explain most of the difference."""
-    late, places = 0.0, np.arange(own.size)
+    delay, places = 0.0, np.arange(reading.size)
     for _ in range(_ROUNDS):
-        moved = np.interp(places - late, places, other)
-        slope, differs = np.gradient(moved), own - moved
-        late -= float(slope @ differs) / max(float(slope @ slope), 1e-300)
-    left = float(np.sum((own - np.interp(places - late, places, other)) ** 2))
-    is_late = abs(late) > _LEAST_LATE and left < _LEFT * float(np.sum((own - other) ** 2))
-    return late if is_late else 0.0
+        moved = np.interp(places - delay, places, expected)
+        slope, differs = np.gradient(moved), reading - moved
+        delay -= float(slope @ differs) / max(float(slope @ slope), 1e-300)
+    left = float(np.sum((reading - np.interp(places - delay, places, expected)) ** 2))
+    is_late = abs(delay) > _LEAST_LATE and left < _LEFT * float(np.sum((reading - expected) ** 2))
+    return delay if is_late else 0.0
 
 
 def high_pass_of(model: GeneratedModel, parts: Sequence[Excerpt], name: str) -> tuple[float, float] | None:
@@ -74,15 +74,15 @@ def high_pass_of(model: GeneratedModel, parts: Sequence[Excerpt], name: str) -> 
 
     A signal x behind it was x + corner * (integral of x), up to a constant.
     """
-    terms = next((terms for own, terms in model.redundant if own == name), None)
+    terms = next((terms for reading, terms in model.redundant if reading == name), None)
     if terms is None or not all(signal in part.log.signals for part in parts for signal, _, _ in terms):
         return None
     blocks = []
     for k, part in enumerate(parts):
-        own, other = _compared(model, part, name, terms)
+        reading, expected = _compared(model, part, name, terms)
         thin = slice(None, None, part.observation.preparation.decimation or 1)
-        sums = running_integral(own, part.log.sampling_period)
-        W, y = np.column_stack([sums, np.ones_like(own)])[thin], (other - own)[thin]
+        sums = running_integral(reading, part.log.sampling_period)
+        W, y = np.column_stack([sums, np.ones_like(reading)])[thin], (expected - reading)[thin]
         blocks.append(ObservationBlock(W[None], y[None], np.ones((1, y.size), dtype=bool), equation=k))
     fit = estimate_of(blocks)
     if fit.status != "ok":

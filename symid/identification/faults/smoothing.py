@@ -101,8 +101,8 @@ def updated_every(x: FloatArray) -> tuple[int, int]:
     changes = np.flatnonzero(steps) + 1
     if not _FEWEST_JUMPS <= changes.size <= (1.0 - _REPEATED) * x.size:
         return 1, 0
-    own = steps[changes - 1]
-    if changes.size < _FEWEST_CHANGES and float(np.median(own)) < _JUMP * float(own.min()):
+    sizes = steps[changes - 1]
+    if changes.size < _FEWEST_CHANGES and float(np.median(sizes)) < _JUMP * float(sizes.min()):
         return 1, 0
     for n in reversed(SPACINGS):
         places = np.bincount(changes % n, minlength=n)

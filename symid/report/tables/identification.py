@@ -29,6 +29,7 @@ def identification_record(
     allows for its correlation, ``deviation`` also for scatter between parts of the logs and for ``bias``, the expected
     systematic error. ``bias_dominates`` names parameters whose bias exceeds a tenth of the corrected deviation.
     """
+    covariance = result.covariance
     record: dict[str, Any] = {
         "axis": result.model.axis,
         "measured": list(result.model.measured),
@@ -75,7 +76,6 @@ def identification_record(
 
 
 def _filter(prepared: Preparation) -> dict[str, Any]:
-    covariance = result.covariance
     return {
         "cutoff_hz": prepared.cutoff_hz,
         "order": prepared.order,
