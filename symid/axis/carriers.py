@@ -1,4 +1,4 @@
-"""What the displacement of a body is taken against, beside another body."""
+"""The body against which a displacement between a sliding and a turning body is measured."""
 
 from symid.axis.elements import GROUND, Body, Ground
 
@@ -6,7 +6,8 @@ from symid.axis.elements import GROUND, Body, Ground
 def carrier_of(body: Body | Ground, other: Body | Ground) -> Body | Ground:
     """The sliding body that carries `other`, where that turns and `body` slides; else the ground.
 
-    A nut moves along its screw by what it moves against the column that carries the screw, which feels the thrust.
+    The travel of a nut along its screw is its displacement against the column that carries the screw and feels the
+    thrust.
     """
     if not isinstance(body, Body) or body.turns or not (isinstance(other, Body) and other.turns):
         return GROUND

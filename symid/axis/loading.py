@@ -95,7 +95,7 @@ def load_axis(name_or_path: str) -> Axis:
     if not isinstance(axis, Axis):
         raise SymidError(f"axis file {path.name} defines no axis: end it with axis = Axis(...)")
     if axis.name != path.stem:
-        raise SymidError(f"axis file {path.name} declares the axis {axis.name!r}: name both alike")
+        raise SymidError(f"axis file {path.name} declares the axis {axis.name!r}: give both the same name")
     return axis
 
 

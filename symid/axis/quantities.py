@@ -86,7 +86,7 @@ def unit_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator
         if units.setdefault(name, unit) != unit:
             yield (
                 f"parameter {name!r} is in {units[name]} and in {unit}: elements share a parameter only "
-                "if it is the same quantity, give each its own name"
+                "if it is the same quantity: give each a separate name"
             )
     kinds = {str(force_unit(drives, d.at) / Unit.of(d.unit)) for d in drives if d.unit and not d.constant}
     if len(kinds) > 1:

@@ -165,7 +165,7 @@ def sensor_faults(
         names = {e.name: e for e in elements if isinstance(e, Spring)} | {d.signal: d for d in drives}
         name = read.name if isinstance(read, Spring) else read.signal
         if getattr(names.get(name), "at", None) != read.at:
-            yield f"{label} reads {label_of(read)}, which is not of the axis: declare it there"
+            yield f"{label} reads {label_of(read)}, which is not part of the axis: add it to the elements"
         elif isinstance(read, Spring) and (others := _laws_beside_nonlinear_spring(read, elements)):
             yield (
                 f"{label} reads {label_of(read)}, whose nonlinear law shares its joint with "

@@ -216,7 +216,7 @@ def _joint(made: dict[str, Body], body: str, tag: str, *, held: bool, coulomb: b
 
 
 _COMMENTS = (
-    ("structure = ", "the machine bed, on the ground; it yields by the spring `foundation`"),
+    ("structure = ", "the machine bed, on the ground; held by the spring `foundation`"),
     (
         "motor = ",
         "the driven body; `on=` names the body that carries it, to which its coordinate is relative",

@@ -73,8 +73,8 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
     for element in (*axis.laws, *axis.sensors):
         if not type(element).__module__.startswith("symid.axis."):
             raise SettingError(
-                f"{type(element).__name__} of axis {axis.name!r} is not one of symid's, and an axis file that is "
-                f"written knows no others: copy the file that declares it and add to that"
+                f"{type(element).__name__} of axis {axis.name!r} is not a class of symid, which an axis file "
+                f"that is written cannot use: copy the file that declares it, and edit the copy"
             )
     calls = set(_classes(axis))
     variables = _variables(axis, {*calls, "axis"})
@@ -156,7 +156,7 @@ def write_axis(axis: Axis, file: str | Path, summary: str | None = None) -> Axis
     Raises
     ------
     SettingError
-        If the file's name cannot be that of an axis, or a law or sensor is not one of symid's.
+        If the file's name cannot be that of an axis, or a law or sensor is not a class of symid.
     SymidError
         If the file cannot be written.
     """

@@ -82,7 +82,7 @@ def _name_faults(
             yield f"name {name!r} is not usable: letters, digits and underscores, and no ending like _d1"
     for what, given in (("signal", signals), ("command", commands), ("element name", names)):
         for name in _repeated(given):
-            yield f"{what} {name!r} is used more than once: give each its own"
+            yield f"{what} {name!r} is used more than once: give each a separate one"
     for name in sorted({*signals} & {*parameters}):
         yield f"{name!r} names a signal and a parameter: rename one of them"
     for name in sorted({*signals, *parameters, *names}):

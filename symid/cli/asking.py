@@ -78,7 +78,7 @@ def asked_file(log: Path) -> str:
 
     def free(text: str) -> str:
         if Path(text).exists():
-            raise click.UsageError(f"{text} is there: give another name")
+            raise click.UsageError(f"{text} exists: give another name")
         return text
 
     return str(click.prompt("Write the mapping to", default=f"{log.name}.mapping.json", value_proc=free))

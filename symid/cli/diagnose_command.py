@@ -103,9 +103,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         recorded["controller"] = ClosedLoop.with_gains(declared, gains).controller
     simulated = read_log_of(declared, options["simulated"], options) if options["simulated"] else None
     if simulated and len(runs) > 1:
-        raise SettingError(
-            f"--simulated goes with one log of the machine, not with {len(runs)}: give one LOG"
-        )
+        raise SettingError(f"--simulated takes one log of the machine, not {len(runs)}: give one LOG")
     if simulated and nominal:
         raise SettingError("--nominal and --simulated both define the simulation: give one of them")
     limits = named_numbers(options["limits"], "--limit", _LIMITS)

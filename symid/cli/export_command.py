@@ -73,7 +73,7 @@ def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any])
         return target.write(declared, values)
     if options["to"] == "fmu":
         if not options["output"]:
-            raise SettingError("a unit is a file: give its name with -o FILE.fmu")
+            raise SettingError("an FMU is written to a file: give its name with -o FILE.fmu")
         return Exported({}, write_fmu(declared, values, options["output"], 3 if options["fmi"] == "3" else 2))
     identified = _identified(options["parameters"])
     measured = signal_list(options["measured"]) or identified["measured"]

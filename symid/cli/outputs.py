@@ -110,7 +110,7 @@ class SafeCommand(click.Command):
                     other = seen.setdefault(os.path.realpath(output.path), output)
                     if other is not output:
                         raise SettingError(
-                            f"{other.as_given} and {output.as_given} are one file: give each its own"
+                            f"{other.as_given} and {output.as_given} are one file: give each a separate name"
                         )
             inputs = dict(_inputs(self, ctx.params))
             for output in wanted:

@@ -103,7 +103,7 @@ def _source(assigned: Assignment, signal: str, *, must: bool) -> Source | None:
         hint = "map it with" if signal == TIME else "correct"
         raise LogError(
             f"there is no column {column!r} for the {what}{similar(column, assigned.headers)}: "
-            f"{_columns_named(assigned.headers)}, {hint} `columns` {signal}=NAME, or let symid import look at the file"
+            f"{_columns_named(assigned.headers)}, {hint} `columns` {signal}=NAME, or use symid import"
         )
     if signal not in assigned.alternatives:
         return None
@@ -155,7 +155,7 @@ def _position(headers: Sequence[str], column: str) -> int | None:
         positions = [position for position, name in enumerate(names) if name == wanted]
         if len(positions) > 1:
             same = ", ".join(repr(headers[position]) for position in positions)
-            raise LogError(f"column {column!r} is there {len(positions)} times ({same}): rename all but one")
+            raise LogError(f"column {column!r} occurs {len(positions)} times ({same}): rename all but one")
         if positions:
             return positions[0]
     return None

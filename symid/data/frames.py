@@ -73,7 +73,7 @@ def uniform(
             notes.append(f"column {header!r} {column}; left out")
             continue
         if signal in values:
-            raise LogError(f"{source}: two columns are {signal!r}: rename one")
+            raise LogError(f"{source}: two columns are named {signal!r}: rename one")
         unit = (units or {}).get(signal, written)
         try:
             factor = 1.0 if unit is None else _factor(unit, is_time=signal == TIME)
@@ -118,7 +118,9 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
         ) from error
     except nw.exceptions.DuplicateError as error:
         repeated = {str(name) for name in table.columns if list(table.columns).count(name) > 1}
-        raise LogError(f"{SOURCE}: several columns are {', '.join(sorted(repeated))}: rename them") from error
+        raise LogError(
+            f"{SOURCE}: several columns are named {', '.join(sorted(repeated))}: rename them"
+        ) from error
     return {str(name): column for name, column in zip(native.columns, native.iter_columns(), strict=True)}
 
 
@@ -169,7 +171,7 @@ def _clock(time: FloatArray | None, period: float | None, source: str) -> Clock:
             )
         return Clock(0.0, period)
     if period is not None:
-        raise LogError(f"{source}: there is a column 't': give no sampling period beside it")
+        raise LogError(f"{source}: has a column 't' already: omit the sampling period")
     clock = inspect_clock(time)
     if clock.faults:
         raise LogError(f"{source}: {'; '.join(clock.faults)}")

@@ -170,7 +170,7 @@ def _with_clock(table: Table, sampling_period: float) -> Table:
             headers = tuple(f"{h} (rounded)" if i == place else h for i, h in enumerate(table.headers))
             table = replace(table, headers=headers)
     if TIME in table.headers:
-        raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
+        raise LogError(f"has a column {TIME!r} already: omit the sampling period")
     if not 1e-12 < sampling_period < 1e9:
         raise LogError(f"sampling period {sampling_period:g} s is not possible: give a positive number")
     last = len(table.headers)

@@ -37,7 +37,7 @@ def read_table(
     """Log of the whole of a file, which was opened as a table.
 
     Columns of the signals that the user has named must be usable. They may take `memory` bytes; by default, they and
-    what is made of them must fit in the memory that is free.
+    their rows must fit into the free memory.
     """
     values_of_a_row = len(sources) if memory else max(len(sources), BYTES_OF_A_SAMPLE // 8)
     require_memory(values_of_a_row * (table.n_rows or 0), memory)
@@ -125,7 +125,7 @@ def positions_of(expected: Mapping[str, Unit], signals: Collection[str]) -> list
 
 
 def converted(column: FloatArray, factor: float) -> FloatArray:
-    """A column as it is or, if its unit is another, a copy in SI; what leaves the range is reported as not finite."""
+    """A column in SI: itself if the factor is 1, else a copy. An overflow is infinite, and a later check reports it."""
     with np.errstate(over="ignore"):
         return column if factor == 1.0 else factor * column
 
@@ -156,7 +156,7 @@ def _read(
     time = values[TIME]
     if not table.clocks and time.size > 1 and np.isfinite(time).all() and np.all(time[1:] < time[:-1]):
         values = {signal: x[::-1] for signal, x in values.items()}
-        notes.append("the last row comes first: the rows were turned round")
+        notes.append("the times fall: the order of the rows was reversed")
     for signal in set(references) & values.keys():
         x = values[signal]
         there = np.isfinite(x)

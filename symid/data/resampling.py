@@ -67,8 +67,8 @@ def resampled(
         )
     if period * _FASTER < finest:
         raise LogError(
-            f"cannot be resampled to {1 / period:.6g} Hz, above the {1 / finest:.6g} Hz of its fastest signal: samples "
-            "between would pass for readings without noise; give `resample=own` or a lower rate"
+            f"cannot be resampled to {1 / period:.6g} Hz, above the {1 / finest:.6g} Hz of its fastest signal: "
+            "interpolated samples would count as readings without noise; give `resample=own` or a lower rate"
         )
     time: FloatArray = period * np.arange(float(math.floor(count + _EVEN) + 1))
     done = f"resampled to {1 / period:.6g} Hz by cubic splines"
@@ -80,7 +80,7 @@ def resampled(
 
 
 def _phase(written: Sequence[_Written], begin: float, period: float) -> float:
-    """Time after `begin` at which most signals of this period are sampled on average: their values are then kept."""
+    """Offset from `begin` of the instants at which most of the fastest signals are sampled, so that they stay."""
     fastest = [signal for signal in written if not period * _SLOWER < signal.period]
     sizes = [(signal.start, signal.time.size) for signal in fastest]
     most = fastest[sizes.index(max(sizes, key=sizes.count))]
@@ -102,7 +102,7 @@ def known_samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, Flo
 
 @dataclass(frozen=True)
 class _Written:
-    """A signal at the times from its start at which it was written, its usual period, and notes on its clock."""
+    """A signal with its sampling times, counted from the first one, its usual period, and notes on its clock."""
 
     start: float
     time: FloatArray

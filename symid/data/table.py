@@ -20,18 +20,18 @@ _MANY_ROWS = 1_000_000
 
 
 def require_memory(n_values: int, memory: int | None = None) -> None:
-    """Raise LogError if so many 64-bit numbers need more than the given memory; by default, the free memory."""
+    """Raise LogError if `n_values` 64-bit numbers take more than `memory` bytes; by default, more than are free."""
     if not fits_memory(n_values, memory):
         needed, allowed = _VALUE * n_values, _allowed(memory)
         which = "are free" if memory is None else "are allowed (`memory`)"
         raise LogError(
-            f"takes {_size(needed)} of memory where {_size(allowed)} {which}: cut the log, or save it as a CSV or "
+            f"needs {_size(needed)} of memory, but {_size(allowed)} {which}: cut the log, or save it as a CSV or "
             "Parquet file and identify it by wls, which reads blocks"
         )
 
 
 def fits_memory(n_values: int, memory: int | None = None) -> bool:
-    """Whether `require_memory` accepts so many numbers."""
+    """Whether `n_values` numbers fit into `memory`, as `require_memory` judges it."""
     return _VALUE * n_values <= _allowed(memory)
 
 

@@ -86,7 +86,7 @@ def write_fmu(
     exported = c_source(model, values)
     if sys.platform not in _LIBRARIES:
         raise SettingError(
-            f"no unit can be made on {sys.platform}: export to C and compile the sources there"
+            f"FMUs cannot be built on {sys.platform}: export to C and compile the sources there"
         )
     with tempfile.TemporaryDirectory() as place:
         sources = Path(place)
@@ -120,7 +120,7 @@ def _binaries(source: Path, name: str) -> dict[str, Path]:
     compiler = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)
     if compiler is None:
         raise SettingError(
-            "a unit needs a C compiler, and none is on the path: install gcc or clang, or take `to=c`"
+            "an FMU needs a C compiler, and none is on the path: install gcc or clang, or take `to=c`"
         )
     folder, suffix = _LIBRARIES[sys.platform]
     built = {folder: source.parent / f"{name}{suffix}"}
@@ -138,7 +138,7 @@ def _compile(source: Path, library: Path, compiler: Sequence[str]) -> None:
     done = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
     if done.returncode:
         message = next(iter(done.stderr.splitlines()), "no message")
-        raise SettingError(f"{' '.join(compiler)} cannot compile the unit: {message}")
+        raise SettingError(f"{' '.join(compiler)} cannot compile the FMU: {message}")
 
 
 def _description(axis: Axis, values: Mapping[str, float], fmi: FmiVersion) -> str:

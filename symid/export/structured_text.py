@@ -159,7 +159,7 @@ def _outputs(axis: Axis) -> Iterator[str]:
     yield f"force : LREAL; (* {unit} *)"
     yield f"friction : LREAL; (* its part that depends on the speed, {unit} *)"
     if drive.command:
-        yield f"command : LREAL; (* {drive.command}, what the drive takes for this force *)"
+        yield f"command : LREAL; (* {drive.command}, the command of the drive for this force *)"
 
 
 def _number(value: float) -> str:

@@ -85,7 +85,7 @@ def read_rows(file: Path) -> list[Row]:
     """Rows of a file written by `write_table`, none if it does not exist; SettingError if it has other contents."""
     if not file.exists():
         return []
-    nothing = SettingError(f"{file}: is there but holds no results: give another file, or remove it")
+    nothing = SettingError(f"{file}: exists but holds no results: give another file, or remove it")
     try:
         frame = read_results(file)
     except SettingError as error:

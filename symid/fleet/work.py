@@ -130,7 +130,9 @@ def _axis_of(axes: tuple[FleetAxis, ...], log: str) -> FleetAxis:
         if axis.is_held_in(columns):
             return axis
     names = ", ".join(axis.axis.name for axis in axes)
-    raise LogError(f"holds force and a sensor of none of {names}: name columns with `columns` SIGNAL=NAME")
+    raise LogError(
+        f"does not hold the force and a sensor of any of {names}: name columns with `columns` SIGNAL=NAME"
+    )
 
 
 def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:

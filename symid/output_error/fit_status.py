@@ -61,7 +61,7 @@ def verdict_of(
     if below := [name for name in negative_parameters(result.model, values) if name not in absent]:
         return (
             "not_physical",
-            f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
+            f"{', '.join(below)} are negative: the model, the timing or the log does not fit",
         )
     if doubt := _hidden_friction_remark(result):
         return "poor_fit", doubt
@@ -105,7 +105,8 @@ def fault_of(result: OutputErrorIdentification, regression: Identification) -> S
     """The fault of a log that least squares found, if it holds for output error too.
 
     A delay is estimated with the parameters; a lag or a drifting clock is not, and biases the parameters beside white
-    innovations too. What is not physical is a fault where samples are dense, so that their derivatives are right.
+    innovations too. Parameters that are not physical are a fault where samples are dense enough for accurate
+    derivatives.
     """
     if regression.status == "timing":
         delay = regression.timing.statement if regression.timing is not None else ""
@@ -203,8 +204,8 @@ def _log_remark(alone: Sequence[OutputErrorIdentification]) -> str:
 def _regression_remark(result: OutputErrorIdentification, regression: Identification | None) -> str:
     """Remark on parameters that differ from those of a least-squares fit without a fault.
 
-    What the model lacks need not be in their deviations: it moves both. Where samples are sparse, a fit with a negative
-    mass or stiffness says nothing: its deviations hold at a place that no machine has.
+    Effects that the model lacks move both results, and need not be in their deviations. Where samples are sparse, a fit
+    with a negative mass or stiffness is not compared: its deviations hold for values that no machine has.
     """
     if regression is None or regression.status not in ("ok", "undetermined"):
         return ""

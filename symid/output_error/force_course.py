@@ -40,7 +40,7 @@ def force_between(
 def _rate(force: FloatArray) -> FloatArray:
     """Change of a force from sample to sample, without its white noise (Wiener's filter).
 
-    Noise in the derivative would count as knowledge of the timing, and pull the estimate towards no delay.
+    Noise in the derivative would count as information on the timing, and bias the delay towards zero.
 
     >>> k = np.arange(4000)
     >>> noise = np.random.default_rng(0).standard_normal(k.size)

@@ -1,8 +1,8 @@
 """Parameters by maximum likelihood on the exactly sampled axis: no derivatives of signals, no filter to choose.
 
-The model predicts each reading from all earlier ones (`PredictionError`); parameters and noise ratios are those whose
-innovations are least. Starts are tried with the modes of the axis at several frequencies below the Nyquist frequency:
-a mode above it has an alias below that fits a sampled log as well.
+The model predicts each reading from all earlier ones (`PredictionError`); parameters and noise ratios minimise the
+innovations. Starts are tried with the modes of the axis at several frequencies below the Nyquist frequency: a mode
+above it has an alias below that fits a sampled log as well.
 """
 
 import math
@@ -72,7 +72,7 @@ class LikelihoodFit:
 
     @cached_property
     def change(self) -> Change | None:
-        """The span of the logs whose own parameters take most from the innovations."""
+        """The span of the logs that separate parameters improve most."""
         return greatest_change(self.parts, self.linear.solution, self.linear.rank.inverse_root)
 
     @property

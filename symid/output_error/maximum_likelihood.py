@@ -21,7 +21,7 @@ from symid.simulation import ClosedLoop, ForwardDynamics, feedthrough_of, forwar
 
 _OPEN = "not_converged", "not_physical", "undetermined"
 """Statuses whose cause least squares may know, such as a wrong sign or a law that is missing."""
-_MAY_LACK = "the model may lack what moves them so far: see what `symid diagnose` finds"
+_MAY_LACK = "the model may lack an effect that moves them: run `symid diagnose`"
 
 
 def identify_output_error(
@@ -172,9 +172,9 @@ class _Judge:
     def _in_time(
         self, result: OutputErrorIdentification, regression: Identification | None
     ) -> Identification | None:
-        """Least squares, or that with the hold or the delay of the force that output error found, where that fits it.
+        """Least squares, with the timing of the force that output error found where that leads to a clearer status.
 
-        A delay makes parameters negative there that are not, and hides what else does not fit.
+        An ignored delay makes parameters negative in least squares, and hides other faults.
         """
         course = result.comparison.force
         if regression is None or regression.status == "ok" or result.fit is None or course == "simulated":

@@ -59,7 +59,7 @@ class RunError(Protocol):
     def prediction(
         self, log: Log, parameters: Mapping[str, float], nuisance: FloatArray
     ) -> OutputErrorPrediction:
-        """Readings of a run's log and what of them was not predicted."""
+        """Readings of a run's log and their prediction errors."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -54,7 +54,7 @@ class Measurement:
 
     @property
     def in_equations(self) -> tuple[str, ...]:
-        """Repeated sensors that say something of a gain or an offset, of their own or of the basis."""
+        """Repeated sensors that determine a gain or an offset: their own, or one of the basis."""
         scaled = {i for i, function in enumerate(self.basis) if function.is_scaled}
         return tuple(r.signal for r in self.repeated if r.is_scaled or scaled & r.combination.keys())
 

@@ -216,8 +216,8 @@ def _without_constant(function: ParameterFunction, known: Mapping[int, Any]) -> 
 def _unit(j: int, basis: Sequence[ParameterFunction], rows: Sequence[_Row], axis: Axis) -> Unit:
     """Unit of basis function j: that of an output over its column there.
 
-    Its own factors do not tell it where it holds ratios, as J + r^2 M does. They do for a physical parameter, and for
-    a column in which numbers have units, such as the derivative of a cogging.
+    Where the function holds ratios, as J + r^2 M does, the units of its factors do not determine its own. They do for a
+    physical parameter, and for a column in which numbers have units, such as the derivative of a cogging.
     """
     function, signals = basis[j], axis.signal_units
     if not function.is_parameter:
@@ -267,7 +267,7 @@ def unit_of(expression: sp.Expr, signals: Mapping[str, Unit]) -> Unit | None:
         case sp.Abs():
             return unit_of(expression.args[0], signals)
         case sp.Add():
-            # Ratios and gravity have units that are not given: terms without them tell.
+            # The units of ratios and of gravity are not known here: a term without them determines the unit.
             plain = [term for term in expression.args if _holds_signals_only(term, signals)]
             units = {unit_of(term, signals) for term in plain}
             return units.pop() if len(units) == 1 else None

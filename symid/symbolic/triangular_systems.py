@@ -83,7 +83,7 @@ def triangular_solution(
 
 @dataclass(frozen=True, eq=False)
 class _HeldEquation:
-    """An equation polynomial = 0, and what is asked of it at every step."""
+    """An equation polynomial = 0, with the properties by which each step is chosen, computed once."""
 
     polynomial: Any
     unknowns: int
@@ -109,7 +109,7 @@ class _HeldEquation:
 
     @cached_property
     def linear(self) -> list[tuple[bool, int, int, int, int]]:
-        """Unknowns in which it is linear, after what a step costs; its denominator should be short, best known."""
+        """Unknowns in which it is linear, each after the cost of its step: a short, known denominator is cheapest."""
         costs = []
         for unknown in (unknown for unknown, degree in self.held.items() if degree == 1):
             leading = [monomial for monomial in self.monomials if monomial[unknown]]

@@ -75,7 +75,7 @@ def test_the_working_folder_s_models_come_first(tmp_path: Path, monkeypatch: pyt
         ("import no_such_module", "axis file mine.py cannot be run: ModuleNotFoundError"),
         ("x = 1", "axis file mine.py defines no axis: end it with axis = Axis(...)"),
         ("axis = 'mine'", "axis file mine.py defines no axis"),
-        (SOUND.format(name="other"), "axis file mine.py declares the axis 'other': name both alike"),
+        (SOUND.format(name="other"), "axis file mine.py declares the axis 'other': give both the same name"),
     ],
 )
 def test_a_file_that_declares_no_sound_axis_is_refused_in_one_line(

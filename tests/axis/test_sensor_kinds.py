@@ -90,14 +90,16 @@ def test_a_kind_of_another_quantity_is_one_class() -> None:
     assert 'id="sensor cell"' in schematic_svg(new)
     assert mjcf(new, VALUES).text == mjcf(known, VALUES).text
     other = Spring("other", MOTOR, stiffness="K2")
-    with pytest.raises(DeclarationError, match="sensor 't' reads Spring 'other', which is not of the axis"):
+    with pytest.raises(
+        DeclarationError, match="sensor 't' reads Spring 'other', which is not part of the axis"
+    ):
         celled((Position("qm", MOTOR), Tension("t", other)))
 
 
 def test_an_axis_file_cannot_be_written_with_a_kind_that_symid_does_not_have() -> None:
     axis = load_axis("rigid_1m")
     foreign = replace(axis, sensors=(*axis.sensors, Gyroscope("v", axis.bodies[0])))
-    with pytest.raises(SettingError, match="Gyroscope of axis 'rigid_1m' is not one of symid's"):
+    with pytest.raises(SettingError, match="Gyroscope of axis 'rigid_1m' is not a class of symid"):
         axis_source(foreign)
 
 
@@ -112,7 +114,9 @@ def test_force_sensors_are_declared_of_elements_of_their_axis() -> None:
     assert 'id="sensor cell"' in schematic_svg(axis)
     assert (str(axis.signal_units["cell"]), axis.sensors[2].quantity) == ("N", "force")
     other = Spring("other", MOTOR, stiffness="K2")
-    with pytest.raises(DeclarationError, match="sensor 'f' reads Spring 'other', which is not of the axis"):
+    with pytest.raises(
+        DeclarationError, match="sensor 'f' reads Spring 'other', which is not part of the axis"
+    ):
         celled((Position("qm", MOTOR), Force("f", other)))
     current = Drive("iq", MOTOR, unit="A")
     with pytest.raises(DeclarationError, match="a drive is in another unit"):

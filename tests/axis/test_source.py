@@ -159,7 +159,7 @@ class OwnLaw(Law):
 
 def test_a_law_of_the_user_s_own_is_refused() -> None:
     axis = load_axis("rigid_1m")
-    with pytest.raises(SettingError, match="OwnLaw of axis 'rigid_1m' is not one of symid's"):
+    with pytest.raises(SettingError, match="OwnLaw of axis 'rigid_1m' is not a class of symid"):
         axis_source(axis.with_effect(OwnLaw(axis.bodies[0], "dF")))
 
 

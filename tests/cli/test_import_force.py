@@ -27,7 +27,7 @@ def imported(columns: Mapping[str, np.ndarray], *options: str) -> dict[str, Any]
     [
         ("Set torque [N]", [], "F is a command: no column seems to be a measured force"),
         ("TCMD[%]", ["--gain", "F=0.1"], "F is a command"),
-        ("IL.FB (Arms)", ["--gain", "F=10"], "its unit is written, Arms"),
+        ("IL.FB (Arms)", ["--gain", "F=10"], "its unit is stated: Arms"),
     ],
 )
 def test_the_only_force_is_taken_though_it_is_a_command(

@@ -37,7 +37,7 @@ def test_rows_count_and_not_bytes(small_file: Path, monkeypatch: pytest.MonkeyPa
 
 
 def test_a_log_that_must_be_whole_is_refused(small_file: Path) -> None:
-    with pytest.raises(LogError, match=r"takes 7\.2 MB of memory where 1 MB are allowed"):
+    with pytest.raises(LogError, match=r"needs 7\.2 MB of memory, but 1 MB are allowed"):
         open_log(small_file, expected=EXPECTED, memory=1_000_000, whole=True)
 
 

@@ -188,7 +188,7 @@ def test_rows_of_which_the_last_comes_first_are_turned_round(tmp_path: Path, res
     file.write_text("\n".join([head, *reversed(rows)]))
     log = read_log(file, expected=EXPECTED, resample=resample)
     assert log.n_samples == T.size
-    assert "the last row comes first: the rows were turned round" in log.notes
+    assert "the times fall: the order of the rows was reversed" in log.notes
     assert log["q"] == pytest.approx(Q, abs=1e-5)
 
 

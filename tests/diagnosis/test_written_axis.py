@@ -190,7 +190,7 @@ def test_exports_say_what_they_lack_and_the_regressor_passes_it_over() -> None:
     model = derive(axis, ("q",))
     assert str(model) == str(derive(RIGID, ("q",)))
     assumptions = derivation_record(model)["assumptions"]
-    assert "ActuatorLag is passed over by the regressor, simulated only: 0.004 s f(1) + f = F" in assumptions
+    assert "ActuatorLag is not in the regressor, simulated only: 0.004 s f(1) + f = F" in assumptions
     (lost,) = [loss for loss in mjcf(axis, VALUES).losses if "left out: " in loss]
     assert lost.startswith("PreslidingFriction: MuJoCo has no such element; left out: 12 (z - sign(v))")
     assert not any("left out: " in loss for loss in c_source(model, VALUES).losses)

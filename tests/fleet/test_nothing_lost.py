@@ -39,7 +39,7 @@ def test_each_former_table_is_kept(logs: Path) -> None:
 def test_a_recording_is_no_second_table(logs: Path) -> None:
     write_log(Path("recording.csv"), 5)
     before = Path("recording.csv").read_bytes()
-    with pytest.raises(SettingError, match=r"recording\.csv: is there but holds no results"):
+    with pytest.raises(SettingError, match=r"recording\.csv: exists but holds no results"):
         identify_batch("rigid_1m", logs, output=["r.parquet", "recording.csv"], jobs=1)
     assert Path("recording.csv").read_bytes() == before
 

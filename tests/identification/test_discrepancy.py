@@ -101,7 +101,7 @@ def test_what_is_not_determined_for_a_lacking_effect_is_not_to_be_excited_more()
     lacking = Discrepancy("cogging", 2.0 * found.fit.solution[None], np.zeros((3, 3)))
     wider = with_discrepancies(found, (lacking,))
     assert (found.status, wider.status) == ("ok", "undetermined")
-    assert "the model may lack what moves them so far (cogging)" in wider.message
+    assert "the model may lack an effect that moves them (cogging)" in wider.message
 
 
 def test_a_change_between_bands_counts_beyond_its_noise_alone():

@@ -209,7 +209,7 @@ def test_friction_beside_the_drive_is_differentiated_with_it() -> None:
 
 @pytest.mark.parametrize(
     ("log", "words"),
-    [(flexible(unit=1 / 9.81), "times what other sensors say"), (flexible(late=30), "ddq1 acts as if")],
+    [(flexible(unit=1 / 9.81), "times the reading of other sensors"), (flexible(late=30), "ddq1 acts as if")],
 )
 def test_sensors_are_compared(log: Log, words: str) -> None:
     model = load_generated("direct_2m1s", ("q2", "ddq1", "ddq2"))

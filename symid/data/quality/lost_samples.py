@@ -105,9 +105,8 @@ def repeated(x: FloatArray) -> BoolArray:
 def step_of(x: FloatArray) -> float:
     """Smallest step of a channel of few values, or of whole counts; 0 for one whose values all differ.
 
-    Of few values, some come again among every sixteenth sample too: only then, or where those are whole counts apart,
-    are all of them sorted. A short log of counts, or one of an encoder that turns fast, has few values that come again,
-    but each is a whole number of steps from the others.
+    A long channel is sorted only if values recur among every sixteenth sample, or if those are whole counts apart. In a
+    short log of counts, or one of a fast encoder, few values recur, but all of them are whole steps apart.
 
     >>> counts, fast = (np.round(x * np.sin(np.arange(300) / 40)) for x in (200, 2000))
     >>> step_of(counts), step_of(fast), step_of(fast + 1e-3 * np.random.default_rng(0).standard_normal(300))
@@ -126,7 +125,7 @@ def step_of(x: FloatArray) -> float:
 def _whole(gaps: FloatArray) -> bool:
     """Whether all gaps between values are whole multiples of the smallest one, with few such steps for each value.
 
-    Two gaps are of one size by chance where numbers are few, or steps are many.
+    With few numbers or many steps, gaps are of one size by chance.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # beside the least numbers, gaps count too many
         counts = gaps / gaps.min()

@@ -62,7 +62,7 @@ def inspect_spans(
     """Notes on spans in which a channel is stuck at a value or clipped at the end of its range.
 
     `positions` are the positions and angles among the signals: they rest when the machine rests. The commanded position
-    is evidence that it moves, and not checked itself. No channel has missing values.
+    shows that it moves, and is not checked. No channel has missing values.
     """
     moving = {name: x for name, x in signals.items() if name in positions or name.startswith(REFERENCE)}
     notes = []

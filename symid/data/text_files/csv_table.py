@@ -46,7 +46,7 @@ def open_csv(path: Path) -> Table:
         raise LogError(f"{path}: the first line is empty: it must hold the names of the columns")
     if all(is_number_text(text, comma=True) for text in headers):
         raise LogError(
-            f"{path}: the first line holds numbers: it must hold the names of the columns, or let symid import look"
+            f"{path}: the first line holds numbers: it must hold the names of the columns, or use symid import"
         )
     row = _fields(second, separator)
     if separator == "," and are_pairs([second.strip()], len(headers)):
@@ -68,7 +68,7 @@ def laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable
     skipped = layout.skipped
     if len(lines) <= skipped:
         raise LogError(
-            f"{path}: ends above the values, which the layout places below line {skipped}: correct the layout"
+            f"{path}: ends before the values, which the layout places after line {skipped}: correct the layout"
         )
     of_pairs = layout.separator == layout.decimal
     row = fields(with_points(lines[skipped]) if of_pairs else lines[skipped], layout.separator)

@@ -133,7 +133,7 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
     if written and by_words and (doubt := is_in_doubt(header, written, by_words)):
         return ForeignColumn(header, by_words, None, setpoint, doubt, False, scaled=True)
     if quantity is not None and quantity != "percent":
-        return ForeignColumn(header, quantity, unit, setpoint, f"its unit is written, {written}", True)
+        return ForeignColumn(header, quantity, unit, setpoint, f"its unit is stated: {written}", True)
     is_even = not setpoint and rises_evenly(values)
     if (
         written

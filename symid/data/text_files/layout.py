@@ -224,7 +224,7 @@ def _layout_in(path: Path, content: bytes, encoding: str) -> Layout:
             f"{path}: has fewer than {LEAST_ROWS} consecutive rows of numbers: give a log with samples"
         )
     raise LogError(
-        f"{path}: no columns of numbers below a line of names are found: export it as CSV with one line of names"
+        f"{path}: has no columns of numbers below a line of names: export it as CSV with one line of names"
     )
 
 

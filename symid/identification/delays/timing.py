@@ -104,7 +104,7 @@ class Timing:
         cause = (
             f"if clocks or a hold are the cause, give {self.remedy}{instead}; {others} can look alike"
             if self.may_be_clock
-            else f"a late clock would leave less; {others} can look alike: see what `symid diagnose` finds"
+            else f"a late clock would leave less; {others} can look alike: run `symid diagnose`"
         )
         return (
             f"{self.signal} acts as if {abs(self.samples):.2f} samples ({_microseconds(abs(self.late), 4)} us, "

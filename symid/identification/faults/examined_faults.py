@@ -75,7 +75,7 @@ def rows_per_independent(result: Identification) -> float:
 
 
 def _change_statement(result: Identification, change: Change | None) -> str:
-    """Statement on a span of the logs with other parameters, that distort those of all or explain much."""
+    """Statement on a span of the logs whose parameters differ; empty unless they distort the others or explain much."""
     if change is None:
         return ""
     signed = np.zeros(change.inside.size, dtype=bool)

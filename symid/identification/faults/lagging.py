@@ -119,10 +119,10 @@ def smoothing_by_residual(
 ) -> str:
     """Statement on one of some signals whose fast part was damped without a delay, as a zero-phase filter does.
 
-    Such a filter of squared gain 1 / (1 + (T w)^2) is undone by x - T^2 x''. Where more of x'' is left than taken,
-    the model imitates what a filter did, if next to nothing of the residual remains. A signal without noise beside one
-    with noise was filtered. Then less counts: what this takes from the residual, and half of the change, since of other
-    filters it undoes a part only.
+    A filter of gain 1 / (1 + (T w)^2) is undone by x - T^2 x''. A factor of x'' with the other sign counts if next to
+    nothing of the residual remains: the model then imitates the filter. A signal without noise beside one with noise
+    was filtered in any case; since x'' undoes other filters in part only, a smaller reduction of the residual, and half
+    of the change of the parameters, then count.
     """
     is_late = result.timing is not None and result.timing.is_significant
     is_filtered = not is_late and _is_bare(parts)
@@ -152,7 +152,7 @@ def smoothing_by_residual(
 
 
 def _is_bare(parts: Sequence[Excerpt]) -> bool:
-    """Whether a signal has less noise than any sensor, and another one has not: all of them have none if computed."""
+    """Whether one signal has less noise than any sensor, and another has not: in a computed log, no signal has any."""
     bare = [
         part.noise_of(name) < _BARE * float(np.sqrt(np.mean(part.log[name] ** 2)))
         for part in parts
@@ -197,10 +197,10 @@ def _filtered_before(
     *,
     most: float,
 ) -> _Filter | None:
-    """Factor of rows that a derivative or an integral of a signal makes of each part; None if it is not determined.
+    """Factor of the derivative or the integral of a signal, by its rows in each part; None if it is not determined.
 
-    With `constants` each part has its own, from which an integral starts. None too where any factor leaves more than
-    `most` of the residual.
+    `constants` are the rows of the constant from which an integral starts in each part. None also if every factor
+    leaves more than `most` of the residual.
     """
     before = estimate_of_parts(parts)
     step_rows = [
@@ -239,7 +239,7 @@ def _filtered_before(
 
 @dataclass(frozen=True, eq=False)
 class _StepRows:
-    """Rows of a part, whose columns in each Gauss-Newton step are combinations of few that stay the same."""
+    """Rows of a part: in each Gauss-Newton step, their columns are combinations of a few constant ones."""
 
     observation: Observation
     W: FloatArray  # shape (n_equations, n_rows, n_columns): of the rows, and of what a signal makes, with its y
@@ -255,7 +255,7 @@ class _StepRows:
 
     @property
     def least_squares(self) -> FloatArray:
-        """Sum of squares of the residual of each equation that any combination of its columns leaves at least."""
+        """Smallest sum of squares that any combination of the columns leaves of each equation."""
         return np.array([factor.R[-1, -1] ** 2 for factor in self.factors])
 
     def of_step(self, factor: float, X: FloatArray, part: int, n_constants: int) -> FloatArray:

@@ -21,8 +21,8 @@ _LAWS = {"Coulomb friction": "CoulombFriction", "viscous friction": "ViscousFric
 def missing_friction(tests: ColumnTests, result: Identification, timing: Timing | None) -> str:
     """Statement on a friction law that the model lacks, where it explains more than a delay; empty without one.
 
-    It does so where it moves parameters beyond their intervals. Friction without its law looks like a late force, as
-    both are in phase with the velocity where the motion reverses.
+    It counts if it moves parameters beyond their intervals. Without its law, friction resembles a late force: both are
+    in phase with the velocity where the motion reverses.
     """
     if not has_speeds(tests.model):
         return ""
@@ -41,14 +41,14 @@ def missing_friction(tests: ColumnTests, result: Identification, timing: Timing 
     law = max(shares, key=shares.__getitem__)
     return (
         f"the model lacks {law}, which explains {100 * shares[law]:.0f} % of the residual's power: declare "
-        f"{_LAWS[law]}, and see what `symid diagnose` finds"
+        f"{_LAWS[law]}, and run `symid diagnose`"
     )
 
 
 def friction_shape(tests: ColumnTests, result: Identification) -> str:
     """Statement on friction that varies with the speed, where that moves parameters beyond their intervals.
 
-    The columns are friction that decays exponentially with the speed, within two parts of the highest one.
+    The columns are friction that decays exponentially with the speed, at two rates.
     """
     if not any(tests.model.sliding):
         return ""
@@ -69,7 +69,7 @@ def friction_shape(tests: ColumnTests, result: Identification) -> str:
 def _beside(
     tests: ColumnTests, result: Identification, courses: Iterable[Sequence[FloatArray]]
 ) -> Iterator[tuple[AddedColumn, float, bool]]:
-    """Effect of frictions of some courses, the part of each column that the model leaves, and whether it counts.
+    """Effect of each friction, the share of its column that the model does not explain, and whether it counts.
 
     It counts if it is certain and moves parameters beyond their intervals.
     """

@@ -38,8 +38,8 @@ def lost_mode(model: GeneratedModel, X: FloatArray, around_hz: float) -> str:
     if natural_frequencies(model, X, around_hz).size:
         return ""
     return (
-        "the flexible axis comes out without a mode, its springs are overdamped: a signal was filtered before it was "
-        "recorded, or the mode lies far above what the log shows; record raw signals, and faster motion"
+        "the flexible axis is estimated without a mode, its springs are overdamped: a signal was filtered before it "
+        "was recorded, or the mode lies far above what the log shows; record raw signals, and faster motion"
     )
 
 
@@ -104,7 +104,7 @@ def natural_frequencies(model: GeneratedModel, X: FloatArray, around_hz: float) 
 
 
 _SHARE = 0.1
-"""Part of a sensor's power above it; an accelerometer's noise of 2 % of the rms signal makes 1e-4 of it."""
+"""Share of a sensor's power above `NOISE_FROM`; an accelerometer's noise of 2 % of the rms signal is 1e-4 of it."""
 _COHERENT = 0.8
 """Share of a force's power there that is linear in the sensors, in the median: noise is not."""
 _SEGMENTS, _LONGEST = 16, 1024  # segments at least, and samples of one at most
@@ -113,8 +113,8 @@ _SEGMENTS, _LONGEST = 16, 1024  # segments at least, and samples of one at most
 def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Statement on a sensor with motion up to half the sampling frequency; empty without one.
 
-    A controller makes a force of an encoder's noise, so that the two are coherent up to there in a sound log too: it is
-    the share of the power that decides. As a rule accelerometers show it.
+    A controller turns the noise of an encoder into force, so that both are coherent up to there in a sound log too: the
+    share of the power decides. Mostly accelerometers show it.
     """
     for part in parts:
         length = max(16, min(_LONGEST, part.log.n_samples // _SEGMENTS))
@@ -132,7 +132,7 @@ def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
             if np.median((seen / np.maximum(mean_power(spectra), 1e-300))[upper]) > _COHERENT:
                 return (
                     f"{name} has {100 * shares[name]:.2g} % of its power above 0.7 of half the sampling frequency, and "
-                    f"{force} goes with it: faster motion is folded into the log; record faster, or filter all signals "
+                    f"{force} is coherent with it: faster motion is aliased; record faster, or filter all signals "
                     "alike before sampling"
                 )
     return ""

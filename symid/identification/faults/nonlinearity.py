@@ -1,10 +1,10 @@
 """Tests of the force for nonlinearity, by added columns such as the cube of the prediction.
 
-A force that is clipped, limited softly or wrapped around falls short where the prediction is large. The residual then
-holds a cubic of the prediction (J. B. Ramsey, J. Royal Statistical Society B 31, 1969), less the part that the model
-itself explains. A force that is faster than the cutoff is larger than its prediction: there the cube of the recorded
-force, prepared as the force is, models the missing part. In the same way, a smoothed force does not contain a part of
-its second derivative.
+A clipped, softly limited or wrapped force falls short where the prediction is large. The residual then contains a cubic
+of the prediction (J. B. Ramsey, J. Royal Statistical Society B 31, 1969), less the part that the model itself explains.
+A force that is faster than the cutoff is larger than its prediction: there the cube of the recorded force, prepared as
+the force is, models the missing part. In the same way, a smoothed force does not contain a part of its second
+derivative.
 """
 
 from collections.abc import Sequence
@@ -69,7 +69,7 @@ class ColumnTests:
             if is_curved and abs(cubic.size) > CRITERIA.nonlinear_output:
                 less = "less" if cubic.factor < 0 else "more"
                 return (
-                    f"where {force} is large it is {less} than in proportion to the motion (a cubic explains "
+                    f"where {force} is large it is {less} than proportional to the motion (a cubic explains "
                     f"{100 * cubic.share:.2g} % of the residual's power): it is clipped, limited, or its gain "
                     "changes with it; record with a wider range"
                 )
@@ -115,8 +115,8 @@ class ColumnTests:
             for column in AddedColumn.of_each(Z, rest, self.made_by(force, *courses), y):
                 if column.share > least and CRITERIA.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
                     return (
-                        f"{force} differs by direction from what the motion takes: its gain or the friction is not the "
-                        "same in both; correct the gain, or declare AsymmetricFriction"
+                        f"{force} differs by direction from the force that the motion needs: its gain or the friction "
+                        "is not the same in both; correct the gain, or declare AsymmetricFriction"
                     )
         return ""
 
@@ -131,7 +131,7 @@ class ColumnTests:
         return both - apart < 2 * _ONE_WAY * both
 
     def force_limit(self) -> str:
-        """Statement on a force with a limit, mostly faster than the cutoff; empty for a linear one.
+        """Statement on a force that is limited at frequencies above the cutoff; empty for a linear one.
 
         The cube of the recorded force models the loss by a soft limit. Its sign in the uppermost part of its range
         models the loss by clipping.
@@ -150,13 +150,13 @@ class ColumnTests:
                 is_short = column.factor < -CRITERIA.bent_force * largest
                 if is_short and column.share > share and -column.size > size:
                     return (
-                        f"where {force} is large it is less than in proportion to the motion ({words} "
+                        f"where {force} is large it is less than proportional to the motion ({words} "
                         f"{100 * column.share:.2g} % of the residual's power): it is limited; record with a wider range"
                     )
         return ""
 
     def made_by(self, force: str, *courses: Sequence[FloatArray]) -> list[FloatArray]:
-        """The column that a force of each course, given by part, makes, prepared as the recorded one."""
+        """The column of a force with each of these courses, given by part, prepared as the recorded force is."""
         if not courses:
             return []
         by_part = [
@@ -179,8 +179,8 @@ class ColumnTests:
             certain = self.certain(rest, CRITERIA.gain_certain)
             if drift.share > certain and CRITERIA.gain_drift < abs(drift.factor) < _OTHER_CAUSE:
                 return (
-                    f"{force} changes by {100 * drift.factor:+.2g} % from the start to the end of the log against "
-                    "the demand of the same motion: its gain drifts, or the machine changes; identify the parts "
+                    f"{force} changes by {100 * drift.factor:+.2g} % from the start to the end of the log for "
+                    "the same motion: its gain drifts, or the machine changes; identify the parts "
                     "apart (`trim`)"
                 )
         return ""
@@ -234,7 +234,7 @@ class ColumnTests:
         return is_small or is_little or explained**2 <= certain * power * float(residual @ residual)
 
     def certain(self, residual: FloatArray, deviations: float) -> float:
-        """Part of the residual's power that a column takes away whose parameter is a number of deviations from 0."""
+        """Share of the residual's power that a column explains if its parameter is this number of deviations from 0."""
         ratio = deviations**2 * self.inflation / residual.size
         return ratio / (1.0 + ratio)
 

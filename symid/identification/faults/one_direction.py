@@ -14,10 +14,10 @@ _MOVE = "move in both directions"
 
 
 def one_direction(model: GeneratedModel, parts: Sequence[Excerpt]) -> tuple[str, str]:
-    """Statements on dry friction that another column of the model imitates, and on what it holds otherwise.
+    """Statements on dry friction that another column imitates, and on what its estimate contains otherwise.
 
     Both are empty where the axis moves in both directions. Beside rests, where friction takes any value up to its
-    level, filters leave a course that seems to tell it from a constant force.
+    level, filters leave a transient that seems to distinguish it from a constant force.
     """
     minimal = list(model.minimal_units)
     for equation, column in _dry_friction(model):
@@ -40,7 +40,7 @@ def one_direction(model: GeneratedModel, parts: Sequence[Excerpt]) -> tuple[str,
 
 @lru_cache(maxsize=16)
 def _dry_friction(model: GeneratedModel) -> list[tuple[int, int]]:
-    """Equation and column of the laws that are odd and have no size but their level, as the sign of a speed."""
+    """Equation and column of each law that depends on the direction of the motion alone, as the sign of a speed."""
     once = dict(
         zip(model.signals, np.random.default_rng(0).standard_normal((len(model.signals), 9)), strict=True)
     )

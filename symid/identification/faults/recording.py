@@ -112,10 +112,10 @@ def held_fault(x: FloatArray, name: str, mover: FloatArray | None) -> str:
 
 
 def _held(x: FloatArray, mover: FloatArray | None) -> int:
-    """Spans in which a channel keeps one value, inside its range, though others of its values are hardly ever alike.
+    """Spans in which a channel keeps one value inside its range, while it hardly ever repeats one elsewhere.
 
-    A force counts while the mover moves as usual, if it is noisy or the acceleration changes; a reading without a mover
-    if it jumps at the end of the span as it never does else.
+    A span of a force counts if the mover moves as usual, and the force is noisy or the acceleration changes; a span of
+    a reading counts if it ends with a jump larger than any other.
     """
     step = np.diff(x)
     spans = runs_of_true(step == 0.0)
@@ -200,7 +200,7 @@ def _slew_limited(x: FloatArray) -> float:
 
 
 def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares) -> str:
-    """Whether the force is recorded in steps that friction is not much larger than, nor the error of the fit."""
+    """Statement on a force whose steps are not small against friction and the error of the fit; empty for others."""
     steps = (
         (step_of(log[force]), force) for log in logs for force in model.forces if not is_switched(log[force])
     )

@@ -38,27 +38,27 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
         source = " + ".join(f"derivative {order} of {signal}" for signal, order, _ in terms)
         if low > 1.0 + CRITERIA.gain or high < 1.0 - CRITERIA.gain or crossed <= 0.0:
             return (
-                f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
+                f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times the reading of other sensors "
                 f"({source}): correct its unit, sign or gain (`units`, `gains`)"
             )
         if late := _samples_late(reading, expected):
             shift = f"{1e3 * abs(late) * parts[0].log.sampling_period:.3g} ms {'later' if late > 0 else 'earlier'}"
             return (
-                f"{name} is {shift} than what other sensors say ({source}): correct the time of one of them (`late`), "
-                "or leave one out of `measured`"
+                f"{name} is {shift} than the reading of other sensors ({source}): correct the time of one of them "
+                "(`late`), or leave one out of `measured`"
             )
         differs = float(np.sqrt(np.sum((reading - expected) ** 2) / power))
         noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * reading.size / power)
         if differs > max(CRITERIA.worst_fit, CRITERIA.noise_explains * float(noise)):
             return (
-                f"{name} differs from what other sensors say ({source}) by {100 * differs:.3g} %, more than noise "
-                "does: one of them is late or damaged; correct its time (`late`), or leave it out of `measured`"
+                f"{name} differs from the reading of other sensors ({source}) by {100 * differs:.3g} %, more than "
+                "noise does: one of them is late or damaged; correct its time (`late`), or leave it out of `measured`"
             )
     return ""
 
 
 def _samples_late(reading: FloatArray, expected: FloatArray) -> float:
-    """Samples by which a signal is later than what it should be; 0 if that does not explain most of the difference."""
+    """Samples by which a reading is later than expected; 0 if a delay does not explain most of the difference."""
     delay, places = 0.0, np.arange(reading.size)
     for _ in range(_ROUNDS):
         moved = np.interp(places - delay, places, expected)
@@ -70,9 +70,9 @@ def _samples_late(reading: FloatArray, expected: FloatArray) -> float:
 
 
 def high_pass_of(model: GeneratedModel, parts: Sequence[Excerpt], name: str) -> tuple[float, float] | None:
-    """Corner of a high-pass, rad/s, that a sensor has passed by what others say, and its deviation; None without any.
+    """Corner, rad/s, of the high-pass that a sensor has passed by the others, and its deviation; None without one.
 
-    A signal x behind it was x + corner * (integral of x), up to a constant.
+    Before the high-pass, a signal x was x + corner * (integral of x), up to a constant.
     """
     terms = next((terms for reading, terms in model.redundant if reading == name), None)
     if terms is None or not all(signal in part.log.signals for part in parts for signal, _, _ in terms):

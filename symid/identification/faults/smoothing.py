@@ -26,13 +26,13 @@ _SUCCESSIVE = 0.02
 _FEWEST_CHANGES = 100
 """Fewest changes of a channel that determine its update interval."""
 _FEWEST_JUMPS, _JUMP = 20, 2.0
-"""The same of changes that are mostly so many times the least one: an encoder shows such a motion in between."""
+"""Fewest changes, if most are at least `_JUMP` times the smallest: an encoder would show the motion between them."""
 _STRAIGHT = 0.01
 """Second difference between knots, over the median one at the knots of an interpolation, that counts as straight."""
 _LEAST_STRAIGHT = 0.4
 """Least share of such small second differences in an interpolated signal; 0.45 with every second sample."""
 _DIFFERENCES = (6, 10)
-"""Orders of the differences: lower ones leave more motion than noise of a force, or than that of a fine encoder."""
+"""Orders of the differences: lower ones leave more motion than noise in a force, higher ones are for fine encoders."""
 _USUAL = 3.0
 """Multiple of the median difference at which larger differences are clipped."""
 _SEEN = 16_384
@@ -89,7 +89,7 @@ def uneven_averaging(
 
 
 def updated_every(x: FloatArray) -> tuple[int, int]:
-    """Samples from one update of a channel to the next, and the place of the first; 1 and 0 if all are its own.
+    """Samples from one update of a channel to the next, and the place of the first; 1 and 0 if each sample is one.
 
     >>> x = np.random.default_rng(0).standard_normal(500)
     >>> updated_every(np.repeat(x, 4)[1:]), updated_every(x)
@@ -161,7 +161,7 @@ def interpolated_from(x: FloatArray) -> int:
 def _only_bent_every(curvature: FloatArray) -> int:
     """Largest spacing of the second differences of a signal that are not 0; 0 if it has such ones anywhere.
 
-    Of a coarse reading of slow motion, that was interpolated, most knots are straight too.
+    An interpolated coarse reading of slow motion is straight at most of its knots, too.
     """
     for n in reversed(SPACINGS):
         bends = curvature[: curvature.size // n * n].reshape(-1, n)

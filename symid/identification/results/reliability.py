@@ -106,9 +106,9 @@ def with_discrepancies(found: Identification, discrepancies: tuple[Discrepancy, 
         if named:
             notes += (
                 f"deviations of {', '.join(named)} are mostly what the model may lack: the residual shows {effects}; "
-                "see what `symid diagnose` finds",
+                "run `symid diagnose`",
             )
-        cause = f"the model may lack what moves them so far ({effects}): see what `symid diagnose` finds"
+        cause = f"the model may lack an effect that moves them ({effects}): run `symid diagnose`"
         if vague := _undetermined(wider, cause if effects else _EXCITE):
             status, message = "undetermined", vague
     return replace(wider, status=status, message=message, notes=notes)

@@ -71,7 +71,7 @@ def verdict(
     if negative := certainly_negative(model, physical[0], deviations):
         return (
             "not_physical",
-            f"{', '.join(negative)} came out negative{_cause(model, physical[0], deviations)}",
+            f"{', '.join(negative)} are negative{_cause(model, physical[0], deviations)}",
         )
     if not model.known and (unexplained := poorly_fitted(model, fit)):
         cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"

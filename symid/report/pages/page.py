@@ -32,7 +32,7 @@ def html_path(file: str | Path) -> Path:
     """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist."""
     path = written_path("report", file, ".html", ".htm")
     if not path.parent.is_dir():
-        raise SettingError(f"report {path}: there is no folder {path.parent}; make it first")
+        raise SettingError(f"report {path}: there is no folder {path.parent}: create it first")
     return path
 
 

@@ -14,7 +14,7 @@ from symid.symbolic import DerivedModel, ParameterFunction
 _MOST_LETTERS = 400
 """Longest expression that is printed as a whole."""
 _BESIDE = {
-    False: "passed over by the regressor, simulated only",
+    False: "not in the regressor, simulated only",
     True: "not in the regressor, which gets the force without it",
 }
 _LONGEST: Final = 10_000

@@ -190,7 +190,7 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
         kept = min(output["rows"] for output in residual.values())
         if kept <= len(record["minimal"]):
             console.print(
-                f"note: {kept} rows of {log} are left by filter, decimation and reversals, "
+                f"note: {kept} rows of {log} remain after filter, decimation and reversals, "
                 f"no more than the {len(record['minimal'])} parameters: take a longer log to judge the prediction",
                 markup=False,
             )
