@@ -48,7 +48,7 @@ def test_a_matlab_bomb_is_refused_before_it_is_loaded(
     scipy.io.savemat(file, dict.fromkeys(EXPECTED, np.zeros(N)), do_compression=True)
     assert file.stat().st_size < 20_000
     monkeypatch.setattr(scipy.io, "loadmat", lambda *_: pytest.fail("it was loaded"))
-    with pytest.raises(LogError, match=r"bomb\.mat: takes 4\.8 MB of memory"):
+    with pytest.raises(LogError, match=r"bomb\.mat: needs 4\.8 MB of memory"):
         open_log(file, expected=EXPECTED, memory=1_000_000)
 
 

@@ -125,7 +125,7 @@ def test_columns_without_names_are_mapped_by_their_numbers() -> None:
 
 def test_a_period_takes_the_place_of_a_clock() -> None:
     assert symid.Log.from_frame({"q": T}, sampling_period=0.1).time[1] == 0.1
-    with pytest.raises(LogError, match="no sampling period beside it"):
+    with pytest.raises(LogError, match="omit the sampling period"):
         symid.Log.from_frame(COLUMNS, sampling_period=0.1)
 
 
