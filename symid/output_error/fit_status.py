@@ -209,15 +209,14 @@ def _regression_remark(result: OutputErrorIdentification, regression: Identifica
     """
     if regression is None or regression.status not in ("ok", "undetermined"):
         return ""
-    values, by_regression = result.physical_parameters, regression.physical_parameters
-    if not _is_dense(result) and negative_parameters(result.model, np.array(list(by_regression.values()))):
+    values, linear = result.physical_parameters, regression.physical_parameters
+    if not _is_dense(result) and negative_parameters(result.model, np.array(list(linear.values()))):
         return ""
     spread = np.hypot(result.physical_deviations, replace(regression, discrepancies=()).physical_deviations)
     far = [
-        f"{name} ({values[name]:.4g}, {by_regression[name]:.4g})"
+        f"{name} ({values[name]:.4g}, {linear[name]:.4g})"
         for name, deviation in zip(values, spread, strict=True)
-        if abs(values[name] - by_regression[name])
-        > max(_DISAGREE * deviation, _NOTICEABLE * abs(by_regression[name]))
+        if abs(values[name] - linear[name]) > max(_DISAGREE * deviation, _NOTICEABLE * abs(linear[name]))
     ]
     cure = "one of them is biased; compare the logs' noise, timing and drive with what is declared"
     return f"least squares and output error differ in {', '.join(far)}: {cure}" if far else ""

@@ -75,7 +75,7 @@ def test_a_bomb_in_a_struct_is_refused_before_it_is_loaded(
     loaded = scipy.io.loadmat(file, simplify_cells=True)  # it is a sound file
     assert all(loaded["run"][name].size == N for name in EXPECTED)
     monkeypatch.setattr(scipy.io, "loadmat", lambda *_: pytest.fail("it was loaded"))
-    with pytest.raises(LogError, match=r"bomb\.mat: takes (4\.8|1\.05) MB of memory"):
+    with pytest.raises(LogError, match=r"bomb\.mat: needs (4\.8|1\.05) MB of memory"):
         open_log(file, expected=EXPECTED, memory=1_000_000)
 
 

@@ -12,7 +12,7 @@ from symid.identification.deviations.whitened import whitened
 from symid.identification.faults.constant_force import constant_force, friction_unseen
 from symid.identification.faults.lagging import ac_coupling_of, smoothing_by_residual
 from symid.identification.faults.missing_friction import friction_shape, missing_friction
-from symid.identification.faults.modes import folding_of, lost_mode, mode_above
+from symid.identification.faults.modes import aliasing_of, lost_mode, mode_above
 from symid.identification.faults.nonlinearity import ColumnTests
 from symid.identification.faults.one_direction import one_direction
 from symid.identification.faults.poor_fit import contradicting_part, unexplained, unexplained_outputs
@@ -46,7 +46,7 @@ def faults_of(
     return Faults(
         recording=fault_of(model, parts, fit)
         or smoothing_of(model, parts)
-        or folding_of(model, parts)
+        or aliasing_of(model, parts)
         or disagreement_of(model, parts)
         or ac_coupling_of(result, parts, fit, shown)
         or ("" if drift else smoothing_by_residual(result, parts, fit, shown))

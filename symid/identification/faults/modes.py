@@ -110,7 +110,7 @@ _COHERENT = 0.8
 _SEGMENTS, _LONGEST = 16, 1024  # segments at least, and samples of one at most
 
 
-def folding_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+def aliasing_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Statement on a sensor with motion up to half the sampling frequency; empty without one.
 
     A controller turns the noise of an encoder into force, so that both are coherent up to there in a sound log too: the
