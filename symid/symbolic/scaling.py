@@ -154,7 +154,13 @@ def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | t
 
 
 def term_of(coefficient: Any) -> tuple[Any, Exponents | None]:
-    """Number and exponents of a coefficient that is a number times powers of ratios; None as exponents otherwise."""
+    """Number and exponents of a coefficient that is a number times powers of ratios; None as exponents otherwise.
+
+    >>> from sympy import QQ
+    >>> field = QQ.frac_field("r", "s")
+    >>> term_of(3 * field.gens[0] ** 2 / field.gens[1])
+    (3, (2, -1))
+    """
     if not isinstance(coefficient, FracElement):
         return coefficient, ()
     above, below = coefficient.numer, coefficient.denom
