@@ -33,6 +33,22 @@ def test_an_interrupt_while_modules_load_is_one_line() -> None:
     assert done.stdout.split() == ["symid", "symid.cli", "symid.lazy_face"]
 
 
+LOADED = """
+import gc
+
+from symid.cli.command_line import run
+
+run(["show", "--help"])
+print(gc.isenabled(), gc.get_freeze_count() > 10_000)
+"""
+
+
+def test_what_modules_make_is_not_searched_for_garbage() -> None:
+    """The search took a quarter of the start of a command."""
+    done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, check=True)
+    assert done.stdout.split()[-2:] == ["True", "True"]
+
+
 def test_each_kind_of_element_is_a_name_of_symid_that_loads_when_it_is_used() -> None:
     kinds = {name for part in (drive_imperfections, imperfections, laws, sensors) for name in part.__all__}
     assert kinds <= set(symid.__all__)
