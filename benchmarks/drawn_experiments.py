@@ -22,8 +22,8 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.options import parser_of
 from symid import Log, load_axis
-from symid.diagnosis import diagnose
-from symid.diagnosis.experiment.design import Experiment, limits_seen, next_experiment_of, rivals_of
+from symid.diagnosis import Experiment, diagnose
+from symid.diagnosis.experiment.design import limits_seen, next_experiment_of, rivals_of
 from symid.diagnosis.prediction.record import record_of
 from symid.simulation import Trajectory
 

@@ -3,9 +3,12 @@
 import ast
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 from importlib import import_module
 from pathlib import Path
+
+import pytest
 
 TESTS = Path(__file__).parent
 PACKAGE = TESTS.parent / "symid"
@@ -79,3 +82,27 @@ def test_an_import_past_a_face_is_found() -> None:
         "from symid.data import Log\nfrom symid.identification.rows import noise_of_rows\nimport symid.errors"
     )
     assert past_faces(faces, "tuning") == past_faces(modules[0], "data") == []
+
+
+def require_no_circle(texts: Mapping[str, str]) -> None:
+    """CycleError if modules, given by name, import each other, be it within functions or for type checkers."""
+    imports = {own: {(f"{of}.{name}", of) for of, name in imports_of(text)} for own, text in texts.items()}
+    graph = {
+        own: {next((m for m in pair if m in texts), "") for pair in pairs} for own, pairs in imports.items()
+    }
+    TopologicalSorter(graph).prepare()
+
+
+def test_no_modules_import_each_other() -> None:
+    files = {file: file.relative_to(PACKAGE.parent).with_suffix("") for file in PACKAGE.rglob("*.py")}
+    names = {
+        file: ".".join(part for part in path.parts if part != "__init__") for file, path in files.items()
+    }
+    require_no_circle({name: file.read_text(encoding="utf-8") for file, name in names.items()})
+
+
+def test_a_circle_is_found() -> None:
+    late = "def f():\n    from symid.a import g"
+    with pytest.raises(CycleError):
+        require_no_circle({"symid.a": "from symid.b import f", "symid.b": late})
+    require_no_circle({"symid.a": "from symid.b import f", "symid.b": "from symid.c import g"})

@@ -9,7 +9,7 @@ controller. `experiment` designs the next experiment. All thresholds are in `thr
 from symid.diagnosis.against import diagnose_against
 from symid.diagnosis.diagnose import diagnose
 from symid.diagnosis.effects import LIBRARY, Effect
-from symid.diagnosis.experiment.design import Experiment, limits_seen, next_experiment_of
+from symid.diagnosis.experiment.design import limits_seen, next_experiment_of
 from symid.diagnosis.findings.diagnosis_result import (
     Diagnosis,
     Signals,
@@ -29,6 +29,7 @@ from symid.diagnosis.findings.gap import (
     Reversal,
     SimulatedMotion,
 )
+from symid.diagnosis.findings.planned_experiment import Experiment
 from symid.diagnosis.in_motion.declared import ExplainedAxis, explained_axis
 
 __all__ = [

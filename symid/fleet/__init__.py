@@ -8,7 +8,8 @@ from symid.fleet.factors import log_factors
 from symid.fleet.joint_estimate import JointIdentification, identify_jointly
 from symid.fleet.kept_factors import join_results
 from symid.fleet.results import numbers_in, parameter_names, read_results, units_in, without_repeats
-from symid.fleet.review import AxisReview, FleetReview, ParameterReview, review_fleet
+from symid.fleet.review import review_fleet
+from symid.fleet.review_records import AxisReview, FleetReview, ParameterReview
 from symid.fleet.segments import TrendChange
 from symid.fleet.spread import Spread, robust_deviation
 from symid.fleet.worker_limits import MOST_SECONDS

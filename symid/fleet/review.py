@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import polars as pl
@@ -11,7 +10,6 @@ import scipy
 from symid.arrays import FloatArray
 from symid.fleet.control_chart import ControlChart, control_chart
 from symid.fleet.results import (
-    EffectCount,
     Group,
     Units,
     checked_results,
@@ -22,85 +20,12 @@ from symid.fleet.results import (
     parameter_names,
     without_repeats,
 )
+from symid.fleet.review_records import AxisReview, FleetReview, Outlier, ParameterReview
 from symid.fleet.review_sentence import review_sentence
-from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, robust_deviation, spread_between
+from symid.fleet.spread import judge_spread, robust_deviation, spread_between
 
 _LEAST_OUTLYING = 3.5  # smallest robust z-score of an outlier (Iglewicz and Hoaglin 1993)
 _FALSE_OUTLIERS = 0.05  # probability of any in a fleet without outliers
-
-
-@dataclass(frozen=True)
-class Outlier:
-    """A log of which a parameter is far from those of the other logs.
-
-    It is z robust standard deviations off their `level`: the median, or that of its segment where the parameter steps
-    or drifts, so that a change is one finding and not an outlier for each later log.
-    """
-
-    log: str
-    value: float
-    level: float
-    z: float
-
-
-@dataclass(frozen=True, eq=False)
-class ParameterReview:
-    """One parameter of one axis over its logs."""
-
-    name: str
-    """Name of the parameter."""
-    logs: tuple[str, ...]
-    """Logs that are used, in the order of the table."""
-    median: float
-    """Median of their values."""
-    spread: Spread
-    """Spread between runs compared with their intervals, without isolated outliers."""
-    within: float
-    """Standard deviation between runs within the segments of the chart."""
-    chart: ControlChart
-    """The parameter over time."""
-    outliers: tuple[Outlier, ...]
-    """Outliers, the farthest first."""
-    unit: str = ""
-    """Unit of the parameter; empty if unknown."""
-
-
-@dataclass(frozen=True, eq=False)
-class AxisReview:
-    """One axis over its logs."""
-
-    name: str
-    """Name of the axis, with its sensors or its folder if there are several."""
-    axis: str
-    """The declared axis."""
-    logs: int
-    """Number of logs."""
-    trusted: int
-    """Number of those whose parameters are used."""
-    statuses: Mapping[str, int]
-    """Number of logs by status."""
-    parameters: tuple[ParameterReview, ...]
-    """Parameters of at least one log."""
-    verdict: SpreadVerdict
-    """Whether the axis differs from run to run."""
-
-
-@dataclass(frozen=True, eq=False)
-class FleetReview:
-    """A fleet over all its logs."""
-
-    table: pl.DataFrame
-    """The results."""
-    axes: tuple[AxisReview, ...]
-    """Reviews of the axes, by name."""
-    statuses: Mapping[str, int]
-    """Number of logs by status."""
-    verdicts: Mapping[str, int]
-    """Number of logs by verdict of the diagnosis; empty without diagnoses."""
-    effects: tuple[EffectCount, ...]
-    """Effects found, the most frequent first."""
-    sentence: str
-    """Summary."""
 
 
 def review_fleet(

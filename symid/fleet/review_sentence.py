@@ -1,15 +1,10 @@
 """The summary of a review of a fleet in words."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from symid.fleet.results import UNKNOWN, EffectCount
+from symid.fleet.review_records import AxisReview
 from symid.text import counted, listed, spoken
-
-if TYPE_CHECKING:
-    from symid.fleet.review import AxisReview
 
 
 def review_sentence(

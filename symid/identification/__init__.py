@@ -15,8 +15,8 @@ from symid.identification.known_per_log import identify_with_known, known_of_log
 from symid.identification.parameters.constraints import Constraints
 from symid.identification.parameters.physical import PhysicalEstimate, physical_estimates
 from symid.identification.results.contradiction import with_constraint_check, with_fixed
-from symid.identification.results.identification_result import Identification
-from symid.identification.results.predicted_output import OutputPrediction, predict
+from symid.identification.results.identification_result import Identification, predict
+from symid.identification.results.predicted_output import OutputPrediction
 from symid.identification.results.residuals import EquationResidual
 from symid.identification.results.result_protocol import IdentificationResult
 from symid.identification.results.shared_identification import SharedIdentification

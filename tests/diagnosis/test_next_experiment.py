@@ -13,8 +13,9 @@ from benchmarks.next_experiment import experiment, rivals, rows
 from symid import Position, load_axis
 from symid.diagnosis.experiment import design
 from symid.diagnosis.experiment.design import next_experiment_of
-from symid.diagnosis.experiment.discrimination import Rivals, Separation
+from symid.diagnosis.experiment.discrimination import Rivals
 from symid.diagnosis.experiment.simulated import simulated_experiment
+from symid.diagnosis.findings.planned_experiment import Separation
 from symid.report.tables.diagnosis import diagnosis_record
 from symid.simulation import Limits
 from symid.text import spoken

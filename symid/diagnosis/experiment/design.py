@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,8 +25,9 @@ from symid.diagnosis.experiment.experiment_wording import (
     words_of_motion,
     words_of_simulation,
 )
-from symid.diagnosis.experiment.simulated import SimulatedExperiment, simulated_experiment
+from symid.diagnosis.experiment.simulated import simulated_experiment
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
+from symid.diagnosis.findings.planned_experiment import Experiment, SimulatedExperiment
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.selection.evidence import probabilities
 from symid.errors import SettingError, SymidError
@@ -36,34 +37,6 @@ _SMOOTH = 20.0  # 1/s: jerk over acceleration, if no limit of the jerk is given
 _HIGHEST_HZ = 100.0  # of a motion
 _LEAST_CHANCE = 0.01  # probability from which on the motion is also simulated with a further candidate
 _MOST_FURTHER = 3  # causes other than the strongest rival
-
-
-@dataclass(frozen=True, eq=False)
-class Experiment:
-    """The next experiment."""
-
-    text: str
-    """Description in words."""
-    causes: tuple[Key, ...] = ()
-    """Remaining effects and places; empty if none remain."""
-    trajectory: Trajectory | None = None
-    """Reference of the first drive that best distinguishes the causes; None if no motion does."""
-    odds: float = math.nan
-    """Expected odds for the true cause after the experiment, without the evidence so far; nan without trajectory."""
-    simulated: SimulatedExperiment | None = None
-    """Simulation of the motion with either cause; None if it is not possible."""
-    message: str = ""
-    """Why it is not possible, or which motions were rejected because the simulated axis exceeds a limit."""
-    further: Mapping[Key, float] = field(default_factory=dict)
-    """Probability that the motion distinguishes the first cause from each further one; nan if that cannot be
-    simulated."""
-    paths: tuple[Trajectory, ...] = ()
-    """Reference of each drive; the others follow the first one as in the log."""
-
-    @property
-    def probability(self) -> float:
-        """Probability that it identifies the true cause with the noise of the log; nan if it was not simulated."""
-        return math.nan if self.simulated is None else self.simulated.probability
 
 
 def next_experiment_of(

@@ -18,6 +18,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.data import Log
 from symid.diagnosis.effects import JointEffect, Key
 from symid.diagnosis.experiment.candidates import Envelope, candidate_motions
+from symid.diagnosis.findings.planned_experiment import Separation
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import fitted
@@ -192,27 +193,6 @@ def _expected_log_odds(rivals: Rivals, records: Sequence[Record], left: _LeftBy)
         tempered = temperature(over_none - THRESHOLDS.penalty * own)
         found.append((over_other - THRESHOLDS.penalty * (own - other)) / tempered)
     return min(found)
-
-
-@dataclass(frozen=True)
-class Separation:
-    """Gaussian log-likelihood ratio of the cause that made the readings to the other cause."""
-
-    gain: float  # mean, from models and noise
-    # standard deviation: the difference of both fitted predictions in standard deviations of the noise, and the
-    # scatter due to the noise that the models pass differently
-    distance: float
-
-    @property
-    def probability(self) -> float:
-        """Probability that the true cause has the larger likelihood.
-
-        For predictions two standard deviations apart, one of them exact:
-
-        >>> round(Separation(gain=2.0, distance=2.0).probability, 4)
-        0.8413
-        """
-        return float(scipy.special.ndtr(self.gain / self.distance)) if self.distance else 0.5
 
 
 def separation(rivals: Rivals, right: int, noisy: Record, quiet: Record) -> Separation:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from symid.diagnosis.effects import Key
 from symid.diagnosis.experiment.discrimination import Rivals, drive_ratios
-from symid.diagnosis.experiment.simulated import SimulatedExperiment
+from symid.diagnosis.findings.planned_experiment import SimulatedExperiment
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Trajectory
 from symid.text import spoken

@@ -7,14 +7,14 @@ deviations of the noise. If the model of the true cause is exact, the mean is ha
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy
 
 from symid.axis import Axis
-from symid.diagnosis.experiment.discrimination import Rivals, Separation, drive_ratios, separation
+from symid.diagnosis.experiment.discrimination import Rivals, drive_ratios, separation
+from symid.diagnosis.findings.planned_experiment import SimulatedExperiment
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.in_motion.declared import axis_with_effects
 from symid.diagnosis.in_motion.replayed import Part, driver_of
@@ -23,7 +23,6 @@ from symid.errors import SettingError
 from symid.simulation import (
     Cascade,
     Extremes,
-    Limits,
     Simulation,
     Trajectory,
     plant_of,
@@ -33,46 +32,6 @@ from symid.simulation import (
 )
 
 _LEAST_RATE = 1000.0  # lowest rate of the simulated controller, Hz
-_MARGIN = 0.02  # relative excess over a limit that controller and noise may cause
-
-
-@dataclass(frozen=True, eq=False)
-class SimulatedExperiment:
-    """Result of a simulated experiment, for the less favourable of both causes."""
-
-    separations: tuple[Separation, ...]  # of both causes by the readings with each of them
-    demand: (
-        Extremes  # motion of the driven joints, in terms of the first one; the jerk is that of the reference
-    )
-    forces: Mapping[str, float]  # largest force of each drive, in its unit
-    records: tuple[Record, ...] = field(repr=False)  # readings with each cause
-
-    @property
-    def probability(self) -> float:
-        """Probability that the experiment identifies the true cause."""
-        return min(found.probability for found in self.separations)
-
-    @property
-    def force(self) -> float:
-        """Largest force of all drives."""
-        return max(self.forces.values())
-
-    def exceeds(self, limits: Limits, forces: Mapping[str, float]) -> str:
-        """The first limit that is exceeded, in words; empty if none is."""
-        low, high = limits.travel
-        beyond = max(low - self.demand.lowest, self.demand.highest - high)
-        if beyond > _MARGIN * (high - low):
-            return f"travel is exceeded by {beyond:.3g}"
-        pairs = {
-            "speed": (self.demand.speed, limits.speed),
-            "acceleration": (self.demand.acceleration, limits.acceleration),
-        }
-        label = "force" if len(forces) == 1 else "force {}"
-        pairs |= {label.format(name): (self.forces[name], limit) for name, limit in forces.items()}
-        for what, (value, limit) in pairs.items():
-            if value > (1 + _MARGIN) * limit:
-                return f"{what} reaches {value:.3g} instead of {limit:.3g}"
-        return ""
 
 
 def simulated_experiment(rivals: Rivals, trajectory: Trajectory, seed: int = 0) -> SimulatedExperiment:

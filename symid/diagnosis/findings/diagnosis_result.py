@@ -12,11 +12,11 @@ from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis, Drive
 from symid.diagnosis.findings.found_effects import Alternative, EffectParameter, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Location, MapCell
+from symid.diagnosis.findings.planned_experiment import Experiment
 from symid.diagnosis.selection.evidence import Verdict
 from symid.shown import Shown
 
 if TYPE_CHECKING:
-    from symid.diagnosis.experiment.design import Experiment
     from symid.diagnosis.fitting.state import State
     from symid.diagnosis.prediction.record import Record
     from symid.diagnosis.selection.step import SelectionStep

@@ -18,7 +18,7 @@ from symid.identification.deviations.bias import Bias
 from symid.identification.deviations.discrepancy import Discrepancy
 from symid.identification.deviations.whitened import Segment
 from symid.identification.parameters.physical import PhysicalEstimate
-from symid.identification.results.predicted_output import OutputPrediction, predict
+from symid.identification.results.predicted_output import OutputPrediction, predicted_output
 from symid.identification.results.residuals import EquationResidual
 from symid.identification.results.verdict import Status
 from symid.identification.rows.observation import Observation
@@ -125,7 +125,8 @@ class Identification(EstimatedParameters, Shown):
 
     def predict(self, log: LogLike) -> OutputPrediction:
         """The output that the parameters predict on another log, as `symid.identification.predict`."""
-        return predict(self, log)
+        preparation = self.observations[0].preparation
+        return predicted_output(self.model, self.fit, preparation, log, self.axis)
 
     @property
     def covariance(self) -> FloatArray:
@@ -243,6 +244,24 @@ def headline_of(
     more = ["..."] * (len(written) > _MOST_WRITTEN)
     listed = ", ".join([*written[:_MOST_WRITTEN], *more])
     return f"{model.axis} from {', '.join(model.measured)}, {status}: {listed or 'no parameters'}"
+
+
+def predict(found: Identification, log: LogLike) -> OutputPrediction:
+    """Predict the output on another log.
+
+    Parameters
+    ----------
+    found : Identification
+        Result of `identify`.
+    log : Log, path-like, data frame or mapping
+        A log that took no part in it.
+
+    Raises
+    ------
+    LogError, SettingError
+        If the log does not have a signal, or cannot be prepared as the others were.
+    """
+    return found.predict(log)
 
 
 def best_covariance(fit: LeastSquares, correlated: CorrelatedCovariance) -> FloatArray:

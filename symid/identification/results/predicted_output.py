@@ -1,20 +1,16 @@
 """Identified parameters applied to another log."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from symid.arrays import FloatArray
-from symid.axis import axis_of
+from symid.axis import Axis, axis_of
+from symid.codegen import GeneratedModel
 from symid.data import Log, LongLog, in_memory
-from symid.estimation import estimate, triangular_factors
+from symid.estimation import LeastSquares, estimate, triangular_factors
 from symid.identification.results.residuals import EquationResidual
 from symid.identification.rows.observation import Observation, observe
+from symid.identification.rows.settings import Preparation
 from symid.identification.signals.axis_logs import LogLike, log_of
-
-if TYPE_CHECKING:
-    from symid.identification.results.identification_result import Identification
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,38 +28,27 @@ class OutputPrediction:
     """How well each equation is met."""
 
 
-def predict(found: Identification, log: LogLike) -> OutputPrediction:
-    """Predict the output on another log.
-
-    Parameters
-    ----------
-    found : Identification
-        Result of `identify`.
-    log : Log, path-like, data frame or mapping
-        A log that took no part in it.
-
-    Raises
-    ------
-    LogError, SettingError
-        If the log does not have a signal, or cannot be prepared as the others were.
-    """
+def predicted_output(
+    model: GeneratedModel, fit: LeastSquares, preparation: Preparation, log: LogLike, axis: Axis | None
+) -> OutputPrediction:
+    """The output that a fit predicts on a log, which is prepared as given."""
     if not isinstance(log, (Log, LongLog)):
-        log = log_of(found.axis or axis_of(found.model), log, found.model.measured)
-    observation = observe(found.model, in_memory(log), found.observations[0].preparation)
-    parameters = _with_own_parameters(found, observation)
+        log = log_of(axis or axis_of(model), log, model.measured)
+    observation = observe(model, in_memory(log), preparation)
+    parameters = _with_own_parameters(model, fit, observation)
     errors = observation.y - observation.W @ parameters
     residuals = (
         EquationResidual.of_rows(
             name, errors[j][observation.valid[j]], observation.y[j][observation.valid[j]]
         )
-        for j, name in enumerate(found.model.output_names)
+        for j, name in enumerate(model.output_names)
     )
     return OutputPrediction(log.source, observation, parameters, tuple(residuals))
 
 
-def _with_own_parameters(found: Identification, observation: Observation) -> FloatArray:
-    solution = found.fit.solution.copy()
-    own = [i for i, name in enumerate(found.model.minimal_units) if name in found.model.per_log]
+def _with_own_parameters(model: GeneratedModel, fit: LeastSquares, observation: Observation) -> FloatArray:
+    solution = fit.solution.copy()
+    own = [i for i, name in enumerate(model.minimal_units) if name in model.per_log]
     if own:
         solution[own] = 0.0
         rest = observation.y - observation.W @ solution

@@ -12,7 +12,7 @@ from symid.codegen import model_of
 from symid.data import Log, LongLog
 from symid.errors import SettingError
 from symid.identification.results.identification_result import Identification, headline_of
-from symid.identification.results.predicted_output import OutputPrediction, predict
+from symid.identification.results.predicted_output import OutputPrediction, predicted_output
 from symid.identification.signals.axis_logs import LogLike
 from symid.shown import Shown
 
@@ -91,7 +91,7 @@ class SharedIdentification(Shown):
         axis = self.axis.with_known(self._known_of(log) if known is None else known)
         model = model_of(axis, self.groups[0].model.measured)
         fit = replace(self.groups[0].fit, solution=np.asarray(model.minimal_parameters(*self.values)))
-        return predict(replace(self.groups[0], axis=axis, model=model, fit=fit), log)
+        return predicted_output(model, fit, self.groups[0].observations[0].preparation, log, axis)
 
     def _known_of(self, log: LogLike) -> Mapping[str, float]:
         """Known values of a log of the identification, or of any log if there is one group."""
