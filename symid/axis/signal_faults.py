@@ -182,8 +182,8 @@ def _laws_beside_nonlinear_spring(
 ) -> list[Law | JointImperfection]:
     """Other laws in the joint of a spring with a nonlinear law: a force sensor in it cannot separate them from that."""
     there = [e for e in elements if isinstance(e, (Law, JointImperfection)) and e.at == spring.at]
-    own = [e for e in there if isinstance(e, Law) and e.in_spring]
-    return [e for e in there if e not in own] if own else []
+    of_spring = [e for e in there if isinstance(e, Law) and e.in_spring]
+    return [e for e in there if e not in of_spring] if of_spring else []
 
 
 def drive_imperfection_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[str]:

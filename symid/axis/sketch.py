@@ -196,23 +196,24 @@ def _ground(body: Body) -> Ground | None:
 
 def _joint(made: dict[str, Body], body: str, tag: str, *, held: bool, coulomb: bool) -> Iterator[Element]:
     """A body with what holds it."""
-    own = made[body]
-    motors = [other for other in made.values() if other.name.startswith("motor")]
+    new_body = made[body]
+    motors = [motor for motor in made.values() if motor.name.startswith("motor")]
+    # The first load hangs on all motors, each further load on the one before.
     joined = motors if body == "load" else list(made.values())[-2:-1] if body.startswith("load") else []
     for before in joined:
         end = f"_{_tag(before.name)}" if before in motors[1:] else ""
         name = f"transmission{tag[1:]}{end}"
-        between = Between(first=before, second=own)
+        between = Between(first=before, second=new_body)
         yield Spring(name, between, stiffness=f"K{tag}{end}", damping=f"C{tag}{end}")
-    yield own
-    yield ViscousFriction(own, f"Fv{tag}")
+    yield new_body
+    yield ViscousFriction(new_body, f"Fv{tag}")
     if body == "structure":
-        yield Spring("foundation", own, stiffness=f"K{tag}")
+        yield Spring("foundation", new_body, stiffness=f"K{tag}")
     if body.startswith("motor"):
         if coulomb:
-            yield CoulombFriction(own, f"Fs{tag}")
+            yield CoulombFriction(new_body, f"Fs{tag}")
         if held:
-            yield Spring("flexure", own, stiffness=f"K{tag}")
+            yield Spring("flexure", new_body, stiffness=f"K{tag}")
 
 
 _COMMENTS = (

@@ -136,12 +136,12 @@ def _noisy_sensors(axis: Axis) -> list[str]:
 def references_log(axis: Axis, paths: Sequence[Trajectory]) -> Log:
     """Commanded positions: one column where all drives share it, else one for each but the first."""
     log = paths[0].as_log()
-    own = {
+    columns = {
         f"{REFERENCE}_{drive.signal}": path.position
         for drive, path in zip(axis.drives, paths, strict=True)
         if not np.array_equal(path.position, paths[0].position)
     }
-    return replace(log, signals={**log.signals, **own})
+    return replace(log, signals={**log.signals, **columns})
 
 
 def _limits(text: str, axis: Axis) -> tuple[Limits, float, float | None]:

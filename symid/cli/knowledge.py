@@ -56,8 +56,8 @@ known_option = option(
 def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
     """Values of ``--fix``, SI."""
     units = axis.parameter_units
-    given = named_values(values, "--fix", units)
-    return {name: quantity(text, units[name], f"--fix {name}") for name, text in given.items()}
+    values_si = named_values(values, "--fix", units)
+    return {name: quantity(text, units[name], f"--fix {name}") for name, text in values_si.items()}
 
 
 def known_by_log(values: tuple[str, ...], axis: Axis, logs: Sequence[str]) -> list[dict[str, float]]:

@@ -206,11 +206,15 @@ def runs_of(
         trajectories = (_trajectory(options),) * len(axis.drives)
     else:
         unit = axis.reference_units[0]
-        own = {f"reference_{d.signal}": u for d, u in zip(axis.drives, axis.reference_units, strict=True)}
-        if not columns_in(file) & {"reference", *own}:
+        references = {
+            f"reference_{d.signal}": u for d, u in zip(axis.drives, axis.reference_units, strict=True)
+        }
+        if not columns_in(file) & {"reference", *references}:
             raise SettingError(f"{file}: has no column to follow: call one reference, in {unit}")
-        log = read_log(file, expected={"reference": unit, **own})
-        trajectories = tuple(from_log(log, name if name in log.signals else "reference") for name in own)
+        log = read_log(file, expected={"reference": unit, **references})
+        trajectories = tuple(
+            from_log(log, name if name in log.signals else "reference") for name in references
+        )
     return cascades_of(axis, plant, options), trajectories
 
 

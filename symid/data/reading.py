@@ -53,10 +53,10 @@ def read_table(
         require_seconds(values[TIME])
     clocks = _clocks(table, sources, values)
     if resample is None:
-        if other := [name for name in clocks if clocks[name] is not values[TIME]]:
-            like = next((name for name in clocks if name not in other), TIME)
+        if differing := [name for name in clocks if clocks[name] is not values[TIME]]:
+            like = next((name for name in clocks if name not in differing), TIME)
             raise LogError(
-                f"{other[0]!r} has other times than {like!r}: give `resample=own`, "
+                f"{differing[0]!r} has other times than {like!r}: give `resample=own`, "
                 "or save them with one clock"
             )
         return _checked(str(file), values, notes, expected)
@@ -198,9 +198,9 @@ def _checked(
     if not faults and not sound:
         positions = positions_of(expected, needed)
         needed, again = _unwrapped(needed, expected)
-        whole, lost = restored(needed, positions)
-        values, notes = values | whole, [*notes, *again, *lost]
-        faults = inspect_steps(time, {name: whole[name] for name in positions})
+        restored_signals, lost = restored(needed, positions)
+        values, notes = values | restored_signals, [*notes, *again, *lost]
+        faults = inspect_steps(time, {name: restored_signals[name] for name in positions})
     if faults:
         raise LogError("; ".join(faults))
     positions = positions_of(expected, values)

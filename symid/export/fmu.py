@@ -98,11 +98,11 @@ def write_fmu(
             unit.writestr("modelDescription.xml", _description(axis, values, fmi))
             if fmi == 3:
                 unit.writestr("sources/buildDescription.xml", _BUILD_3.format(name=axis.name))
-            own = platform.machine().lower()
-            own = {"amd64": "x86_64", "arm64": "aarch64"}.get(own, own)
+            architecture = platform.machine().lower()
+            architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(architecture, architecture)
             for machine, library in built.items():
                 # In FMI 3.0 a folder is named such as x86_64-linux; the Windows binary is for x86_64.
-                processor = "x86_64" if machine == "win64" else own
+                processor = "x86_64" if machine == "win64" else architecture
                 folder = f"{processor}-{_FOLDERS_3[machine]}" if fmi == 3 else machine
                 unit.write(library, f"binaries/{folder}/{library.name}")
             for source in sorted(sources.glob("*.[ch]")):

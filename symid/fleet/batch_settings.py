@@ -145,8 +145,8 @@ class BatchSettings:
                 f"held signal {unknown[0]!r} is not a force of an axis: give {', '.join(forces)}"
             )
         for axis in axes:
-            given = axis.physical_parameters if self.nominal is None else self.nominal
-            missing = [name for name in axis.physical_parameters if name not in given]
+            nominal = axis.physical_parameters if self.nominal is None else self.nominal
+            missing = [name for name in axis.physical_parameters if name not in nominal]
             if missing:
                 raise SettingError(
                     f"nominal values for {', '.join(missing)} of axis {axis.name!r} are missing: give all"

@@ -38,8 +38,8 @@ class FleetAxis:
         """Hash of declaration, modules, settings and version of symid, on which a row depends besides its log."""
         texts = [module.text for _, module in self.modules]
         declared = (self.axis.name, self.axis.elements, self.axis.drive, self.axis.sensors)
-        whole = (symid.__version__, self.axis.signature, repr(declared), self.settings.canonical, *texts)
-        return hashlib.sha256("\n".join(whole).encode()).hexdigest()
+        parts = (symid.__version__, self.axis.signature, repr(declared), self.settings.canonical, *texts)
+        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
     def __getstate__(self) -> dict[str, object]:
         """The plan as sent to a worker, with the fingerprint: each group of logs arrives with a new copy."""
@@ -89,15 +89,15 @@ def fleet_axes(
     Parameters that are `known` in each log are not part of the results; their values are those of the first log.
     """
     several = axes if isinstance(axes, Sequence) and not isinstance(axes, str) else (axes,)
-    given = [axis if isinstance(axis, str) else axis_of(axis) for axis in several]
+    named = [axis if isinstance(axis, str) else axis_of(axis) for axis in several]
     if known:
-        parameters = {name for axis in given for name in axis_of(axis).parameter_units}
+        parameters = {name for axis in named for name in axis_of(axis).parameter_units}
         if strange := sorted(set(known) - parameters):
             raise SettingError(
                 f"{strange[0]!r} is not a parameter: choose from {', '.join(sorted(parameters))}"
             )
-        given = [_with_known(axis_of(axis), known) for axis in given]
-    declared = [axis_of(axis) for axis in given]
+        named = [_with_known(axis_of(axis), known) for axis in named]
+    declared = [axis_of(axis) for axis in named]
     names = [axis.name for axis in declared]
     if not names or len(set(names)) < len(names):
         raise SettingError(
@@ -106,7 +106,7 @@ def fleet_axes(
     settings.check(tuple(declared))
     _require_no_column(declared)
     planned = []
-    for source, axis in zip(given, declared, strict=True):
+    for source, axis in zip(named, declared, strict=True):
         restricted = settings.of_axis(axis)
         sets = (restricted.measured,) if restricted.measured else axis.sensor_sets
         planned.append(FleetAxis(axis, tuple(_modules(source, axis, sets, folder)), restricted))
@@ -155,14 +155,14 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
     A missing file is kept and becomes a row with an error. Paths to `exclude` and results of other batches are
     dropped. SettingError if a folder or a pattern contains no log.
     """
-    given = (logs,) if isinstance(logs, (str, os.PathLike)) else tuple(logs)
-    if strange := next((item for item in given if not isinstance(item, (str, os.PathLike))), None):
+    items = (logs,) if isinstance(logs, (str, os.PathLike)) else tuple(logs)
+    if strange := next((item for item in items if not isinstance(item, (str, os.PathLike))), None):
         raise SettingError(
             f"a batch reads files, not {type(strange).__name__}: write it to a Parquet file, or identify it alone"
         )
     skipped = {os.path.abspath(path) for path in exclude}
     files: dict[str, str] = {}
-    for item in (str(os.fspath(path)) for path in given):
+    for item in (str(os.fspath(path)) for path in items):
         paths = [path for path in _expanded(item) if os.path.abspath(path) not in skipped]
         if not paths:
             raise SettingError(

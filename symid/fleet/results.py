@@ -145,8 +145,8 @@ def without_repeats(known: Iterable[str], declared: Iterable[str] = ()) -> list[
     """
     names = list(known)
     physical = [name for name in names if not _MINIMAL.fullmatch(name)]
-    whole = all(name in physical for name in declared if not _MINIMAL.fullmatch(name))
-    return physical if physical and whole else names
+    complete = all(name in physical for name in declared if not _MINIMAL.fullmatch(name))
+    return physical if physical and complete else names
 
 
 def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:

@@ -208,11 +208,12 @@ def places_of_step(series: Series, before: TrendSegment, after: TrendSegment) ->
         series.squared_error((before.first, place, before.drifts), (place, after.end, after.drifts))
         for place in places.tolist()
     ]
+    # With a uniform prior the posterior of a place is its likelihood; the likeliest places that hold 95 % of it count.
     likelihood = np.exp(-0.5 * (np.array(costs) - min(costs)))
     order = np.argsort(-likelihood)
     needed = int(np.searchsorted(np.cumsum(likelihood[order]), _CREDIBLE * likelihood.sum())) + 1
-    kept = places[order[:needed]]
-    return int(kept.min()), int(kept.max())
+    likely = places[order[:needed]]
+    return int(likely.min()), int(likely.max())
 
 
 @dataclass(frozen=True)

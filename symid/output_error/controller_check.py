@@ -210,16 +210,16 @@ def _whitened(
 
     Those that the parameters alone leave hold the effect of the terms, which a model of them would take for noise.
     """
-    joint, rest, ends = np.hstack([W, V]), y, np.cumsum(search.rows)[:-1]
+    joint, residual, ends = np.hstack([W, V]), y, np.cumsum(search.rows)[:-1]
     runs = np.split(np.column_stack([joint, y]).T, ends, axis=1)
     for _ in range(_PASSES):
         models = [
             whitening_of(part.reshape(-1, run.n_signals))
-            for part, run in zip(np.split(rest, ends), _runs(search), strict=True)
+            for part, run in zip(np.split(residual, ends), _runs(search), strict=True)
         ]
         white = [model.by_sample(run) for model, run in zip(models, runs, strict=True)]
         *slopes, errors = np.concatenate(white, axis=1)
-        rest = y - joint @ np.linalg.lstsq(np.transpose(slopes), errors, rcond=_VISIBLE)[0]
+        residual = y - joint @ np.linalg.lstsq(np.transpose(slopes), errors, rcond=_VISIBLE)[0]
     whole, n = np.transpose(slopes), W.shape[1]
     return whole[:, :n], whole[:, n:], errors, [run.shape[1] for run in white]
 

@@ -64,5 +64,5 @@ def _upsampled(values: FloatArray, parts: int) -> FloatArray:
     edge = min(2 * _INTERPOLATION_REACH, n - 1)
     extended = np.pad(values, edge, mode="reflect", reflect_type="odd")
     first = (_INTERPOLATION_REACH + edge) * fine
-    whole = scipy.signal.upfirdn(fine * taps, extended, up=fine)[first : first + n * fine]
-    return np.asarray(whole).reshape(n, fine)[:, 1::2]
+    fine_course = scipy.signal.upfirdn(fine * taps, extended, up=fine)[first : first + n * fine]
+    return np.asarray(fine_course).reshape(n, fine)[:, 1::2]

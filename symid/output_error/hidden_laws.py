@@ -50,19 +50,19 @@ def models_of(axis: Axis, measured: Sequence[str]) -> Models:
     ]
     weights = [e for e in axis.elements if isinstance(e, PendulumWeight) and e.named("moment") in names]
     visible = model_of(axis.without(*laws, *weights), measured)
-    every = {name: str(unit) for name, unit in axis.physical_parameters.items()}
-    own = [i for i, name in enumerate(every) if name in visible.physical_units]
-    others = {name: unit for name, unit in every.items() if name not in visible.physical_units}
+    units = {name: str(unit) for name, unit in axis.physical_parameters.items()}
+    places = [i for i, name in enumerate(units) if name in visible.physical_units]
+    others = {name: unit for name, unit in units.items() if name not in visible.physical_units}
 
     def minimal_parameters(*physical: float) -> FloatArray:
-        seen = visible.minimal_parameters(*(physical[i] for i in own))
-        return np.append(seen, [x for i, x in enumerate(physical) if i not in own])
+        seen = visible.minimal_parameters(*(physical[i] for i in places))
+        return np.append(seen, [x for i, x in enumerate(physical) if i not in places])
 
     whole = replace(
         visible,
         signature=axis.signature,
         minimal_units={**visible.minimal_units, **others},
-        physical_units=every,
+        physical_units=units,
         signed=axis.signed_parameters,
         per_log=(*visible.per_log, *(name for name in others if name in axis.log_parameters)),
         minimal_parameters=minimal_parameters,

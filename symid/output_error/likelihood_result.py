@@ -59,11 +59,11 @@ class OutputErrorIdentification(Shown):
 
     def to_frame(self) -> pl.DataFrame:
         """A polars data frame of the parameters, as that of an `Identification`."""
-        every = (
+        columns = (
             ("minimal", self.minimal_parameters, self.standard_deviations, self.model.minimal_units),
             ("physical", self.physical_parameters, self.physical_deviations, self.model.physical_units),
         )
-        return frame_of(every if self.fit is not None else ())
+        return frame_of(columns if self.fit is not None else ())
 
     @property
     def physical_parameters(self) -> dict[str, float]:

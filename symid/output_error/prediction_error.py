@@ -161,13 +161,13 @@ class PredictionError:
         sampled, kalman = self._predictor(plant, nuisance)
         inputs = self._inputs(plant, sampled, nuisance)
         n = len(kalman.innovations.A)
-        whole = kalman.innovations.observed(np.eye(n))
-        states = whole.response(inputs, self.run.starts)
+        recursion = kalman.innovations.observed(np.eye(n))
+        states = recursion.response(inputs, self.run.starts)
         raw = inputs[:, : len(self.run.signals)] - states @ sampled.output.T
         for first, last in self._stretches:
             free = kalman.innovations.free_response(last - first)
             start = np.linalg.lstsq(free.reshape(-1, n), -raw[first:last].ravel(), rcond=None)[0]
-            states[first:last] += whole.free_response(last - first) @ start
+            states[first:last] += recursion.free_response(last - first) @ start
         return np.asarray(states @ sampled.basis.T)
 
     @cached_property

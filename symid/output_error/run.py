@@ -232,6 +232,7 @@ def _resting(motion: JointMotion, standstill: float | None, margin: int) -> Bool
     for begin, end in runs_of_true(slow):
         if end - begin >= _SHORTEST_STANDSTILL:
             resting[max(begin - margin, 0) : end + margin] = True
+    # Only reversals far from their neighbours are left out.
     reversals = np.flatnonzero(np.diff(np.signbit(motion.v_at)))
     apart = np.diff(np.concatenate([[-np.inf], reversals, [np.inf]])) > _REVERSALS_APART * margin
     for reversal in reversals[apart[:-1] & apart[1:]]:

@@ -98,15 +98,17 @@ def _multiples_within(
     multiples = [row.scaled(operators.ring.gens[0] ** k) for k in range(1 + max(0, degree))]
     while multiples:
         signals_of_each = [_signals_of(multiple, operators) for multiple in multiples]
-        beyond = next((signal for own in signals_of_each for signal in own if signal not in signals), None)
+        beyond = next(
+            (signal for present in signals_of_each for signal in present if signal not in signals), None
+        )
         if beyond is None:
             break
-        pivot = next(i for i, own in enumerate(signals_of_each) if beyond in own)
+        pivot = next(i for i, present in enumerate(signals_of_each) if beyond in present)
         multiples = [
-            _cleared(multiple, multiples[pivot], own[beyond], signals_of_each[pivot][beyond])
-            if beyond in own
+            _cleared(multiple, multiples[pivot], present[beyond], signals_of_each[pivot][beyond])
+            if beyond in present
             else multiple
-            for i, (multiple, own) in enumerate(zip(multiples, signals_of_each, strict=True))
+            for i, (multiple, present) in enumerate(zip(multiples, signals_of_each, strict=True))
             if i != pivot
         ]
     return multiples

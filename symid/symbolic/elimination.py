@@ -101,8 +101,8 @@ def _posed(
 ) -> tuple[OperatorModel, Measurement, tuple[str, ...]]:
     operators = operator_model(model, numbers)
     known = measurement(operators, measured)
-    whole, same = with_readings(operators, measured, known.in_equations)
-    return whole, known, same
+    with_sensors, same = with_readings(operators, measured, known.in_equations)
+    return with_sensors, known, same
 
 
 def _combined(

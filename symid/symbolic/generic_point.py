@@ -141,9 +141,9 @@ def moved(
 
     A generator with neither must not occur, as s does not occur in parameters.
     """
-    names, own = list(map(str, polynomial.ring.symbols)), list(map(str, ring.symbols))
-    values = [(i, known[name]) for i, name in enumerate(names) if name in known and name not in own]
-    places = [names.index(name) if name in names else None for name in own]
+    names, to_names = list(map(str, polynomial.ring.symbols)), list(map(str, ring.symbols))
+    values = [(i, known[name]) for i, name in enumerate(names) if name in known and name not in to_names]
+    places = [names.index(name) if name in names else None for name in to_names]
     total: dict[tuple[int, ...], Any] = {}
     for m, c in polynomial.terms():
         value = prod((base ** m[i] for i, base in values if m[i]), start=number(c))

@@ -127,10 +127,12 @@ def local_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing
     groups = connected({name: held[name] for name in inner}, unknown)
     basis = []
     for name in (name for name in rows if name not in inner):
-        own = [(names, columns) for names, columns in groups if not set(columns).isdisjoint(held[name])]
-        chosen = {name, *(row for names, _ in own for row in names)}
+        needed_groups = [
+            (names, columns) for names, columns in groups if not set(columns).isdisjoint(held[name])
+        ]
+        chosen = {name, *(row for names, _ in needed_groups for row in names)}
         block = {row: EliminationRow({row: ring.one}, dict(rows[row])) for row in rows if row in chosen}
-        columns = [column for column in unknown if any(column in columns for _, columns in own)]
+        columns = [column for column in unknown if any(column in columns for _, columns in needed_groups)]
         basis.append(_single_row(block, columns, ring) if columns else block[name])
     return basis
 

@@ -129,10 +129,10 @@ def _split(balance: sp.Expr, ring: PolyRing, model: InverseDynamicModel) -> Row:
     columns.update({w.symbol: (str(w.symbol), 0) for w in model.inputs})
     columns.update({sp.Symbol(drive.signal): (drive.signal, 0) for drive in model.axis.drives})
     parameters = ring.symbols[1:]
-    whole = PolyRing((*parameters, *columns), ring.domain).from_expr(balance)
+    polynomial = PolyRing((*parameters, *columns), ring.domain).from_expr(balance)
     places = list(columns.values())
     row: Row = {}
-    for monomial, coefficient in whole.terms():
+    for monomial, coefficient in polynomial.terms():
         powers, signals = monomial[: len(parameters)], monomial[len(parameters) :]
         name, order = places[signals.index(1)]
         row = add(row, {name: ring({(order, *powers): coefficient})}, ring.one)

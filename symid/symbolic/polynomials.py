@@ -68,8 +68,8 @@ def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElem
         terms = {tuple(map(sub, monomial, powers)): c / scale for monomial, c in polynomial.items()}
         return polynomial.new(terms) if all(min(monomial) >= 0 for monomial in terms) else None
     if polynomial.ring.domain != QQ or divisor.is_term or len(polynomial) * len(divisor) < _WORTH_A_COPY:
-        whole, rest = polynomial.div(divisor)
-        return None if rest else whole
+        quotient_, remainder = polynomial.div(divisor)
+        return None if remainder else quotient_
     try:
         return _back(_copy(polynomial) / _copy(divisor), polynomial.ring)
     except DomainError:
@@ -211,13 +211,13 @@ class Minors:
         # Rows that share no columns form blocks. A block that is not square makes the determinant 0; the others
         # multiply, with the sign of the permutation that sorts rows and columns into blocks.
         blocks = connected({i: [j for j in columns if (i, j) in self._entries] for i in rows}, columns)
-        if any(len(own) != len(theirs) for own, theirs in blocks):
+        if any(len(block_rows) != len(block_columns) for block_rows, block_columns in blocks):
             return self._one * 0
         if len(blocks) == 1:
             return self._expanded(rows, columns)
         value = self._one * prod(_sign([i for block in blocks for i in block[side]]) for side in (0, 1))
-        for own, theirs in sorted(blocks, key=lambda block: len(block[0])):
-            value = self._product(value, self.of(tuple(own), tuple(theirs)))
+        for block_rows, block_columns in sorted(blocks, key=lambda block: len(block[0])):
+            value = self._product(value, self.of(tuple(block_rows), tuple(block_columns)))
         return value
 
     def _expanded(self, rows: Places, columns: Places) -> Any:
@@ -242,10 +242,10 @@ def connected(rows: Mapping[K, Collection[C]], columns: Sequence[C]) -> list[tup
     [(['b'], [2]), (['a', 'c'], [1, 3])]
     """
     groups: list[tuple[set[K], set[C]]] = []
-    for name, own in rows.items():
-        joined = [group for group in groups if not group[1].isdisjoint(own)]
+    for name, held in rows.items():
+        joined = [group for group in groups if not group[1].isdisjoint(held)]
         groups = [group for group in groups if group not in joined]
-        groups.append(({name}.union(*(g[0] for g in joined)), set(own).union(*(g[1] for g in joined))))
+        groups.append(({name}.union(*(g[0] for g in joined)), set(held).union(*(g[1] for g in joined))))
     return [
         ([name for name in rows if name in mine], [c for c in columns if c in theirs])
         for mine, theirs in groups

@@ -140,7 +140,9 @@ def _recording(value: Mapping[str, object], names: tuple[str, ...]) -> list[tupl
     if all(field in value for field in _SIMULINK):
         times, signals = [value["time"]], _listed(value["signals"])
     elif all(field in value for field in _DSPACE):
-        times = [one.get("Data") if isinstance(one, Mapping) else None for one in _listed(value["X"])]
+        times = [
+            source.get("Data") if isinstance(source, Mapping) else None for source in _listed(value["X"])
+        ]
         signals = _listed(value["Y"])
     else:
         return []
@@ -170,16 +172,17 @@ def _leaves(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[
     if isinstance(value, Channel):
         yield names, value
     elif isinstance(value, Mapping):
-        own, clocked = described(value, names), _recording(value, names)
+        description, clocked = described(value, names), _recording(value, names)
         yield from clocked
         for key, inner in value.items():
             if clocked and key in (*_SIMULINK, *_DSPACE):
                 continue
-            if own is None or key != own[0]:
+            if description is None or key != description[0]:
                 yield from _leaves(inner, (*names, str(key)))
             else:
                 yield from (
-                    (path, replace(_channel(leaf), unit=own[2])) for path, leaf in _leaves(inner, own[1])
+                    (path, replace(_channel(leaf), unit=description[2]))
+                    for path, leaf in _leaves(inner, description[1])
                 )
     elif isinstance(value, np.ndarray) and value.dtype.kind in "biufc" and value.dtype.names is None:
         yield names, value

@@ -73,25 +73,25 @@ def _columns(value: object, names: tuple[str, ...]) -> Iterator[tuple[tuple[str,
     if len(names) > _DEEPEST:
         return
     if isinstance(value, Mapping):
-        headers: list[str] = next((one for one in value.values() if _are_texts(one)), [])
-        rows = next((one for one in value.values() if _are_rows(one, len(headers))), None)
+        headers: list[str] = next((item for item in value.values() if _are_texts(item)), [])
+        rows = next((item for item in value.values() if _are_rows(item, len(headers))), None)
         if rows is not None:
             yield from _records([dict(zip(headers, row, strict=True)) for row in rows], names)
             return
         if value and all(str(key).isdecimal() for key in value):  # as pandas writes a column, by its index
             yield from _columns(list(value.values()), names)
             return
-        own = described(value, names)
+        description = described(value, names)
         for name, inner in value.items():
-            if own is None or name != own[0]:
+            if description is None or name != description[0]:
                 yield from _columns(inner, (*names, str(name)))
             else:
-                for (*path, last), array in _columns(inner, own[1]):
-                    yield (*path, f"{last} [{own[2]}]" if own[2] else last), array
+                for (*path, last), array in _columns(inner, description[1]):
+                    yield (*path, f"{last} [{description[2]}]" if description[2] else last), array
     elif isinstance(value, list) and value and isinstance(value[0], Mapping):
-        records = [one for one in value if isinstance(one, Mapping)]
-        own = described(records[0], names)
-        if own is None or not isinstance(records[0][own[0]], list):
+        records = [item for item in value if isinstance(item, Mapping)]
+        description = described(records[0], names)
+        if description is None or not isinstance(records[0][description[0]], list):
             yield from _records(records, names)
         else:  # one for each signal
             for record in records:
@@ -103,7 +103,7 @@ def _columns(value: object, names: tuple[str, ...]) -> Iterator[tuple[tuple[str,
 
 
 def _are_texts(value: Any) -> bool:
-    return isinstance(value, list) and value != [] and all(isinstance(one, str) for one in value)
+    return isinstance(value, list) and value != [] and all(isinstance(item, str) for item in value)
 
 
 def _are_rows(rows: Any, width: int) -> bool:

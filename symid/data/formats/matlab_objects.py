@@ -59,12 +59,12 @@ def _plain(value: Any, depth: int = 0) -> object:
         return value
     if value.dtype.names:
         structs = [
-            _named({name: _plain(one[name], depth + 1) for name in value.dtype.names})
-            for one in value.ravel()
+            _named({name: _plain(item[name], depth + 1) for name in value.dtype.names})
+            for item in value.ravel()
         ]
         return structs[0] if len(structs) == 1 else structs
     if value.dtype == object:
-        cells = [_plain(one, depth + 1) for one in value.ravel()]
+        cells = [_plain(item, depth + 1) for item in value.ravel()]
         return cells[0] if len(cells) == 1 else cells
     if value.dtype.kind == "U":
         return str(value.ravel()[0]) if value.size == 1 else ""
@@ -74,14 +74,14 @@ def _plain(value: Any, depth: int = 0) -> object:
 def _object(properties: dict[str, object]) -> object:
     """A time series as a channel; any other object as its properties."""
     # what is stored of a property has its name, with an underscore behind it
-    own = {name.rstrip("_").lower(): value for name, value in properties.items()}
-    data = own.get("data")
-    if not isinstance(data, np.ndarray) or "timeinfo" not in own:
+    fields = {name.rstrip("_").lower(): value for name, value in properties.items()}
+    data = fields.get("data")
+    if not isinstance(data, np.ndarray) or "timeinfo" not in fields:
         return _named(properties)
-    time = _times(own)
-    name = own.get("name")
+    time = _times(fields)
+    name = fields.get("name")
     name = name if isinstance(name, str) and name != _UNNAMED else ""
-    return Channel(name, _unit(own.get("datainfo")), time, _rows(data, time.size))
+    return Channel(name, _unit(fields.get("datainfo")), time, _rows(data, time.size))
 
 
 def _times(series: Mapping[str, object]) -> FloatArray:
@@ -122,11 +122,11 @@ def _number(value: object) -> float | None:
 
 def _named(fields: dict[str, object]) -> dict[str, object]:
     """Fields; a time series without a name gets the name of its owner, such as a logged signal."""
-    own = fields.get("Name", fields.get("Name_"))
-    if not isinstance(own, str) or not own:
+    own_name = fields.get("Name", fields.get("Name_"))
+    if not isinstance(own_name, str) or not own_name:
         return fields
     return {
-        key: replace(value, name=own) if isinstance(value, Channel) and not value.name else value
+        key: replace(value, name=own_name) if isinstance(value, Channel) and not value.name else value
         for key, value in fields.items()
     }
 

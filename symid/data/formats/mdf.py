@@ -26,8 +26,8 @@ def _parsed(path: Path, memory: int | None) -> list[Channel]:
         require_memory(values, memory)
         signals = [
             (group, whole.get(group=group, index=index))
-            for group, one in enumerate(whole.groups)
-            for index in range(len(one.channels))
+            for group, group_of_channels in enumerate(whole.groups)
+            for index in range(len(group_of_channels.channels))
             if index != whole.masters_db.get(group)
         ]
     numeric = [(group, s) for group, s in signals if s.samples.ndim == 1 and s.samples.dtype.kind in "biuf"]

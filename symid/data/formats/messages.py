@@ -34,8 +34,8 @@ def open_mcap(path: Path, memory: int | None = None) -> Table:
             require_memory(summary.statistics.message_count, memory)
         read = _readable(summary) if summary else None
         if read == []:
-            other = ", ".join(sorted({one.message_encoding for one in summary.channels.values()}))
-            raise LogError(f"{path}: its messages are in {other or 'no encoding'}: record ROS 2 or JSON")
+            encodings = ", ".join(sorted({one.message_encoding for one in summary.channels.values()}))
+            raise LogError(f"{path}: its messages are in {encodings or 'no encoding'}: record ROS 2 or JSON")
         return table_of_messages(
             (channel.topic, message.log_time, decoded)
             for _, channel, message, decoded in opened.iter_decoded_messages(topics=read)
@@ -152,8 +152,8 @@ def _numbers(value: object, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, 
                 continue
             is_array = isinstance(inner, (list, tuple, np.ndarray))
             if isinstance(names, (list, tuple)) and field != "name" and is_array and len(inner) == len(names):
-                for name, one in zip(names, inner, strict=True):
-                    yield from _numbers(one, (*path, str(name), field))
+                for name, values in zip(names, inner, strict=True):
+                    yield from _numbers(values, (*path, str(name), field))
             else:
                 yield from _numbers(inner, (*path, field))
     elif isinstance(value, (list, tuple, np.ndarray)) and len(value) <= _LONGEST_ARRAY:

@@ -41,13 +41,17 @@ def named_rows_in(path: Path, begin: bytes) -> Callable[[], Table] | None:
 
 def table_of_records(path: Path, records: object) -> Table | None:
     """Table of records such as ``{"ts": 0.1, "topic": "axis/position", "value": 3.5}``; None of others."""
-    if not isinstance(records, list) or not records or not all(isinstance(one, Mapping) for one in records):
+    if (
+        not isinstance(records, list)
+        or not records
+        or not all(isinstance(record, Mapping) for record in records)
+    ):
         return None
     headers = tuple(map(str, records[0]))
     places = _places(headers, [_text(value) for value in records[0].values()])
     if places is None:
         return None
-    texts = [[_text(one.get(headers[place])) for place in places] for one in records]
+    texts = [[_text(record.get(headers[place])) for place in places] for record in records]
     return _table(path, headers[places[0]], texts, decimal=".")
 
 
@@ -61,7 +65,7 @@ def _places(headers: Sequence[str], row: Sequence[str]) -> tuple[int, int, int] 
     times = [place for place, header in enumerate(headers) if quantity_named(header) == "time"]
     times.sort(key=lambda place: match(words[place], "start|stop") is not None)
     named, valued = (
-        [place for place, own in enumerate(words) if match(own, pattern) and place not in times]
+        [place for place, word in enumerate(words) if match(word, pattern) and place not in times]
         for pattern in (_NAME, _VALUE)
     )
     named = [place for place in named if place < len(row) and not is_number_text(row[place], comma=True)]

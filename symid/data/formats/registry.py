@@ -53,10 +53,10 @@ def open_joined(parts: Sequence[Path], read: Callable[[Path], Table]) -> Table:
         clock, factor = _clock(part, table)
         columns = table.read(range(len(table.headers)))
         for place, values in enumerate(columns):
-            own = table.clocks.get(place, clock)
-            time = columns[own]
+            clock_place = table.clocks.get(place, clock)
+            time = columns[clock_place]
             if isinstance(time, str):
-                raise LogError(f"{part}: column {table.headers[own]!r} {time}")
+                raise LogError(f"{part}: column {table.headers[clock_place]!r} {time}")
             if place != clock and place not in table.clocks.values() and not isinstance(values, str):
                 name, unit = split_unit(table.headers[place])
                 channels.append(((part.stem, name), Channel(name, unit or "", factor * time, values)))

@@ -162,6 +162,8 @@ def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> 
     """Sampling period before and after the one time at which it changes, robust against outliers."""
     length = min(max(12, forward.size // 64), forward.size)
     count = forward.size // length
+    # The mean of the regular intervals of each stretch, those near its median, is robust against gaps and outliers, and
+    # averages the rounding of the times.
     stretches = intervals[forward[: count * length]].reshape(count, length)
     middle = np.median(stretches, axis=1, keepdims=True)
     distance = np.abs(stretches - middle)
@@ -199,6 +201,7 @@ def _lateness(intervals: FloatArray, rate: _Rate, step: float) -> tuple[FloatArr
     wide = np.empty(intervals.size, dtype=np.bool_)
     change = intervals.size if rate.change is None else rate.change
     for part, period in ((slice(0, change), rate.before), (slice(change, None), rate.after)):
+        # Rounded to `step`, the intervals of a period alternate between the two multiples of the step beside it.
         shortest, longest = period, period
         if step > 1e-6 * period:
             shortest = np.floor(period / step + 0.02) * step

@@ -38,6 +38,8 @@ def unwrapped(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, 
     jumps = jumps[(jumps > 1) & (jumps < x.size - 1)]
     if not jumps.size:
         return x, ""
+    # Between two samples the counter wraps and the axis moves on by about the step beside: the jump less that step is
+    # the range, and has the opposite sign.
     beside = (x[jumps - 1] - x[jumps - 2] + x[jumps + 1] - x[jumps]) / 2
     sizes = np.abs(x[jumps] - x[jumps - 1] - beside)
     along = beside * np.sign(x[jumps] - x[jumps - 1])

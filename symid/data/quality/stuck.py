@@ -79,11 +79,11 @@ def inspect_spans(
         if name in positions:
             clipped = _cut_in_motion(x, clipped)
             long = runs.longer(max(_STUCK_SAMPLES, _USUAL_RUNS * usual)) if not clipped.start.size else long
-            stuck = _left_behind(x, long, [y for other, y in moving.items() if other != name])
+            stuck = _left_behind(x, long, [y for name_beside, y in moving.items() if name_beside != name])
         else:
             clipped = clipped.only(x[clipped.start] != 0.0)  # 0 is the value of a drive at rest and no limit
             clipped = clipped.only(~_between_steps(x, clipped))
-            if places := [y for other, y in signals.items() if other in positions]:
+            if places := [y for name_beside, y in signals.items() if name_beside in positions]:
                 # the output of a controller between two counts is not a limit either
                 clipped = clipped.only(_travels(clipped, places, 0.0))
             if is_switched(x) or np.sum(clipped.length) < max(2 * _CLIPPED_SAMPLES, _CLIPPED_SHARE * x.size):

@@ -59,25 +59,25 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
         for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header
     }
-    found = {
+    columns_found = {
         i: ForeignColumn(table.headers[i], "time", "s", False, clocks[i], True)
         if i in clocks
         else described_column(table.headers[i], column)
         for i, column in finite.items()
     }
-    if not any(column.quantity == "time" for column in found.values()):
-        unknown = (i for i, c in found.items() if c.quantity is None and c.unit is None)
+    if not any(column.quantity == "time" for column in columns_found.values()):
+        unknown = (i for i, c in columns_found.items() if c.quantity is None and c.unit is None)
         if (i := next((i for i in unknown if rises_unevenly(finite[i])), None)) is not None:
-            found[i] = _uneven_clock(table.headers[i], finite[i])
-    for i, column in found.items():
+            columns_found[i] = _uneven_clock(table.headers[i], finite[i])
+    for i, column in columns_found.items():
         if column.quantity != "time" or not is_coarse(finite[i]):
             continue
-        if any(change_between(finite[j], finite[i]) for j in found if j != i):
-            found[i] = replace(column, coarse=True, row_period=period_of_rows(finite[i]))
+        if any(change_between(finite[j], finite[i]) for j in columns_found if j != i):
+            columns_found[i] = replace(column, coarse=True, row_period=period_of_rows(finite[i]))
         else:
             why = f"{column.reason}; rows of one time are equal: remove the repeated rows"
-            found[i] = replace(column, reason=why)
-    return tuple({**found, **_by_motion(found, finite)}.values())
+            columns_found[i] = replace(column, reason=why)
+    return tuple({**columns_found, **_by_motion(columns_found, finite)}.values())
 
 
 def _by_motion(
@@ -95,6 +95,8 @@ def _by_motion(
             i for i, c in columns.items() if c.quantity == known and c.stated and not c.setpoint and c.unit
         ]
         lacking = [i for i, c in columns.items() if c.quantity == wanted and not (c.stated or c.setpoint)]
+        # Each column without a unit is compared with each column of the other quantity that has one; the first match
+        # decides.
         for i, j in product(lacking, of_known):
             if i in identified or not values[i].size == values[j].size == time.size:
                 continue
@@ -120,6 +122,7 @@ def described_column(header: str, values: FloatArray) -> ForeignColumn:
 
 
 def _guessed(header: str, values: FloatArray) -> ForeignColumn:
+    # The evidence in order: an unambiguous unit, a word of the name with the unit or the values, the values alone.
     name, written = split_header(header)
     words = words_of(name)
     setpoint = match(words, SETPOINT) is not None
@@ -190,7 +193,7 @@ def _sign_and_magnitude(values: FloatArray) -> str:
         return ""
     for whole in (2**bits for bits in _REGISTERS):
         negative = values >= whole / 2
-        parts = [np.unique(values[own]) for own in (~negative, negative)]
+        parts = [np.unique(values[side]) for side in (~negative, negative)]
         middle = np.any((values > whole / 4) & (values < 3 * whole / 4))
         if values.max() < whole and not middle and min(part.size for part in parts) > _CHANGES:
             spans = " and ".join(f"{part[0]:.0f} to {part[-1]:.0f}" for part in parts)
@@ -201,7 +204,7 @@ def _sign_and_magnitude(values: FloatArray) -> str:
     for bit in _SIGN_BITS:
         sign = values >= 2**bit
         sizes = np.where(sign, values - 2**bit, values)
-        largest = [float(sizes[own].max(initial=0.0)) for own in (sign, ~sign)]
+        largest = [float(sizes[side].max(initial=0.0)) for side in (sign, ~sign)]
         changes = np.count_nonzero(np.diff(sign))
         if min(largest) > 0.3 * max(largest) and max(largest) < _MOST_OF_BIT * 2**bit and changes >= _CHANGES:
             return (

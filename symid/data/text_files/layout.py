@@ -114,6 +114,7 @@ class Layout:
             for line in [*below, *lines[: self.above][-1:]]
             if not numbers_columns(texts := names_in(line, self.separator, width))
         ]
+        # A line that is called units goes first, then one that holds units, then the only line below the names.
         written = next(
             (line for line in others if are_units(line)), others[0] if len(below) == 1 and others else []
         )
@@ -237,10 +238,12 @@ def _with_separator(
         return None
     width, begin = run
     fraction = r"\d\.\d" if separator == "," else r"\d[.,]\d"  # below whole numbers that are no sample
+    # Whole numbers 1, 2, 3 above numbers with decimals number the columns.
     numbered = numbers_columns([text.strip() for text in fields(lines[begin], separator)])
     numbered = numbered and re.search(fraction, lines[begin + 1]) is not None
     begin += numbered
     header = names_above(lines[:begin], separator, width)
+    # Without names for all fields, there may be half as many: each number is then two fields, with a decimal comma.
     names = fields(lines[begin - 1], separator) if header is None and begin and separator == "," else []
     if names and are_pairs([line for line in lines[begin:-1] if line.strip()], len(names)):
         header, decimal = names_above(lines[:begin], separator, len(names)), ","

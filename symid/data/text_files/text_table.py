@@ -117,6 +117,7 @@ def values_in(
             if width > 1 and min(filled for _, filled in run) and len({whole for whole, _ in run}) == 1:
                 return width, begin
         return None
+    # The last lines of the table decide which columns hold numbers; from there it grows upwards while they do.
     usual, count = Counter(map(len, rows)).most_common(1)[0] if rows else (0, 0)
     end = max((place for place, row in enumerate(rows, 1) if len(row) == usual), default=0)
     last = [_are_numbers(row, separator) for row in rows[max(end - least, 0) : end] if len(row) == usual]
@@ -186,7 +187,7 @@ def numbers_columns(texts: Sequence[str]) -> bool:
 
 def _named_by(lines: Sequence[tuple[int, list[str]]]) -> int | None:
     """Line of the names among adjacent lines of texts, the nearest to the values first."""
-    worded = [one for one in lines if any(map(str.isalnum, "".join(one[1])))] or lines
+    worded = [line for line in lines if any(map(str.isalnum, "".join(line[1])))] or lines
     if not worded:
         return None
     of_units = next((i for i, (_, texts) in enumerate(worded) if are_units(texts)), None)

@@ -49,22 +49,25 @@ def unit_by_motion(
     ('turn', 'rpm')
     >>> unit_by_motion(turns, 3 * rpm, t, "velocity", "rpm")  # of a motor behind a gear
     """
-    every = max(1, time.size // _MOST_ROWS)
-    q, v, t = position[::every], velocity[::every], time[::every]
+    stride = max(1, time.size // _MOST_ROWS)
+    q, v, t = position[::stride], velocity[::stride], time[::stride]
     if t.size < 3 or not np.all(np.diff(t) > 0):
         return None
     way = np.append(0.0, np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(t)))
+    # The zero of the position and the offset of the velocity are unknown: without their straight lines, the position is
+    # proportional to the integral of its velocity.
     q, way = (x - np.polyval(np.polyfit(t - t[0], x, 1), t - t[0]) for x in (q, way))
     sizes = float(np.linalg.norm(q)), float(np.linalg.norm(way))
     if min(sizes) == 0.0 or not float(q @ way) > _ALIKE * sizes[0] * sizes[1]:
         return None
     ratio = sizes[1] / sizes[0]  # of units
+    # The known unit is a linear or an angular one, which decides the candidates for the other.
     for base in _POSITIONS:
         here, there = _POSITIONS[base], _VELOCITIES[base]
         wanted, candidates = (f"{base}/s", here) if known == "velocity" else (base, there)
-        if (own := _factor(unit, wanted)) is None:
+        if (known_factor := _factor(unit, wanted)) is None:
             continue
-        factor = own * ratio if known == "velocity" else own / ratio
+        factor = known_factor * ratio if known == "velocity" else known_factor / ratio
         target = base if known == "velocity" else f"{base}/s"
         return next(
             (name for name in candidates if abs(factor / to_si(name, Unit.of(target)) - 1) < _CLOSE), None

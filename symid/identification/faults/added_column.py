@@ -50,9 +50,9 @@ class AddedColumn:
         units = C / np.maximum(largest, tiny)  # of a filter's tail alone, its squares would underflow
         # Only the component orthogonal to the model's columns can reduce the residual (Frisch-Waugh-Lovell theorem).
         outside = unexplained_by(Z, units)
-        rest, whole = np.sum(outside**2, axis=0), np.sum(units**2, axis=0)
-        counts = (largest > tiny) & (rest >= _INDEPENDENT * whole) & (power > 0.0)
-        length = np.sqrt(np.where(counts, rest, 1.0))
+        outside_power, unit_power = np.sum(outside**2, axis=0), np.sum(units**2, axis=0)
+        counts = (largest > tiny) & (outside_power >= _INDEPENDENT * unit_power) & (power > 0.0)
+        length = np.sqrt(np.where(counts, outside_power, 1.0))
         taken = r @ outside / length
         factors = taken / length / np.maximum(largest, tiny)
         return [

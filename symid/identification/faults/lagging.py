@@ -202,10 +202,11 @@ def _filtered_before(
     `constants` are the rows of the constant from which an integral starts in each part. None also if every factor
     leaves more than `most` of the residual.
     """
+    # First a lower bound without iteration: no factor leaves less than free coefficients of all columns.
     before = estimate_of_parts(parts)
     step_rows = [
-        _StepRows.of(part.observation, [one, *constants[k : k + 1]])
-        for k, (part, one) in enumerate(zip(parts, more, strict=True))
+        _StepRows.of(part.observation, [made, *constants[k : k + 1]])
+        for k, (part, made) in enumerate(zip(parts, more, strict=True))
     ]
     power = np.maximum(before.residual_norm**2, np.finfo(float).tiny)
     least = np.concatenate([rows.least_squares for rows in step_rows])
@@ -213,12 +214,13 @@ def _filtered_before(
         return None
     factor, X, p = 0.0, fit.solution, fit.solution.size
     for _ in range(_MOST_ROUNDS):
+        # The rows are bilinear in the factor and X: each round is linear in the changes around the last values of both.
         steps = [rows.of_step(factor, X, k, len(constants)) for k, rows in enumerate(step_rows)]
         step_fit = estimate(
             [
-                TriangularFactor(triangle(power.R @ step), power.rows)
+                TriangularFactor(triangle(part_factor.R @ step), part_factor.rows)
                 for rows, step in zip(step_rows, steps, strict=True)
-                for power in rows.factors
+                for part_factor in rows.factors
             ]
         )
         if step_fit.status != "ok":

@@ -73,10 +73,10 @@ def _beside(
 
     It counts if it is certain and moves parameters beyond their intervals.
     """
-    Z, rest, y = tests.all_rows
+    Z, residual, y = tests.all_rows
     columns = tests.made_by(tests.model.force, *courses)
-    certain = tests.certain(rest, CRITERIA.gain_certain)
-    for made, column in zip(columns, AddedColumn.of_each(Z, rest, columns, y), strict=True):
+    certain = tests.certain(residual, CRITERIA.gain_certain)
+    for made, column in zip(columns, AddedColumn.of_each(Z, residual, columns, y), strict=True):
         along = Z.T @ made
         outside = 1.0 - float(along @ along) / max(float(made @ made), np.finfo(float).tiny)
         without = tests.fit.solution - tests.fit.rank.inverse_root @ along * column.factor

@@ -86,6 +86,7 @@ def natural_frequencies(model: GeneratedModel, X: FloatArray, around_hz: float) 
         return np.zeros(0)
     circle = np.exp(2j * np.pi * np.arange(_POINTS) / _POINTS)
     s = 2 * np.pi * around_hz * circle
+    # Each signal adds its coefficient times s to the order of its derivative, at the column of its sensor.
     A: ComplexArray = np.zeros((_POINTS, len(rows), len(sensors)), dtype=complex)
     for flat, column in zip(model.signals, rows.T, strict=True):
         name, order = split_derivative(flat)

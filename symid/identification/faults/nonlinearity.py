@@ -61,10 +61,10 @@ class ColumnTests:
                 continue
             if all(is_switched(part.log[force], part.noise_of(force)) for part in self.parts):
                 continue
-            rows, Z, rest, y = _of_equation(self.rows, j)
+            rows, Z, residual, y = _of_equation(self.rows, j)
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
-            cubic = AddedColumn.of(Z, rest, (y / scale) ** 3, y)
-            certain = self.certain(rest, CRITERIA.gain_certain)
+            cubic = AddedColumn.of(Z, residual, (y / scale) ** 3, y)
+            certain = self.certain(residual, CRITERIA.gain_certain)
             is_curved = cubic.share > min(CRITERIA.nonlinear, certain)
             if is_curved and abs(cubic.size) > CRITERIA.nonlinear_output:
                 less = "less" if cubic.factor < 0 else "more"
@@ -78,7 +78,7 @@ class ColumnTests:
             if not beyond_noise[j]:
                 continue  # noise in W does too
             curvature = np.concatenate([self._second_difference(r.part, j) for r in rows])
-            missing = AddedColumn.of(Z, rest, curvature, y)
+            missing = AddedColumn.of(Z, residual, curvature, y)
             if missing.share > CRITERIA.nonlinear and missing.size > CRITERIA.smoothed_output:
                 return (
                     f"{force} does not contain the fast part of the motion (its second derivative explains "
@@ -93,13 +93,13 @@ class ColumnTests:
         The columns are the size of the recorded force, and that force with the sign of a friction law; beside a
         constant force, which is an offset and no gain.
         """
-        Z, rest, y = self.all_rows
+        Z, residual, y = self.all_rows
         ones = np.eye(len(self.model.output_names))
         Z = np.concatenate(
             [Z, np.concatenate([np.tile(ones[r.equation], (r.residual.size, 1)) for r in self.rows])], axis=1
         )
-        rest = unexplained_by(Z, rest)
-        least = max(CRITERIA.nonlinear, self.certain(rest, CRITERIA.gain_beyond_noise))
+        residual = unexplained_by(Z, residual)
+        least = max(CRITERIA.nonlinear, self.certain(residual, CRITERIA.gain_beyond_noise))
         for force in self.model.forces:
             signs = [[np.sign(part.log[force]) for part in self.parts]]
             signs += [[direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
@@ -112,7 +112,7 @@ class ColumnTests:
                 [part.log[force] * (sign - mean) for part, sign in zip(self.parts, sign_by_part, strict=True)]
                 for sign_by_part, mean in zip(both_ways, means, strict=True)
             ]
-            for column in AddedColumn.of_each(Z, rest, self.made_by(force, *courses), y):
+            for column in AddedColumn.of_each(Z, residual, self.made_by(force, *courses), y):
                 if column.share > least and CRITERIA.uneven_gain < abs(column.factor) < _OTHER_CAUSE:
                     return (
                         f"{force} differs by direction from the force that the motion needs: its gain or the friction "
@@ -136,13 +136,13 @@ class ColumnTests:
         The cube of the recorded force models the loss by a soft limit. Its sign in the uppermost part of its range
         models the loss by clipping.
         """
-        Z, rest, y = self.all_rows
+        Z, residual, y = self.all_rows
         for force in self.model.forces:
             largest = max(float(np.max(np.abs(part.log[force]))) for part in self.parts) or 1.0
             relative = [part.log[force] / largest for part in self.parts]
             cube = [x * x * x for x in relative]  # a power takes thirty times as long
             limit = [np.sign(x) * (np.abs(x) > _AT_LIMIT) for x in relative]
-            by_cube, by_limit = AddedColumn.of_each(Z, rest, self.made_by(force, cube, limit), y)
+            by_cube, by_limit = AddedColumn.of_each(Z, residual, self.made_by(force, cube, limit), y)
             for words, column, share, size in (
                 ("its cube explains", by_cube, CRITERIA.nonlinear, 0.0),
                 ("its largest values explain", by_limit, CRITERIA.cut, CRITERIA.nonlinear_output),
@@ -173,10 +173,10 @@ class ColumnTests:
         for j, force in enumerate(self.model.output_names):
             if force not in self.model.forces:
                 continue
-            rows, Z, rest, y = _of_equation(self.rows, j)
+            rows, Z, residual, y = _of_equation(self.rows, j)
             grown = [self._growing(r, self.parts[r.part].moved(force).rows) for r in rows]
-            drift = AddedColumn.of(Z, rest, np.concatenate(grown), y)
-            certain = self.certain(rest, CRITERIA.gain_certain)
+            drift = AddedColumn.of(Z, residual, np.concatenate(grown), y)
+            certain = self.certain(residual, CRITERIA.gain_certain)
             if drift.share > certain and CRITERIA.gain_drift < abs(drift.factor) < _OTHER_CAUSE:
                 return (
                     f"{force} changes by {100 * drift.factor:+.2g} % from the start to the end of the log for "
@@ -190,17 +190,17 @@ class ColumnTests:
 
         Equations tie signals together: a mass multiplies the second derivative of a scale as it does an acceleration.
         """
-        Z, rest, y = self.all_rows
+        Z, residual, y = self.all_rows
         for name in shiftable(self.model):
             if name in self.model.forces:
                 continue
             columns = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
-            gain = AddedColumn.of(Z, rest, np.concatenate(columns), y)
-            certain = self.certain(rest, CRITERIA.gain_certain)
+            gain = AddedColumn.of(Z, residual, np.concatenate(columns), y)
+            certain = self.certain(residual, CRITERIA.gain_certain)
             if abs(gain.factor - 1.0) < _FREE:
                 continue  # free parameters multiply all of its terms, and absorb its gain
             is_wrong = gain.share > certain and abs(gain.factor) > CRITERIA.sensor_gain
-            if is_wrong and not self._is_noise(name, np.concatenate(columns), Z, rest):
+            if is_wrong and not self._is_noise(name, np.concatenate(columns), Z, residual):
                 return (
                     f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
                     "correct its unit, sign or gain (`units`, `gains`)"
@@ -261,10 +261,10 @@ class ColumnTests:
 
 def _joined(rows: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Columns, residual and prediction of rows of several equations and parts."""
-    Z, rest, y = (
+    Z, residual, y = (
         np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
     )
-    return Z, rest, y
+    return Z, residual, y
 
 
 def _of_equation(

@@ -24,9 +24,10 @@ def one_direction(model: GeneratedModel, parts: Sequence[Excerpt]) -> tuple[str,
         W = np.concatenate([p.observation.W[equation][p.observation.valid[equation]] for p in parts])
         if not W.size or not _is_of_one_sign(W[:, column]):
             continue
-        rest = unexplained_by(np.delete(W, column, axis=1), np.sign(W[:, column]))
+        # In one direction the column is a constant. If the others explain it, the two cannot be separated.
+        unexplained = unexplained_by(np.delete(W, column, axis=1), np.sign(W[:, column]))
         name = minimal[column]
-        if np.sqrt(np.mean(rest**2)) < CRITERIA.friction_alike:
+        if np.sqrt(np.mean(unexplained**2)) < CRITERIA.friction_alike:
             return (
                 f"the axis moves in one direction only, in which {name} and others are one force: {_MOVE}",
                 "",
@@ -41,6 +42,7 @@ def one_direction(model: GeneratedModel, parts: Sequence[Excerpt]) -> tuple[str,
 @lru_cache(maxsize=16)
 def _dry_friction(model: GeneratedModel) -> list[tuple[int, int]]:
     """Equation and column of each law that depends on the direction of the motion alone, as the sign of a speed."""
+    # At a random motion, at twice that and at its reverse: such a column ignores the size and follows the direction.
     once = dict(
         zip(model.signals, np.random.default_rng(0).standard_normal((len(model.signals), 9)), strict=True)
     )

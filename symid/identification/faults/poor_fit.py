@@ -108,26 +108,28 @@ def _clipped(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     axis as well, does not change it.
     """
     noise = [part.noise_of(force) for part in parts]
-    limits = [_at_limit(part.log[force], one) for part, one in zip(parts, noise, strict=True)]
+    limits = [_at_limit(part.log[force], level) for part, level in zip(parts, noise, strict=True)]
     share = float(np.mean(np.concatenate(limits)))
     if share < _CLIPPED_SHARE or all(is_switched(p.log[force], n) for p, n in zip(parts, noise, strict=True)):
         return ""
     seen = [part.observation for part in parts]
     free = [o.valid & ~_rows_near(part, flags) for o, part, flags in zip(seen, parts, limits, strict=True)]
-    other = _of_rows(parts, free)
+    free_fit = _of_rows(parts, free)
     where = f"{force} is at the end of its range in {100 * share:.3g} % of the log"
     cure = "record with a wider range, or cut those parts out"
-    is_short = min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok"
+    is_short = min(free_fit.rows) < _ROWS_A_PARAMETER * fit.solution.size or free_fit.status != "ok"
     # rows of a coasting axis, whose force is noise, fit parameters of zero
-    if is_short or np.any(other.residual_norm > CRITERIA.worst_fit * other.y_norm):
+    if is_short or np.any(free_fit.residual_norm > CRITERIA.worst_fit * free_fit.y_norm):
         if not any(_at_limit(part.log[force], 0.0).any() for part in parts):
             return ""  # a drive that is mostly at its limits looks like that, too
         return f"{where}, and the rest is too short to decide whether the true force went beyond it: {cure}"
-    every = _of_rows(parts, [o.valid for o in seen])
-    moved = np.abs(other.solution - every.solution)
+    whole_fit = _of_rows(parts, [o.valid for o in seen])
+    moved = np.abs(free_fit.solution - whole_fit.solution)
     # variance of the difference to an efficient estimate of which the rows are a part (Hausman, Econometrica 46, 1978)
-    certain = _CERTAIN * np.sqrt(np.maximum(np.diag(other.covariance) - np.diag(every.covariance), 0.0))
-    if not np.any((moved > certain) & (moved > _NOTICEABLE * np.abs(other.solution))):
+    certain = _CERTAIN * np.sqrt(
+        np.maximum(np.diag(free_fit.covariance) - np.diag(whole_fit.covariance), 0.0)
+    )
+    if not np.any((moved > certain) & (moved > _NOTICEABLE * np.abs(free_fit.solution))):
         return ""
     return f"{where}, and without those parts the parameters differ, so that the true force went beyond it: {cure}"
 

@@ -121,6 +121,7 @@ def _held(x: FloatArray, mover: FloatArray | None) -> int:
     spans = runs_of_true(step == 0.0)
     spans = spans[(spans[:, 1] - spans[:, 0] >= _SPAN - 1) & (spans[:, 1] < step.size)]
     length = spans[:, 1] - spans[:, 0]
+    # A coarse or slow channel repeats values everywhere: spans count only where other repetitions are rare.
     alike = np.count_nonzero(step == 0.0) - int(length.sum())
     if len(spans) < FEWEST_LOST or alike > _ALIKE * x.size or length.sum() > _MOSTLY * x.size:
         return 0

@@ -61,6 +61,7 @@ def _samples_late(reading: FloatArray, expected: FloatArray) -> float:
     """Samples by which a reading is later than expected; 0 if a delay does not explain most of the difference."""
     delay, places = 0.0, np.arange(reading.size)
     for _ in range(_ROUNDS):
+        # Gauss-Newton: the derivative of the moved signal by the delay is minus its slope.
         moved = np.interp(places - delay, places, expected)
         slope, differs = np.gradient(moved), reading - moved
         delay -= float(slope @ differs) / max(float(slope @ slope), 1e-300)

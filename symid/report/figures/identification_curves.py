@@ -96,10 +96,10 @@ def _logs(
         return [_of_equations(title, *run, result.output_units) for title, run in pairs]
     if result.fit is None:
         raise SettingError(f"there is nothing to draw: {result.message}")
-    late = {drive.signal: result.late for drive in result.axis.drives}
+    delays = {drive.signal: result.late for drive in result.axis.drives}
     others = [] if validation is None else [cast("OutputErrorPrediction", validation)]
     predicted = zip(titles, [*result.predictions, *others], strict=True)
-    return [_of_readings(title, run, result.reading_units, late) for title, run in predicted]
+    return [_of_readings(title, run, result.reading_units, delays) for title, run in predicted]
 
 
 def _of_equations(

@@ -109,7 +109,7 @@ def _settings(record: dict[str, Any]) -> list[tuple[str, str]]:
         ]
     used = record["filter"]
     ends = " and ".join(str(samples) for samples in used["trim"]) or "no"
-    late = [f"{signal} by {significant(1e6 * by)} us" for signal, by in used["late_s"].items() if by]
+    delays = [f"{signal} by {significant(1e6 * by)} us" for signal, by in used["late_s"].items() if by]
     return [
         method,
         ("cutoff frequency", f"{significant(used['cutoff_hz'])} Hz, order {used['order']}"),
@@ -117,7 +117,7 @@ def _settings(record: dict[str, Any]) -> list[tuple[str, str]]:
         ("decimation", f"one row for every {used['decimation']} samples"),
         ("differences", f"of order of accuracy {used['difference_order']}"),
         ("left out at the ends", f"{ends} samples"),
-        ("recorded late", ", ".join(late) or "nothing"),
+        ("recorded late", ", ".join(delays) or "nothing"),
         condition,
     ]
 

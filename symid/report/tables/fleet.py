@@ -213,8 +213,8 @@ def _events(axis: dict[str, Any]) -> list[str]:
             shown = ", ".join(
                 f"{outlier['log']} ({outlier['z']:+.3g} sigma)" for outlier in far[:_MOST_OUTLIERS]
             )
-            rest = f" and {len(far) - _MOST_OUTLIERS} more" if len(far) > _MOST_OUTLIERS else ""
-            lines.append(f"{name} is an outlier in {shown}{rest}")
+            more = f" and {len(far) - _MOST_OUTLIERS} more" if len(far) > _MOST_OUTLIERS else ""
+            lines.append(f"{name} is an outlier in {shown}{more}")
     return lines
 
 
