@@ -103,7 +103,6 @@ def identify_batch(
     known: Mapping[str, Mapping[str, float]] | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
-    folder: Path | None = None,
     track: Track = lambda rows, total: rows,
 ) -> Batch:
     """Identify each log separately. A log that cannot be identified becomes a row with a status and a message.
@@ -128,8 +127,6 @@ def identify_batch(
         Number of processes; that of the cores by default. With 1, this process does the work.
     scheduler : str, optional
         Address of a Dask scheduler, whose workers see the logs under the same paths.
-    folder : Path, optional
-        Folder of the generated modules; by default that of the axis files.
     track : callable
         Takes the rows as they arrive and their final number, passes them on, and may show progress.
 
@@ -157,7 +154,7 @@ def identify_batch(
     of_logs = known_of_logs(known, names)
     if known and settings.joint:
         raise SettingError("known values of each log do not go with `joint`: leave one of them out")
-    chosen = fleet_axes(axes, settings, folder, of_logs[0])
+    chosen = fleet_axes(axes, settings, of_logs[0])
     run = scheduler_of(jobs, scheduler, len(names), settings.seconds)
     with locked(files):
         return _identified(chosen, dict(zip(names, of_logs, strict=True)), files, run, track)

@@ -81,10 +81,9 @@ def _with_known(axis: Axis, values: Mapping[str, float]) -> Axis:
 def fleet_axes(
     axes: AnyAxis | Sequence[AnyAxis],
     settings: BatchSettings,
-    folder: Path | None = None,
     known: Mapping[str, float] | None = None,
 ) -> tuple[FleetAxis, ...]:
-    """Axes of a batch from names, paths or declarations; `folder` replaces the folder of their generated modules.
+    """Axes of a batch from names, paths or declarations.
 
     Parameters that are `known` in each log are not part of the results; their values are those of the first log.
     """
@@ -109,7 +108,7 @@ def fleet_axes(
     for source, axis in zip(named, declared, strict=True):
         restricted = settings.of_axis(axis)
         sets = (restricted.measured,) if restricted.measured else axis.sensor_sets
-        planned.append(FleetAxis(axis, tuple(_modules(source, axis, sets, folder)), restricted))
+        planned.append(FleetAxis(axis, tuple(_modules(source, axis, sets)), restricted))
     return tuple(planned)
 
 
@@ -126,13 +125,13 @@ def _require_no_column(axes: Sequence[Axis]) -> None:
 
 
 def _modules(
-    source: str | Axis, axis: Axis, sets: Sequence[tuple[str, ...]], folder: Path | None
+    source: str | Axis, axis: Axis, sets: Sequence[tuple[str, ...]]
 ) -> Iterator[tuple[tuple[str, ...], StoredModule]]:
     """Current modules of an axis; if there is none, the first one that can be derived."""
     any_model, refused = False, list[EliminationError]()
     for measured in sets:
         try:
-            module = stored_module(source, measured, folder)
+            module = stored_module(source, measured)
             module.compiled()
         except SymidError:
             if any_model:

@@ -28,6 +28,8 @@ _LEAST_RUNS = 3
 _TAIL = 0.025
 _LEAST_SHARE = 0.1
 """Variance between runs that counts, relative to the stated one, which has an accuracy of some 5 %."""
+_FALSE = 0.01
+"""Probability that an axis is called different although no parameter of it differs."""
 
 
 @dataclass(frozen=True)
@@ -169,12 +171,11 @@ def variance_where_zero(excess: Callable[[float], float], high: float) -> float:
     return 0.0 if excess(0.0) <= 0 else float(scipy.optimize.brentq(excess, 0.0, high, xtol=1e-12 * high))
 
 
-def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVerdict:
+def judge_spread(spreads: Mapping[str, Spread]) -> SpreadVerdict:
     """Whether the axis differs from run to run, and in which parameters.
 
-    `level` is the probability of a false verdict for an axis that does not differ in any parameter. A variance between
-    runs below a tenth of the stated one never counts as a difference: it would be significant with thousands of runs,
-    but intervals are not that accurate.
+    A variance between runs below a tenth of the stated one never counts as a difference: it would be significant with
+    thousands of runs, but intervals are not that accurate.
 
     >>> import numpy as np
     >>> noise = np.random.default_rng(3).standard_normal((2, 40))
@@ -191,7 +192,7 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
         sentence = f"not known: {most} runs with intervals; {_LEAST_RUNS} are required"
         return SpreadVerdict(False, (), sentence, {})
     adjusted = dict(zip(known, _holm([spread.probability for spread in known.values()]), strict=True))
-    differing = [n for n in known if adjusted[n] < level and known[n].exceeds_tolerance]
+    differing = [n for n in known if adjusted[n] < _FALSE and known[n].exceeds_tolerance]
     differing.sort(key=lambda name: -known[name].share)
     if not differing:
         runs = max(spread.runs for spread in known.values())
