@@ -10,7 +10,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.runtime.nrt import rtsys
 
 
-def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+def jitted(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function of numbers and arrays as machine code, which is compiled at the first call.
 
     Machine code is kept beside the module, or in the user's cache if that cannot be written; where neither can,
@@ -18,14 +18,14 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 
     Examples
     --------
-    >>> compiled(lambda x: x * x)(3.0)
+    >>> jitted(lambda x: x * x)(3.0)
     9.0
     """
     return _compiled(function)
 
 
 def inner(function: Callable[..., Any]) -> Callable[..., Any]:
-    """As `compiled`, for a function that compiled code alone calls.
+    """As `jitted`, for a function that compiled code alone calls.
 
     It has no entry from Python, which for records of many arrays takes longer to compile than the function itself.
     """

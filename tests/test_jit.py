@@ -6,12 +6,12 @@ from pathlib import Path
 
 LOOP = """
 from typing import NamedTuple
-from symid.jit import compiled
+from symid.jit import jitted
 
 class {record}(NamedTuple):
     values: tuple
 
-@compiled
+@jitted
 def total(record):
     return sum(record.values) {more}
 
@@ -33,7 +33,7 @@ def test_code_kept_for_a_record_that_is_gone_is_compiled_again(tmp_path: Path) -
 
 
 def test_code_is_compiled_again_when_what_it_calls_has_changed(tmp_path: Path) -> None:
-    module = "{imported}\nfrom symid.jit import compiled\n\n@compiled\ndef {name}(x):\n    return {value}\n"
+    module = "{imported}\nfrom symid.jit import jitted\n\n@jitted\ndef {name}(x):\n    return {value}\n"
     calling = module.format(imported="from called import scaled", name="moved", value="scaled(x)")
     (tmp_path / "calling.py").write_text(calling, encoding="utf-8")
     command = [sys.executable, "-c", "import calling; print(calling.moved(3))"]

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from symid.arrays import FloatArray
-from symid.jit import compiled
+from symid.jit import jitted
 
 NAMES = (
     *("J", "Fv", "Fs", "dFs", "dFv", "dF", "vs", "mu", "F0", "Gs", "Gc", "k", "As", "Ac", "pitch", "c"),
@@ -92,7 +92,7 @@ def run(values: Mapping[str, float], loop: Loop, reference: FloatArray, recorder
     return Run({name: x[every] for name, x in signals.items()}, loop.rate / recorder.every)
 
 
-@compiled
+@jitted
 def _march(given, loop, reference, late):  # type: ignore[no-untyped-def]  # compiled
     j, fv, fs, dfs, dfv, df, vs, mu, f0, gs, gc, k, cs, cc, pitch, drag = given[:16]
     warm, tau, jl, stiff, damp, fvl, fsl, gl, pose = given[16:]

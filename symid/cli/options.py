@@ -35,7 +35,7 @@ class Number(click.types.FloatParamType):
         return number
 
 
-class Rate(Number):
+class SamplingRate(Number):
     """A rate in Hz, or ``own``."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -44,7 +44,7 @@ class Rate(Number):
 
 
 POSITIVE = Number()
-RATE = Rate()
+RATE = SamplingRate()
 NOT_NEGATIVE = Number(included=True)
 LIMIT = Number(infinite=True)
 COUNT = click.IntRange(1, 10**9)

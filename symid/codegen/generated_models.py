@@ -7,7 +7,7 @@ from pathlib import Path
 
 from symid.axis import AnyAxis, Axis, axis_file, axis_of
 from symid.codegen.model import GeneratedModel, declared_delays, passed_over
-from symid.codegen.store import FORMAT, generated_folder, module_name, text_of
+from symid.codegen.store import FORMAT, generated_folder, module_name, stored_text
 from symid.codegen.vetting import vetted
 from symid.errors import GeneratedModuleError, SymidError
 
@@ -125,7 +125,7 @@ def stored_module(
     cure = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
     if not path.is_file():
         raise GeneratedModuleError(f"there is no generated module {path.name}; {cure}")
-    return StoredModule(path.name, text_of(path), declared.signature, late, missed, cure)
+    return StoredModule(path.name, stored_text(path), declared.signature, late, missed, cure)
 
 
 DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}

@@ -59,10 +59,10 @@ class GeneratedFile:
 
 def planned_file(path: Path, text: str | None) -> GeneratedFile:
     """A generated file with a required text and the text that is present."""
-    return GeneratedFile(path, text, text_of(path) if path.is_file() else None)
+    return GeneratedFile(path, text, stored_text(path) if path.is_file() else None)
 
 
-def text_of(path: Path) -> str:
+def stored_text(path: Path) -> str:
     """Text of a module; bytes that cannot be decoded mark it as damaged."""
     return path.read_text(encoding="utf-8", errors="replace")
 
@@ -87,7 +87,7 @@ def sensor_sets_in(folder: Path, axis: Axis) -> tuple[tuple[str, ...], ...]:
     known = {sensor.signal for sensor in axis.sensors}
     found = []
     for path in sorted(folder.glob(f"{axis.name}__*.py")):
-        line = _MEASURED.search(text_of(path))
+        line = _MEASURED.search(stored_text(path))
         signals = tuple(re.findall(r'"([^"]+)"', line[1])) if line else ()
         if signals and known.issuperset(signals) and signals not in axis.sensor_sets:
             found.append(signals)

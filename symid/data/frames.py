@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Frame: TypeAlias = "IntoFrame | Mapping[str, npt.ArrayLike]"
 """A data frame of pandas, polars, pyarrow or another library that narwhals knows, or columns by name."""
 
-SOURCE: Final = Path("frame")
+FRAME_SOURCE: Final = Path("frame")
 """Name of a frame in messages and results."""
 _CONTEXTS: Final = tuple(map(Unit.of, ("rad", "rad/s", "rad/s^2", "m/s^2")))
 """Signals whose quantity changes the meaning of some units."""
@@ -41,7 +41,9 @@ def table_of(frame: Frame) -> Table:
     lengths = {name: np.shape(values)[:1] for name, values in columns.items()}
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} {size[0] if size else 'a number'}" for name, size in lengths.items())
-        raise LogError(f"{SOURCE}: the columns differ in length ({listed}): give as many samples of each")
+        raise LogError(
+            f"{FRAME_SOURCE}: the columns differ in length ({listed}): give as many samples of each"
+        )
     headers = tuple(columns)
     moments = frozenset(place for place, values in enumerate(columns.values()) if _are_times(values))
     return Table(
@@ -119,7 +121,7 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
     except nw.exceptions.DuplicateError as error:
         repeated = {str(name) for name in table.columns if list(table.columns).count(name) > 1}
         raise LogError(
-            f"{SOURCE}: several columns are named {', '.join(sorted(repeated))}: rename them"
+            f"{FRAME_SOURCE}: several columns are named {', '.join(sorted(repeated))}: rename them"
         ) from error
     return {str(name): column for name, column in zip(native.columns, native.iter_columns(), strict=True)}
 

@@ -13,7 +13,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.columns import TIME, Assignment, references_of, sources_of, split_unit
 from symid.data.formats import open_table
-from symid.data.frames import SOURCE, Frame, table_of
+from symid.data.frames import FRAME_SOURCE, Frame, table_of
 from symid.data.log import Log
 from symid.data.long_log import BLOCK, AnyLog, scanned
 from symid.data.quality.coarse_clock import is_coarse
@@ -129,7 +129,7 @@ def open_log(
         As `read_log` does; of a long log, for the first block that has a fault.
     """
     is_file = isinstance(path, (str, os.PathLike))
-    file, named = Path(path) if isinstance(path, (str, os.PathLike)) else SOURCE, dict(columns or {})
+    file, named = Path(path) if isinstance(path, (str, os.PathLike)) else FRAME_SOURCE, dict(columns or {})
     with naming_file(file):
         table = open_table(file, layout, memory) if is_file else table_of(cast("Frame", path))
         if sampling_period is not None:

@@ -13,7 +13,7 @@ from symid.estimation.rank import RankAnalysis, analyse_rank, condition_number
 from symid.estimation.triangular import TriangularFactor, triangle
 
 Method: TypeAlias = Literal["ols", "wls"]
-Status: TypeAlias = Literal["ok", "rank_deficient", "too_few_rows"]
+FitStatus: TypeAlias = Literal["ok", "rank_deficient", "too_few_rows"]
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -22,7 +22,7 @@ _EPS = float(np.finfo(np.float64).eps)
 class LeastSquares:
     """A least-squares estimate with its statistics. Arrays are read-only."""
 
-    status: Status
+    status: FitStatus
     """Either "ok"; "rank_deficient": some parameters are not determined; "too_few_rows": there are no more rows than
     parameters, so that the noise and the standard deviations cannot be estimated."""
     method: Method | Literal["iv"]
@@ -142,7 +142,7 @@ def estimate(
     sigma = float(np.linalg.norm(weights * residual_norm)) / np.sqrt(divisor) if divisor > 0 else float("nan")
     covariance = sigma**2 * (rank.inverse_root @ rank.inverse_root.T)
     free = list(rank.undetermined)
-    deficient: Status = "rank_deficient" if free else "ok"
+    deficient: FitStatus = "rank_deficient" if free else "ok"
     return LeastSquares(
         status="too_few_rows" if rows <= len(rank.singular_values) else deficient,
         method=method,

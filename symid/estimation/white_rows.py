@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from symid.jit import compiled
+from symid.jit import jitted
 
 
-@compiled
+@jitted
 def white_rows(rows, coefficients, whitening, usable):  # type: ignore[no-untyped-def]  # compiled
     """Whitened rows, (n, n_outputs, n_usable), from rows (n, n_outputs, n_rows); see `Autoregression`."""
     n, n_outputs, n_rows = rows.shape

@@ -11,7 +11,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation import Limits, Trajectory, chirp, trapezoids, whole_periods
-from symid.simulation.trajectories import Quantity
+from symid.simulation.trajectories import MotionQuantity
 
 DEFAULTS = ("default trapezoids", "default chirp")
 """Names of the references that `symid simulate` uses within the same limits."""
@@ -24,7 +24,7 @@ _SPEEDS = ((1.0,), (0.05, 0.3, 1.0))  # of the moves of one motion, relative to 
 _JERK_TIME = 0.01  # s, in which the acceleration builds up if the jerk is not limited
 _LINES = 21  # of a multisine
 _PARTS = (0.2, 0.5)  # of the limits, for a multisine on top of moves
-_CONSTANT: tuple[Quantity, ...] = ("velocity", "acceleration")
+_CONSTANT: tuple[MotionQuantity, ...] = ("velocity", "acceleration")
 _SWEEP: Literal["logarithmic"] = "logarithmic"
 _Maker = Callable[[float], Trajectory]
 

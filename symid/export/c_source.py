@@ -27,6 +27,7 @@ from symid.export.c_motion import (
 )
 from symid.export.c_step import step_function
 from symid.export.c_templates import (
+    C_SOURCE,
     FEEDFORWARD_HEADER,
     FEEDFORWARD_SOURCE,
     HEADER,
@@ -35,7 +36,6 @@ from symid.export.c_templates import (
     REGRESSOR_SOURCE,
     SETTLE_HEADER,
     SETTLE_SOURCE,
-    SOURCE,
 )
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported, losses_of_signals, require_physical
@@ -101,7 +101,7 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
         **_regressor_fields(model),
         "header": f"{header or axis.name}.h",
     }
-    texts = {".c": SOURCE.format(**words), ".h": HEADER.format(**words)}
+    texts = {".c": C_SOURCE.format(**words), ".h": HEADER.format(**words)}
     return Exported({suffix: _of_any_precision(text) for suffix, text in texts.items()}, losses)
 
 

@@ -45,7 +45,7 @@ void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], doubl
 #endif
 """
 
-SOURCE = """\
+C_SOURCE = """\
 #include <math.h>
 #include "{header}"
 

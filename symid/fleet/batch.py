@@ -27,7 +27,7 @@ from symid.fleet.result_table import (
     write_table,
 )
 from symid.fleet.results import Units
-from symid.fleet.row import Row
+from symid.fleet.row import ResultRow
 from symid.fleet.schedulers import Scheduler, scheduler_of
 from symid.fleet.work import Task, killed, work
 from symid.identification import known_of_logs
@@ -58,7 +58,7 @@ class Interrupted(KeyboardInterrupt):
 class Batch(Shown):
     """Results of a batch."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[ResultRow, ...]
     """One for each log, in the order of the logs."""
     units: Units
     """Units by axis, sensors and parameter."""
@@ -176,7 +176,7 @@ def _identified(
         Task(name, os.path.abspath(name), tuple(earlier.get(visible(name), ())), known)
         for name, known in names.items()
     ]
-    rows: dict[str, Row] = {}
+    rows: dict[str, ResultRow] = {}
     made = 0
     try:
         with ExitStack() as opened:
@@ -212,9 +212,9 @@ def _identified(
     return batch
 
 
-def _by_key(rows: Iterable[Row]) -> dict[str, dict[str, Row]]:
+def _by_key(rows: Iterable[ResultRow]) -> dict[str, dict[str, ResultRow]]:
     """Finished rows by log and key; a row is reused if the key is unchanged."""
-    by_key: dict[str, dict[str, Row]] = defaultdict(dict)
+    by_key: dict[str, dict[str, ResultRow]] = defaultdict(dict)
     for row in rows:
         if row.get("key") and row.get("status"):
             by_key[str(row["log"])][str(row["key"])] = row

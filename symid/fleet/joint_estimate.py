@@ -28,7 +28,7 @@ from symid.estimation import LeastSquares, estimate
 from symid.fleet.factors import LogFactors
 from symid.identification import PhysicalEstimate, physical_estimates
 from symid.identification.deviations import LogEstimate, disagreement_between
-from symid.identification.results import EstimatedParameters, Status, verdict
+from symid.identification.results import EstimatedParameters, Status, identification_status
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +149,7 @@ def identify_jointly(
         physical: tuple[PhysicalEstimate, ...] = ()
         if fit.status == "ok":
             physical = physical_estimates(model, fit.parameters, covariance, nominal)
-        status, message = verdict(model, fit, physical)
+        status, message = identification_status(model, fit, physical)
         alone = _single_estimates(logs) if fit.status == "ok" else []
         disagreement, freedom = _disagreement(alone)
         if status == "ok" and (apart := _differing_log(model, fit, physical[0], alone)):

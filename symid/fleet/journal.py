@@ -14,7 +14,7 @@ from filelock import BaseFileLock, FileLock, Timeout
 
 from symid.errors import SettingError, SymidError
 from symid.files import is_finite_number
-from symid.fleet.row import TEXT_COLUMNS, Row
+from symid.fleet.row import TEXT_COLUMNS, ResultRow
 
 _ROWS, _SECONDS = 64, 1.0
 """After which rows are synchronised to the disk; if only the process dies, none is lost."""
@@ -25,9 +25,9 @@ def journal_file(results: Path) -> Path:
     return results.with_name(results.name + ".journal")
 
 
-def read_journal(file: Path) -> list[Row]:
+def read_journal(file: Path) -> list[ResultRow]:
     """Rows of a journal, without a line that was not completed before its process ended."""
-    rows: list[Row] = []
+    rows: list[ResultRow] = []
     if not file.exists():
         return rows
     for line in file.read_bytes().split(b"\n"):
@@ -67,7 +67,7 @@ class Journal:
         if size and os.pread(self._handle, 1, size - 1) != b"\n":
             self._write(b"\n")  # ends an incomplete line
 
-    def append(self, row: Row) -> None:
+    def append(self, row: ResultRow) -> None:
         """Append a row as a line of JSON; the file is forced to disk every few rows."""
         self._write(json.dumps(row, allow_nan=False).encode() + b"\n")
         self._pending += 1

@@ -11,7 +11,7 @@ from symid.errors import SettingError
 from symid.estimation import TriangularFactor
 from symid.fleet.factors import LogFactors
 from symid.fleet.joint_estimate import JointIdentification, identify_jointly
-from symid.fleet.results import UNKNOWN, groups
+from symid.fleet.results import UNKNOWN_AXIS, groups
 from symid.fleet.row import FACTORS
 
 
@@ -77,6 +77,6 @@ def join_results(
     for part in groups(table, by_folder):
         rows = part.rows.filter(pl.col("status").is_in(list(statuses)), pl.col(FACTORS).is_not_null())
         logs = [unpacked(str(log), text) for log, text in rows.select("log", FACTORS).iter_rows()]
-        if logs and part.axis != UNKNOWN:
+        if logs and part.axis != UNKNOWN_AXIS:
             joined[part.name] = identify_jointly(model_of(part.axis, part.sensors), logs)
     return joined

@@ -10,15 +10,15 @@ import polars as pl
 from symid.data import write_frame
 from symid.errors import SettingError, SymidError
 from symid.fleet.plan import FleetAxis
-from symid.fleet.results import UNITS, Units, read_results, with_safe_cells
-from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS, Row
+from symid.fleet.results import UNITS_KEY, Units, read_results, with_safe_cells
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS, ResultRow
 
-SUFFIXES = (".parquet", ".csv")
+RESULT_SUFFIXES = (".parquet", ".csv")
 _TYPES = {str: pl.String(), int: pl.Int64(), float: pl.Float64()}
 
 
 def result_frame(
-    rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool, joint: bool = False
+    rows: Sequence[ResultRow], parameters: Iterable[str], diagnosed: bool, joint: bool = False
 ) -> pl.DataFrame:
     """Rows, one per log, as a table with columns of parameters; missing values are null.
 
@@ -33,7 +33,7 @@ def result_frame(
     return pl.DataFrame([[row.get(name) for name in schema] for row in rows], schema=schema, orient="row")
 
 
-def units_of(rows: Iterable[Row], axes: Iterable[FleetAxis]) -> dict[str, dict[str, dict[str, str]]]:
+def units_of(rows: Iterable[ResultRow], axes: Iterable[FleetAxis]) -> dict[str, dict[str, dict[str, str]]]:
     """Units of the parameters, by axis and sensors that occur in the rows.
 
     Minimal parameters such as X1 differ between sets of sensors, and so do their units.
@@ -68,7 +68,7 @@ def result_files(
     given = (output,) if isinstance(output, (str, os.PathLike)) else output
     files = tuple(sorted(map(Path, given), key=lambda file: file.suffix, reverse=True))
     for file in files:
-        if file.suffix not in SUFFIXES:
+        if file.suffix not in RESULT_SUFFIXES:
             raise SettingError(
                 f"results {str(file)!r} are of an unknown kind: end the name with .parquet or .csv"
             )
@@ -81,7 +81,7 @@ def result_files(
     return files
 
 
-def read_rows(file: Path) -> list[Row]:
+def read_rows(file: Path) -> list[ResultRow]:
     """Rows of a file written by `write_table`, none if it does not exist; SettingError if it has other contents."""
     if not file.exists():
         return []
@@ -99,7 +99,7 @@ def write_table(table: pl.DataFrame, units: Units, file: Path) -> None:
     """Write a table atomically; SymidError if that fails, as on a full disk."""
     try:
         if file.suffix == ".parquet":
-            write_frame(table, file, {UNITS: json.dumps(units)})
+            write_frame(table, file, {UNITS_KEY: json.dumps(units)})
         else:
             write_frame(with_safe_cells(table), file)
     except OSError as error:

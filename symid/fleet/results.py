@@ -17,9 +17,9 @@ from symid.errors import LogError, SettingError
 from symid.files import require_regular
 from symid.fleet.row import BEFORE, TEXT_COLUMNS, TIMES
 
-UNKNOWN = "unknown axis"
+UNKNOWN_AXIS = "unknown axis"
 """Axis of logs that failed before their axis was known."""
-UNITS = "symid.units"
+UNITS_KEY = "symid.units"
 """Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
 Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 _MINIMAL = re.compile(r"X\d+")
@@ -91,7 +91,7 @@ def units_in(file: str | Path) -> Units:
     if Path(file).suffix.lower() != ".parquet":
         return {}
     try:
-        return dict(json.loads(pl.read_parquet_metadata(file).get(UNITS, "{}")))
+        return dict(json.loads(pl.read_parquet_metadata(file).get(UNITS_KEY, "{}")))
     except (ValueError, TypeError):
         return {}
 
@@ -177,7 +177,7 @@ def _filled(table: pl.DataFrame) -> pl.DataFrame:
     """The table with axis and sensors filled in for logs that failed early, where there is only one choice."""
     axis, sensors = pl.col("axis").cast(pl.String), pl.col("_SENSORS")
     only = pl.when(axis.n_unique() - axis.is_null().any() == 1).then(axis.drop_nulls().first())
-    table = table.with_columns(_AXIS=axis.fill_null(only.over("_FOLDER")).fill_null(UNKNOWN))
+    table = table.with_columns(_AXIS=axis.fill_null(only.over("_FOLDER")).fill_null(UNKNOWN_AXIS))
     only = pl.when(sensors.n_unique() - sensors.is_null().any() == 1).then(sensors.drop_nulls().first())
     return table.with_columns(_SENSORS=sensors.fill_null(only.over("_AXIS")).fill_null(""))
 

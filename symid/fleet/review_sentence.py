@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from symid.fleet.results import UNKNOWN, EffectCount
+from symid.fleet.results import UNKNOWN_AXIS, EffectCount
 from symid.fleet.review_records import AxisReview
 from symid.text import counted, listed, spoken
 
@@ -14,7 +14,7 @@ def review_sentence(
     logs = sum(statuses.values())
     if not logs:
         return "No log."
-    known = [review for review in axes if review.axis != UNKNOWN]
+    known = [review for review in axes if review.axis != UNKNOWN_AXIS]
     only = known[0].name if len(known) == 1 else ""
     good = statuses.get("ok", 0)
     others = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in statuses.items() if name != "ok")

@@ -10,7 +10,7 @@ from symid.errors import GeneratedModuleError, LogError, SymidError
 from symid.text import one_line
 
 Value = str | int | float | None
-Row = Mapping[str, Value]
+ResultRow = Mapping[str, Value]
 
 TIMES = ("recorded", "finished")
 DIAGNOSIS: Mapping[str, type] = {
@@ -63,10 +63,10 @@ def finite(value: Any) -> Value:
     return number if math.isfinite(number) else None
 
 
-def with_deviations(values: Mapping[str, float], deviations: FloatArray) -> dict[str, Value]:
+def values_and_deviations(values: Mapping[str, float], deviations: FloatArray) -> dict[str, Value]:
     """Columns of parameters and of their standard deviations.
 
-    >>> with_deviations({"M": 5.0}, [0.1])
+    >>> values_and_deviations({"M": 5.0}, [0.1])
     {'M': 5.0, 'M_std': 0.1}
     """
     row: dict[str, Value] = {}

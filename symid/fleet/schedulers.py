@@ -26,9 +26,9 @@ from symid.fleet.worker_limits import (
     share_of_memory,
 )
 
-Task = TypeVar("Task")
+AnyTask = TypeVar("AnyTask")
 Result = TypeVar("Result")
-Finished = Generator[tuple[Task, Result | None]]
+Finished = Generator[tuple[AnyTask, Result | None]]
 
 _DEATHS = (TerminatedWorkerError, BrokenPipeError)
 """Exceptions for a worker that has died, at its work or before it took any."""
@@ -37,7 +37,7 @@ _DEATHS = (TerminatedWorkerError, BrokenPipeError)
 class Scheduler(Protocol):
     """Runs tasks in processes or on a cluster."""
 
-    def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
+    def run(self, work: Callable[[AnyTask], Result], tasks: Sequence[AnyTask]) -> Finished[AnyTask, Result]:
         """Each task once with its result, None for a task that killed its process twice."""
 
 
@@ -55,7 +55,7 @@ class Processes:
     jobs: int
     seconds: float = MOST_SECONDS
 
-    def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
+    def run(self, work: Callable[[AnyTask], Result], tasks: Sequence[AnyTask]) -> Finished[AnyTask, Result]:
         """Run tasks, as `Scheduler.run`."""
         if self.jobs == 1:
             for task in tasks:
@@ -82,7 +82,7 @@ class Processes:
                     task = left.pop(place)
                     yield task, self._in_own_process(work, task)
 
-    def _in_own_process(self, work: Callable[[Task], Result], task: Task) -> Result | None:
+    def _in_own_process(self, work: Callable[[AnyTask], Result], task: AnyTask) -> Result | None:
         """Result of a suspected task in a separate process.
 
         None if the task kills two processes, or one after more than half of its time limit.
@@ -117,7 +117,9 @@ def _prepare_worker(parent: int, memory: float) -> None:
     limit_memory(memory)
 
 
-def _placed(work: Callable[[Task], Result], place: int, task: Task, seconds: float) -> tuple[int, Result]:
+def _placed(
+    work: Callable[[AnyTask], Result], place: int, task: AnyTask, seconds: float
+) -> tuple[int, Result]:
     with ending_after(seconds):
         return place, work(task)
 
@@ -131,7 +133,7 @@ class Cluster:
 
     address: str
 
-    def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
+    def run(self, work: Callable[[AnyTask], Result], tasks: Sequence[AnyTask]) -> Finished[AnyTask, Result]:
         """Run tasks, as `Scheduler.run`."""
         # A client that never began waits for an answer once more, and complains, when it is deleted.
         begun = type("Client", (_distributed().Client,), {"__del__": lambda _: None})
@@ -149,14 +151,16 @@ _GROUP = 8  # most tasks sent together: one by one, the scheduler would limit a 
 _AHEAD = 3  # groups submitted in advance for each thread of the cluster
 
 
-def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
+def _submitted(
+    client: Any, work: Callable[[AnyTask], Result], tasks: Sequence[AnyTask]
+) -> Finished[AnyTask, Result]:
     distributed = _distributed()
     threads = max(1, sum(client.nthreads().values()))
     groups = _groups(tasks, _AHEAD * threads)
     flow, waiting = distributed.as_completed(loop=client.loop), {}
-    suspects: list[Task] = []
+    suspects: list[AnyTask] = []
 
-    def submit(group: Sequence[Task]) -> None:
+    def submit(group: Sequence[AnyTask]) -> None:
         future = client.submit(_grouped, work, group, pure=False)
         waiting[future.key] = group
         flow.add(future)
@@ -176,7 +180,7 @@ def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task
         yield task, None if results is None else results[0]
 
 
-def _groups(tasks: Sequence[Task], ahead: int) -> Iterator[Sequence[Task]]:
+def _groups(tasks: Sequence[AnyTask], ahead: int) -> Iterator[Sequence[AnyTask]]:
     """Tasks in groups that become smaller towards the end, so that all workers end at nearly the same time.
 
     >>> [len(group) for group in _groups(range(40), 6)]
@@ -202,7 +206,7 @@ def _results(future: Any) -> list[Any] | None:
     return results
 
 
-def _grouped(work: Callable[[Task], Result], tasks: Sequence[Task]) -> list[Result]:
+def _grouped(work: Callable[[AnyTask], Result], tasks: Sequence[AnyTask]) -> list[Result]:
     return [work(task) for task in tasks]
 
 

@@ -22,7 +22,7 @@ from symid.fleet.batch_settings import ROW_METHODS
 from symid.fleet.factors import log_factors
 from symid.fleet.kept_factors import packed
 from symid.fleet.plan import FleetAxis
-from symid.fleet.row import FACTORS, Row, Value, failure_row, finite, time_text, with_deviations
+from symid.fleet.row import FACTORS, ResultRow, Value, failure_row, finite, time_text, values_and_deviations
 from symid.fleet.worker_limits import TooLongError
 from symid.identification import (
     Constraints,
@@ -54,7 +54,7 @@ class LogOutcome:
     """Result for a log: a new row, or the key of a row that is still valid."""
 
     log: str
-    row: Row | None
+    row: ResultRow | None
     unchanged: str | None = None
 
 
@@ -204,9 +204,9 @@ def _columns_of(found: Identification) -> dict[str, Value]:
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.abs(bias.total / values)
         row["largest_bias"] = finite(np.nanmax(share, initial=0.0))
-    row |= with_deviations(found.minimal_parameters, found.standard_deviations)
+    row |= values_and_deviations(found.minimal_parameters, found.standard_deviations)
     if found.physical:
-        row |= with_deviations(found.physical_parameters, found.physical_deviations)
+        row |= values_and_deviations(found.physical_parameters, found.physical_deviations)
         if wide.discrepancies:
             lacking = np.sqrt(wide.physical_deviations**2 - found.physical_deviations**2)
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -239,8 +239,8 @@ def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[s
         "residual_rms": finite(residual.rms),
         "residual_relative": finite(residual.relative),
     }
-    row |= with_deviations(identification.minimal_parameters, identification.standard_deviations)
-    return row | with_deviations(identification.physical_parameters, identification.physical_deviations)
+    row |= values_and_deviations(identification.minimal_parameters, identification.standard_deviations)
+    return row | values_and_deviations(identification.physical_parameters, identification.physical_deviations)
 
 
 def _diagnosed(axis: FleetAxis, log: Log, message: str) -> dict[str, Value]:

@@ -22,7 +22,7 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.deviations.discrepancy import Discrepancy
 from symid.identification.faults.poor_fit import unexplained
 from symid.identification.results.identification_result import Identification
-from symid.identification.results.verdict import poorly_fitted
+from symid.identification.results.status import poorly_fitted
 from symid.identification.rows.bands import cutoff_range
 from symid.identification.rows.coulomb import factors_without
 from symid.identification.rows.excerpts import Excerpt, excerpts

@@ -45,7 +45,7 @@ from symid.identification.parameters.constraints import Constraints
 from symid.identification.results.contradiction import with_constraint_check
 from symid.identification.results.identification_result import Identification, best_covariance
 from symid.identification.results.reliability import with_discrepancies, with_faults
-from symid.identification.results.verdict import OPEN, verdict
+from symid.identification.results.status import OPEN, identification_status
 from symid.identification.rows.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.rows.observation import Observation
 from symid.identification.rows.row_blocks import Run, blocks_of_runs
@@ -243,7 +243,7 @@ def _judged(found: Identification, logs: Sequence[AnyLog], *, has_start: bool) -
         message = f"no row of {unused} is left: check its signals, or leave it out"
         return replace(found, status="too_few_rows", message=message)
     deviations = found.physical_deviations if found.physical else None
-    status, message = verdict(
+    status, message = identification_status(
         found.model, found.fit, found.physical, found.correlated, has_start=has_start, deviations=deviations
     )
     if status == "too_few_rows" and (slow := slowly_updated(found.model, logs)):

@@ -24,7 +24,7 @@ from symid.identification.parameters.starts import starts
 from symid.identification.results.contradiction import against, constraint_notes
 from symid.identification.results.identification_result import Identification
 from symid.identification.results.shared_identification import SharedIdentification
-from symid.identification.results.verdict import OPEN
+from symid.identification.results.status import OPEN
 from symid.identification.rows.settings import Preparation
 from symid.identification.stacked import Stacked
 

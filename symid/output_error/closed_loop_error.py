@@ -21,7 +21,7 @@ from symid.estimation import Autoregression, autoregression
 from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.simulation import ClosedLoop
 
-ORDER = 12
+WHITENING_ORDER = 12
 """Order of the autoregressive model of the errors."""
 _OFFSET_STEP = 1e-2
 _MEDIAN_OF_FOURTH_DIFFERENCES = 0.6745 * math.sqrt(70.0)
@@ -32,7 +32,7 @@ _SMALLEST_NOISE = 1e-9
 
 def whitening_of(errors: FloatArray) -> Autoregression:
     """Autoregressive model of errors of shape (n_samples, n_signals), scaled by their noise."""
-    return autoregression(errors.T, np.ones(len(errors), dtype=bool), ORDER)
+    return autoregression(errors.T, np.ones(len(errors), dtype=bool), WHITENING_ORDER)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from symid.jit import compiled, inner
+from symid.jit import inner, jitted
 
 _DOUBLINGS = 60  # of the horizon: 2^60 samples
 _SETTLED = 1e-13  # relative change of the covariance
 
 
-@compiled
+@jitted
 def doubled(A, G, H):  # type: ignore[no-untyped-def]
     """Solve H = A' H (1 + G H)^-1 A + H0 from H = H0, in place; whether a solution is found.
 

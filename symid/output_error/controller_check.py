@@ -17,7 +17,7 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.estimation import LeastSquares, corrected_covariance, estimate, triangular_factors
 from symid.identification.deviations import scatter, segments_of_rows
-from symid.output_error.closed_loop_error import ORDER, ClosedLoopError, whitening_of
+from symid.output_error.closed_loop_error import WHITENING_ORDER, ClosedLoopError, whitening_of
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.search import Search
 from symid.simulation import ClosedLoop, Command, Controller, LinearLaw
@@ -155,7 +155,7 @@ def controller_mismatch(fit: LikelihoodFit) -> ControllerMismatch | None:
     W, V, y, rows = _whitened(search, W / lengths, V, search.residual(search.x))
     # Part of the terms that the parameters cannot imitate
     imitated = np.linalg.lstsq(W, V, rcond=_VISIBLE)[0]
-    fitted = sum(ORDER * run.n_signals**2 for run in runs)
+    fitted = sum(WHITENING_ORDER * run.n_signals**2 for run in runs)
     changes = _certain_changes(V - W @ imitated, y, rows, fitted + len(lengths))
     if not changes.any():
         return None

@@ -1,18 +1,25 @@
 """Status and notes of an identification by maximum likelihood."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from symid.identification import CRITERIA, Identification
-from symid.identification.deviations import LogEstimate, disagreement_between
-from symid.identification.faults import unexplained_statement
 from symid.identification.parameters import negative_parameters, open_by_structure
 from symid.identification.results import not_by_structure
-from symid.identification.rows import noise_deviations
 from symid.output_error.controller_check import controller_mismatch
-from symid.output_error.likelihood_result import OutputErrorIdentification, Status
+from symid.output_error.fit_doubts import (
+    CORRELATED,
+    change_doubt,
+    correlation_doubt,
+    has_dense_samples,
+    hidden_friction_doubt,
+    inflation_of,
+    log_doubt,
+    noise_doubt,
+    regression_doubt,
+)
+from symid.output_error.likelihood_result import LikelihoodStatus, OutputErrorIdentification
 
 _EXCITE = "excite it more, or record longer"
 _VAGUE = 50.0
@@ -20,25 +27,15 @@ _VAGUE = 50.0
 _FORCES = ("N", "N*m")
 _NO_FRICTION = 1e-3
 """Three deviations of a friction level, as a share of the rms force, below which the friction counts as absent."""
-_CORRELATED = 1.5
-"""Least ratio of the deviations of correlated innovations to those of white ones for a note."""
-_DISAGREE = 3.0
-"""Difference of two methods, in deviations, that is accepted: deviations do not cover all errors of a method."""
-_NOTICEABLE = 0.05
-"""Relative difference of two methods below which it is not reported."""
-_SEEN = 1e-6
-"""Least part of a joint's motion, scaled to 1, that counts as unread."""
-_DENSE = 20.0
-"""Samples of a period from which derivatives and holds cost least squares no more than an honest deviation."""
 _MUCH_CORRELATED = 8.0
-"""Such a ratio that is a fault by itself. EMPS, whose friction deviates from the declared one, has 3 to 5."""
+"""`inflation_of` that is a fault by itself. EMPS, whose friction deviates from the declared one, has 3 to 5."""
 
 
-def verdict_of(
+def likelihood_status(
     result: OutputErrorIdentification,
     regression: Identification | None = None,
     alone: Sequence[OutputErrorIdentification] = (),
-) -> tuple[Status, str]:
+) -> tuple[LikelihoodStatus, str]:
     """Status of an estimate, and a sentence on its meaning and cure; empty for "ok".
 
     A fault of a channel that least squares found in the same logs holds here too, and others where the innovations are
@@ -63,35 +60,50 @@ def verdict_of(
             "not_physical",
             f"{', '.join(below)} are negative: the model, the timing or the log does not fit",
         )
-    if doubt := _hidden_friction_remark(result):
+    if doubt := hidden_friction_doubt(result):
         return "poor_fit", doubt
     if unknown := undetermined(result):
         return unknown
-    if regression is not None and (fault := fault_of(result, regression)):
+    if regression is not None and (fault := fault_by_regression(result, regression)):
         return fault, regression.message
     if doubt := (
-        _noise_remark(result)
-        or _change_remark(result)
-        or _log_remark(alone)
-        or _regression_remark(result, regression)
+        noise_doubt(result)
+        or change_doubt(result)
+        or log_doubt(alone)
+        or regression_doubt(result, regression)
     ):
         return "poor_fit", doubt
-    # Innovations at the rate of the samples show little of slow forces that the model lacks: least squares do.
-    is_correlated = _inflation(result) > _CORRELATED
-    if regression is not None and regression.status == "poor_fit" and (is_correlated or _is_dense(result)):
+    return _status_by_innovations(result, regression)
+
+
+def _status_by_innovations(
+    result: OutputErrorIdentification, regression: Identification | None
+) -> tuple[LikelihoodStatus, str]:
+    """Status by the correlation of the innovations.
+
+    At the rate of the samples they show little of slow forces that the model lacks: least squares do.
+    """
+    is_correlated = inflation_of(result) > CORRELATED
+    if (
+        regression is not None
+        and regression.status == "poor_fit"
+        and (is_correlated or has_dense_samples(result))
+    ):
         return "poor_fit", regression.message
     if is_correlated:
         if regression is not None and regression.status == "timing":
             return "timing", regression.message
-        if _inflation(result) > _MUCH_CORRELATED:
+        if inflation_of(result) > _MUCH_CORRELATED:
             return (
                 "poor_fit",
-                f"{_correlated_remark(result)}: the log is damaged, or the model lacks an effect",
+                f"{correlation_doubt(result)}: the log is damaged, or the model lacks an effect",
             )
     return "ok", ""
 
 
-def undetermined(result: OutputErrorIdentification, cure: str = _EXCITE) -> tuple[Status, str] | None:
+def undetermined(
+    result: OutputErrorIdentification, cure: str = _EXCITE
+) -> tuple[LikelihoodStatus, str] | None:
     """The status of an estimate of which the logs do not determine a parameter; None if they determine all."""
     vague = _uncertain_parameters(result, CRITERIA.undetermined)
     if not vague:
@@ -101,7 +113,9 @@ def undetermined(result: OutputErrorIdentification, cure: str = _EXCITE) -> tupl
     return "undetermined", f"the log does not determine {', '.join(vague)}: {cure}"
 
 
-def fault_of(result: OutputErrorIdentification, regression: Identification) -> Status | None:
+def fault_by_regression(
+    result: OutputErrorIdentification, regression: Identification
+) -> LikelihoodStatus | None:
     """The fault of a log that least squares found, if it holds for output error too.
 
     A delay is estimated with the parameters; a lag or a drifting clock is not, and biases the parameters beside white
@@ -113,16 +127,8 @@ def fault_of(result: OutputErrorIdentification, regression: Identification) -> S
         return None if delay and regression.message.startswith(delay) else "timing"
     has_inverse = regression.model.physical_parameters is not None
     if regression.status == "not_physical" or (regression.status == "no_physical_parameters" and has_inverse):
-        return "not_physical" if _is_dense(result) else None
+        return "not_physical" if has_dense_samples(result) else None
     return "recording" if regression.status == "recording" else None
-
-
-def _is_dense(result: OutputErrorIdentification) -> bool:
-    """Whether each period of the highest mode holds many samples, and the course of the force between them is known."""
-    if result.fit is None or result.comparison.force == "simulated":
-        return False
-    highest = result.fit.search.dynamics.at(result.fit.search.parameters).highest_mode
-    return all(log.sampling_frequency > _DENSE * highest for log in result.logs)
 
 
 def _uncertain_parameters(result: OutputErrorIdentification, most: float) -> list[str]:
@@ -155,105 +161,6 @@ def _absent_friction(result: OutputErrorIdentification) -> frozenset[str]:
     )
 
 
-def _noise_remark(result: OutputErrorIdentification) -> str:
-    """Remark on forces and accelerations that are mostly noise, beyond the noise that their spectra show."""
-    log, parts, levels = result.logs[0], [], noise_deviations(result.model, result.logs[0])
-    orders = {signal: sensor.order for signal, sensor in result.comparison.dynamics.sensors.items()}
-    for signal, noise in result.noise.items():
-        size = float(np.sqrt(np.mean(log[signal] ** 2)))
-        seen = levels.get(signal, 0.0)
-        is_position = orders.get(signal) in (0, 1)
-        if not is_position and noise > max(CRITERIA.worst_fit * size, CRITERIA.noise_explains * seen):
-            parts.append(f"{100 * noise / size:.3g} % of {signal}")
-    return unexplained_statement(parts)
-
-
-def _change_remark(result: OutputErrorIdentification) -> str:
-    fit = result.fit
-    if fit is None or fit.change is None:
-        return ""
-    inside, outside, names = fit.change.inside, fit.change.outside, fit.search.seen
-    moved = np.abs(inside - outside)
-    certain = (moved > CRITERIA.change_certain * fit.change.deviations) & (
-        moved > CRITERIA.change * np.maximum(np.abs(inside), np.abs(outside))
-    )
-    certain[len(names) :] = False  # noise ratios
-    if not certain.any():
-        return ""
-    i = fit.change.most_certain(certain)
-    return (
-        f"parameters change within the logs: in a part {names[i]} is {inside[i]:.4g}, elsewhere {outside[i]:.4g}: "
-        "gain, payload or machine change, or a part is damaged; identify the parts apart (`trim`)"
-    )
-
-
-def _log_remark(alone: Sequence[OutputErrorIdentification]) -> str:
-    """Remark on a log whose own parameters, if they are ok, differ from those of the others."""
-    each = [
-        LogEstimate(
-            ", ".join(log.source for log in single.logs),
-            np.array(list(single.physical_parameters.values())),
-            single.physical_deviations,
-        )
-        for single in alone
-        if single.status == "ok"
-    ]
-    return disagreement_between(list(alone[0].model.physical_units), each) if each else ""
-
-
-def _regression_remark(result: OutputErrorIdentification, regression: Identification | None) -> str:
-    """Remark on parameters that differ from those of a least-squares fit without a fault.
-
-    Effects that the model lacks move both results, and need not be in their deviations. Where samples are sparse, a fit
-    with a negative mass or stiffness is not compared: its deviations hold for values that no machine has.
-    """
-    if regression is None or regression.status not in ("ok", "undetermined"):
-        return ""
-    values, linear = result.physical_parameters, regression.physical_parameters
-    if not _is_dense(result) and negative_parameters(result.model, np.array(list(linear.values()))):
-        return ""
-    spread = np.hypot(result.physical_deviations, replace(regression, discrepancies=()).physical_deviations)
-    far = [
-        f"{name} ({values[name]:.4g}, {linear[name]:.4g})"
-        for name, deviation in zip(values, spread, strict=True)
-        if abs(values[name] - linear[name]) > max(_DISAGREE * deviation, _NOTICEABLE * abs(linear[name]))
-    ]
-    cure = "one of them is biased; compare the logs' noise, timing and drive with what is declared"
-    return f"least squares and output error differ in {', '.join(far)}: {cure}" if far else ""
-
-
-def _hidden_friction_remark(result: OutputErrorIdentification) -> str:
-    """Remark on dry friction that no sensor of motion reads, where predictions from the force do not follow it.
-
-    A predictor does not know whether such a joint sticks; masses on both sides of a spring were exchanged beside "ok".
-    """
-    fit = result.fit
-    if fit is None or result.comparison.force == "simulated" or _inflation(result) <= _CORRELATED:
-        return ""
-    plant = fit.search.dynamics.at(fit.search.parameters)
-    sensors = (plant.sensors[signal] for signal in result.model.measured)
-    seen = [sensor.row / np.linalg.norm(sensor.row) for sensor in sensors if sensor.order in (0, 1)]
-    dry = [law.direction / np.linalg.norm(law.direction) for law in plant.laws if law.can_hold]
-    if not any(np.linalg.matrix_rank([*seen, row], tol=_SEEN) > len(seen) for row in dry):
-        return ""
-    return (
-        f"{_correlated_remark(result)}: dry friction acts where no sensor reads the motion; give `controller`, so that "
-        "the closed loop is simulated, or add a sensor there"
-    )
-
-
-def _inflation(result: OutputErrorIdentification) -> float:
-    return result.fit.inflation if result.fit else 1.0
-
-
-def _correlated_remark(result: OutputErrorIdentification) -> str:
-    assert result.fit is not None
-    return (
-        "the innovations are correlated, which suggests an error of model or timing: "
-        f"{result.fit.linear.rows[0]} of them count as {result.fit.correlated.effective_samples:.0f}"
-    )
-
-
 def remarks_on(result: OutputErrorIdentification) -> tuple[str, ...]:
     """Notes on the estimate for the user."""
     if result.fit is None:
@@ -269,8 +176,8 @@ def remarks_on(result: OutputErrorIdentification) -> tuple[str, ...]:
             f"the log hardly determines {', '.join(vague)}: the standard deviation exceeds {_VAGUE:g} %"
         )
     fit = result.fit
-    if _inflation(result) > _CORRELATED:
-        remarks.append(_correlated_remark(result))
+    if inflation_of(result) > CORRELATED:
+        remarks.append(correlation_doubt(result))
     highest = fit.search.dynamics.at(fit.search.parameters).highest_mode
     if highest:
         remarks.append(

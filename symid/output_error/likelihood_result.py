@@ -21,7 +21,7 @@ from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.output_error.prediction_error import PredictionError
 from symid.shown import Shown
 
-Status = Literal[
+LikelihoodStatus = Literal[
     "ok", "no_start", "not_converged", "not_physical", "undetermined", "recording", "timing", "poor_fit"
 ]
 
@@ -40,7 +40,7 @@ class OutputErrorIdentification(Shown):
     """Model that the logs were compared with."""
     fit: LikelihoodFit | None
     """None if there was no start at which the axis could be evaluated."""
-    status: Status
+    status: LikelihoodStatus
     """Either "ok", or what keeps the result from being complete."""
     message: str
     """Meaning of the status here and the cure."""

@@ -12,7 +12,7 @@ from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify_with_steps
 from symid.identification.rows import notes_on_declared
 from symid.output_error.error_model import ErrorModel
-from symid.output_error.fit_status import fault_of, remarks_on, undetermined, verdict_of
+from symid.output_error.fit_status import fault_by_regression, likelihood_status, remarks_on, undetermined
 from symid.output_error.hidden_laws import Models, models_of
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.likelihood_result import OutputErrorIdentification
@@ -159,7 +159,7 @@ class _Judge:
         singles = zip(logs, own, each, strict=True) if each and len(own) == len(each) else ()
         alone = [self.result((log,), (one, comparison, []), single) for log, one, single in singles]
         timed = self._in_time(result, regression)
-        status, message = verdict_of(result, timed, alone)
+        status, message = likelihood_status(result, timed, alone)
         if status == "ok" and timed is not None and timed.status == "ok" and timed.physical:
             is_timed = comparison.free_timing or comparison.force != "smooth"
             lacking = timed.by_lacking(timed.physical[0].sensitivity, delays=not is_timed)
@@ -184,7 +184,7 @@ class _Judge:
         again = self.least_squares(result.logs, timed) if timed != self.settings else None
         if again is None:
             return regression
-        is_new = again.status == "poor_fit" and fault_of(result, regression) is None
+        is_new = again.status == "poor_fit" and fault_by_regression(result, regression) is None
         return again if again.status == "ok" or is_new else regression
 
 

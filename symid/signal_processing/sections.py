@@ -17,7 +17,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.errors import SettingError
 
-Loop = Callable[[FloatArray, FloatArray, FloatArray], None]
+SectionLoop = Callable[[FloatArray, FloatArray, FloatArray], None]
 
 
 def butterworth(order: int, share: float) -> FloatArray:
@@ -78,12 +78,13 @@ def settled_states(sections: FloatArray) -> FloatArray:
     return states
 
 
-def run(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+def run_sections(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rows of samples filtered by sections of shape (n_sections, 6), and the states behind them.
 
     The states, of shape (n_rows, n_sections, 2), are those before the first samples.
 
-    >>> run(np.array([[0.5, 0.0, 0.0, 1.0, -0.5, 0.0]]), np.array([[1.0, 0.0]]), np.zeros((1, 1, 2)))[0].tolist()
+    >>> section = np.array([[0.5, 0.0, 0.0, 1.0, -0.5, 0.0]])
+    >>> run_sections(section, np.array([[1.0, 0.0]]), np.zeros((1, 1, 2)))[0].tolist()
     [[0.5, 0.25]]
     """
     passed, behind = np.array(x, order="C"), np.array(states, order="C")
@@ -92,7 +93,7 @@ def run(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[FloatA
 
 
 @cache
-def _loop() -> Loop:
+def _loop() -> SectionLoop:
     """The compiled loop of scipy, without the package around it; where it has moved, that of the package."""
     package = importlib.util.find_spec("scipy")
     folders = (package.submodule_search_locations if package else None) or []

@@ -18,7 +18,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.signal_processing.filter_blocks import FORGOTTEN, FilterBlocks, gain_at_rest
-from symid.signal_processing.sections import run, settled_states
+from symid.signal_processing.sections import run_sections, settled_states
 
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
 _MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either side
@@ -165,7 +165,7 @@ class ZeroPhaseFilter:
         """Vector, filtered sample by sample."""
         extended = odd_extension(x, self.padding)[None]
         for _ in ("forward", "backward"):
-            passed, _ = run(self.sections, extended, self._states(extended[:, 0]))
+            passed, _ = run_sections(self.sections, extended, self._states(extended[:, 0]))
             extended = passed[:, ::-1]
         return extended[0, self.padding : -self.padding]
 

@@ -13,11 +13,11 @@ from symid.symbolic.expressions import (
     parameter_symbol,
     positive,
 )
-from symid.symbolic.forward_terms import ForwardTerms, Functional, forward_terms
+from symid.symbolic.forward_terms import ForwardTerms, forward_terms
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.measurement import measurement
 from symid.symbolic.minimal import MinimalModel, MinimalParameter
-from symid.symbolic.operators import by_power
+from symid.symbolic.operators import Functional, by_power
 from symid.symbolic.parameter_function import ParameterFunction
 from symid.symbolic.parameter_map import inverse_map
 from symid.symbolic.pipeline import DerivedModel, derive

@@ -17,9 +17,9 @@ from symid.symbolic.span import Span
 
 _FORCE = "force "
 """Before the signal of a drive among columns, which may be called as a body is."""
-Signal: TypeAlias = tuple[str, int]
+SignalKey: TypeAlias = tuple[str, int]
 """A column of a row, and an order of derivative."""
-Signals: TypeAlias = dict[Signal, PolyElement]
+SignalKeys: TypeAlias = dict[SignalKey, PolyElement]
 """Coefficients of signals."""
 
 
@@ -91,7 +91,7 @@ def _reduced_by(
 
 
 def _multiples_within(
-    signals: Signals, row: EliminationRow, degree: int, operators: OperatorModel
+    signals: SignalKeys, row: EliminationRow, degree: int, operators: OperatorModel
 ) -> list[EliminationRow]:
     """Basis of the multiples p(s) row, p of at most a degree, without signals other than these."""
     # Each signal beyond these is eliminated from the derivatives of the row, at the cost of one of them.
@@ -122,7 +122,7 @@ def _cleared(
     return row.combine(quotient(theirs, common), other, -quotient(mine, common))
 
 
-def _is_distinct(mine: Signals, theirs: Signals, linear: Signals) -> bool:
+def _is_distinct(mine: SignalKeys, theirs: SignalKeys, linear: SignalKeys) -> bool:
     """Whether a multiple of a linear row, added to another row, would show in its minimal parameters.
 
     The parameters of the linear row are those of both, and signals of the other one with the same coefficient share
@@ -133,7 +133,7 @@ def _is_distinct(mine: Signals, theirs: Signals, linear: Signals) -> bool:
     draw = Random(len(ring.gens))
     point = [(generator, draw.randrange(1, 10**9)) for generator in ring.gens]
 
-    def change(signal: Signal) -> Any:
+    def change(signal: SignalKey) -> Any:
         """Change of a signal's coefficient beside that of the output, at a random point."""
         added = theirs.get(signal, ring.zero) * mine[output] - theirs.get(output, ring.zero) * mine[signal]
         return ring(added).evaluate(point)
@@ -159,7 +159,7 @@ def _is_distinct(mine: Signals, theirs: Signals, linear: Signals) -> bool:
     return changes.coordinates({signal: c for signal in shares if (c := change(signal))}) is None
 
 
-def _signals_of(row: EliminationRow, operators: OperatorModel) -> Signals:
+def _signals_of(row: EliminationRow, operators: OperatorModel) -> SignalKeys:
     """Coefficients of a row by signal and order of derivative; derivatives of jumps are taken as zero."""
     drives, inputs = driving_terms(row, operators)
     forces = {_FORCE + signal: entry for signal, entry in drives.items()}

@@ -7,20 +7,18 @@ these terms as numbers, exports write them as expressions.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import sympy as sp
 from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis
 from symid.symbolic.lagrange import ONE_INPUT, Kinematics, inverse_dynamics
-from symid.symbolic.operators import OperatorModel, by_power, operator_model
+from symid.symbolic.operators import Functional, OperatorModel, by_power, operator_model
 from symid.symbolic.readings import ReadingTerms, sensor_terms
 
 Matrix: TypeAlias = tuple[tuple[PolyElement, ...], ...]
 """Polynomials of the physical parameters, by row."""
-Functional: TypeAlias = Mapping[str, Any]
-"""A displacement as coefficients of the bodies' absolute displacements, elements of the ring's domain."""
 
 
 class SymbolicLawTerm(NamedTuple):

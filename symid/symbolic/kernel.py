@@ -31,12 +31,12 @@ from symid.symbolic.polynomials import (
     common_divisor,
     connected,
     from_flint,
+    product_of,
     quotient,
-    times,
     to_flint,
 )
 
-MOST_PRODUCTS = 200_000
+MOST_KERNEL_PRODUCTS = 200_000
 """Largest number of term products in a step of an order basis."""
 MOST_PRODUCTS_IN_ALL = 60_000
 """Largest number in all steps: half a second, and more than any useful formula needs."""
@@ -53,8 +53,8 @@ class EliminationRow:
     def combine(
         self, factor: PolyElement, other: EliminationRow, other_factor: PolyElement
     ) -> EliminationRow:
-        """factor * self + other_factor * other; TooLargeError beyond `MOST_PRODUCTS`."""
-        if (products := self.products(factor) + other.products(other_factor)) > MOST_PRODUCTS:
+        """factor * self + other_factor * other; TooLargeError beyond `MOST_KERNEL_PRODUCTS`."""
+        if (products := self.products(factor) + other.products(other_factor)) > MOST_KERNEL_PRODUCTS:
             raise TooLargeError(products)
         mine, theirs = self.scaled(factor), other.scaled(other_factor)
         return EliminationRow(
@@ -67,7 +67,7 @@ class EliminationRow:
 
     def scaled(self, factor: PolyElement) -> EliminationRow:
         """The row multiplied by a polynomial."""
-        return self._with_all(times, factor)
+        return self._with_all(product_of, factor)
 
     def divided(self, divisor: PolyElement) -> EliminationRow:
         """The row divided by a common factor of its multipliers and entries."""

@@ -11,10 +11,9 @@ from typing import Any
 
 from symid.axis import MotionSensor, Sensor
 from symid.symbolic.lagrange import Kinematics
-from symid.symbolic.operators import OperatorModel, add, parents
+from symid.symbolic.operators import Functional, OperatorModel, add, parents
 from symid.symbolic.span import Span
 
-Functional = dict[str, Any]
 """Coefficients of absolute displacements, by body name."""
 
 

@@ -7,7 +7,7 @@ directly: its second equation is the balance of the structure alone.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 from sympy import QQ
@@ -19,6 +19,8 @@ from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 
 Row = dict[str, PolyElement]
 """Polynomial entries by column; absent entries are zero."""
+Functional: TypeAlias = Mapping[str, Any]
+"""A displacement as coefficients of the bodies' absolute displacements, elements of the ring's domain."""
 
 
 @dataclass(frozen=True)

@@ -24,12 +24,12 @@ from sympy.polys.rings import PolyElement, PolyRing
 _WORTH_A_COPY = 500  # term products from which on FLINT is faster, copies included
 
 
-def times(first: PolyElement, second: PolyElement) -> PolyElement:
+def product_of(first: PolyElement, second: PolyElement) -> PolyElement:
     """Product of two polynomials of one ring.
 
     >>> ring = PolyRing(("x", "y"), QQ)
     >>> x, y = ring.gens
-    >>> times((x + y) ** 40, x - y) == (x + y) ** 40 * (x - y)
+    >>> product_of((x + y) ** 40, x - y) == (x + y) ** 40 * (x - y)
     True
     """
     if len(second) == 1:

@@ -11,9 +11,9 @@ import scipy
 from symid.arrays import FloatArray
 
 BoundStatus = Literal["ok", "bound_not_reached", "bound_met_everywhere"]
-Status = Literal[BoundStatus, "not_determined"]
+TuningStatus = Literal[BoundStatus, "not_determined"]
 """Result of a tuning that rests on several bounds."""
-Errors = Mapping[str, float]
+RelativeErrors = Mapping[str, float]
 """Relative error of each parameter in percent, with its sign; nan where it is not determined."""
 Track = Callable[[Sequence[float]], Iterable[float]]
 """Wrapper of the frequencies of a scan that shows progress, such as a progress bar."""
@@ -29,7 +29,7 @@ class BoundSearch:
 
     frequency_hz: float
     """The chosen frequency."""
-    errors: Errors
+    errors: RelativeErrors
     """Error of each parameter there, percent."""
     bound: float
     """Largest error allowed, percent."""
@@ -47,7 +47,7 @@ class BoundSearch:
         return largest(self.errors)
 
 
-def largest(errors: Errors) -> float:
+def largest(errors: RelativeErrors) -> float:
     """Largest magnitude among the errors that are determined; inf if none is.
 
     >>> largest({"M": -2.0, "Fv": 1.0, "Fs": float("nan")})
@@ -57,7 +57,10 @@ def largest(errors: Errors) -> float:
 
 
 def lowest_within(
-    errors_at: Callable[[float], Errors], frequencies: Sequence[float], bound: float, track: Track = iter
+    errors_at: Callable[[float], RelativeErrors],
+    frequencies: Sequence[float],
+    bound: float,
+    track: Track = iter,
 ) -> BoundSearch:
     """The lowest frequency that meets a bound on the largest error, percent, as [35] and [37] by Nelder-Mead.
 
@@ -69,7 +72,7 @@ def lowest_within(
     >>> round(found.frequency_hz), found.status
     (200, 'ok')
     """
-    seen: dict[float, Errors] = {}
+    seen: dict[float, RelativeErrors] = {}
 
     def error(frequency: float) -> float:
         if frequency not in seen:
@@ -131,7 +134,7 @@ def _refined(error: Callable[[float], float], above: float, within: float, bound
     return chosen if error(chosen) <= bound * (1.0 + 10 * _TOLERANCE) else within
 
 
-def verdict(searches: Mapping[str, BoundSearch]) -> tuple[Status, str]:
+def tuning_status(searches: Mapping[str, BoundSearch]) -> tuple[TuningStatus, str]:
     """Status of a tuning from those of its searches, by name, with its meaning and cure."""
     for what, search in searches.items():
         if not math.isfinite(search.largest_error):

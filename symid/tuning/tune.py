@@ -16,11 +16,11 @@ from symid.shown import Shown
 from symid.signal_processing import differencing_bandwidth
 from symid.simulation import Controller, Trajectory, plant_of, tuned_cascades
 from symid.symbolic import derive, is_smooth, law_expression
-from symid.tuning.bound import BoundSearch, Status, Track, lowest_within, verdict
+from symid.tuning.bound import BoundSearch, Track, TuningStatus, lowest_within, tuning_status
 from symid.tuning.exact_run import ExactRun, exact_run, tuning_chirp
 from symid.tuning.low_pass import LowPassErrors, standard_model
 
-Kind = Literal["physical", "minimal"]
+ParameterKind = Literal["physical", "minimal"]
 
 CUTOFF_DATA_HZ = 10_000.0
 """Sampling frequency of the data with exact derivatives, as in the paper."""
@@ -48,11 +48,11 @@ class Tuning(Shown):
     """First guess of the sampling frequency [36]."""
     sampling: BoundSearch
     """Result of [37]: errors of the model of the sensors by sampling frequency."""
-    kind: Kind
+    kind: ParameterKind
     """Parameters whose errors `sampling` bounds."""
     left_out: tuple[str, ...]
     """Parameters of laws that jump at standstill, without which the axis was tuned."""
-    status: Status
+    status: TuningStatus
     """Either "ok", or the reason why a bound does not decide; see `message`."""
     message: str
     """Meaning of the status and its cure; empty for "ok"."""
@@ -109,7 +109,7 @@ def tune(
     order: int = 4,
     filter_force: bool = False,
     keep_jumps: bool = False,
-    kind: Kind = "physical",
+    kind: ParameterKind = "physical",
     track: Track = iter,
 ) -> Tuning:
     """Cutoff frequency [35], first sampling frequency [36] and sampling frequency [37] of an axis and its sensors.
@@ -185,8 +185,8 @@ def tune(
     at = partial(_sampling_errors, model, run, parameters, settings, kind)
     rates = np.geomspace(max(first / 20, 2.2 * cutoff.frequency_hz), 2 * first, _RATES)
     sampling = lowest_within(at, [float(rate) for rate in rates], max_sampling_error, track)
-    used: Kind = "physical" if sampling.errors.keys() <= parameters.keys() else "minimal"
-    status, message = verdict({"cutoff": cutoff, "sampling frequency": sampling})
+    used: ParameterKind = "physical" if sampling.errors.keys() <= parameters.keys() else "minimal"
+    status, message = tuning_status({"cutoff": cutoff, "sampling frequency": sampling})
     return Tuning(
         axis=axis.name,
         measured=model.measured,
@@ -240,7 +240,7 @@ def _sampling_errors(
     run: ExactRun,
     parameters: Mapping[str, float],
     settings: Preparation,
-    kind: Kind,
+    kind: ParameterKind,
     sampling_hz: float,
 ) -> dict[str, float]:
     """Errors of `identify`, percent, on the run sampled at a frequency; nan where a value is 0 or not found."""

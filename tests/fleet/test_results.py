@@ -16,7 +16,7 @@ from symid.errors import SettingError
 from symid.fleet import BatchSettings, identify_batch, summary_of
 from symid.fleet.plan import log_files
 from symid.fleet.result_table import read_rows
-from symid.fleet.results import UNITS
+from symid.fleet.results import UNITS_KEY
 
 VOLATILE = ("seconds", "finished")  # columns that tell of the run, not of the log
 
@@ -52,7 +52,7 @@ def test_csv_holds_what_parquet_holds(logs: Path) -> None:
     assert len(parquet) == 7
     assert pl.read_parquet("r.parquet").equals(batch.table)
     assert not any(frame.is_nan().any() for frame in batch.table.iter_columns() if frame.dtype == pl.Float64)
-    units = json.loads(pl.read_parquet_metadata("r.parquet")[UNITS])
+    units = json.loads(pl.read_parquet_metadata("r.parquet")[UNITS_KEY])
     assert units["rigid_1m"]["q"]["M"] == "kg"
     assert sorted(path.name for path in Path().iterdir()) == ["logs", "r.csv", "r.parquet"]
 

@@ -7,7 +7,7 @@ from symid import load_generated
 from symid.estimation import estimate, triangular_factors
 from symid.identification import physical_estimates
 from symid.identification.parameters.physical import jacobian
-from symid.identification.results.verdict import verdict
+from symid.identification.results.status import identification_status
 
 DIRECT = np.array([3899.0, 3949.17, 1e9, 362.58, 88.6, 146.0])  # the paper's Table 1
 BALLSCREW = np.array([80.0, 120.0, 50.0, 6e6, 700.0, 200.0, 150.0])
@@ -94,11 +94,11 @@ def test_two_sets_of_possible_values_are_no_ok_without_nominal_values() -> None:
     rng = np.random.default_rng(0)
     W = rng.standard_normal((300, exact.size)) / exact
     fit = estimate(triangular_factors(W[None], (W @ exact + 1e-4 * rng.standard_normal(300))[None]))
-    status, message = verdict(model, fit, branches)
+    status, message = identification_status(model, fit, branches)
     assert status == "undetermined"
     assert message.startswith("2 sets of values fit the log alike (Ms ")
-    assert verdict(model, fit, branches, has_start=True)[0] == "ok"
-    assert verdict(model, fit, branches[:1])[0] == "ok"
+    assert identification_status(model, fit, branches, has_start=True)[0] == "ok"
+    assert identification_status(model, fit, branches[:1])[0] == "ok"
 
 
 def test_the_disagreement_of_an_overdetermined_map_follows_chi_square() -> None:
@@ -156,6 +156,6 @@ def test_a_map_without_finite_values_names_what_noise_decides() -> None:
     W = random.standard_normal((200, 7))
     for X2, cause in ((0.0, "noise decides on X2: move at other speeds"), (1.0, "the model, the filter,")):
         y = W @ [1.0, X2, 1.0, 1.0, 1.0, 1.0, 1.0] + 0.1 * random.standard_normal(200)
-        status, message = verdict(model, estimate(triangular_factors(W[None], y[None])), ())
+        status, message = identification_status(model, estimate(triangular_factors(W[None], y[None])), ())
         assert status == "no_physical_parameters"
         assert message.startswith(f"the inverse map gives no finite values: {cause}")

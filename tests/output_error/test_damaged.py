@@ -9,9 +9,9 @@ from benchmarks.promise.faults import damaged
 from benchmarks.promise.machines import draw_case
 from symid import Log, Preparation, load_axis, load_generated
 from symid.identification import identify
-from symid.identification.results.verdict import Status
+from symid.identification.results.status import Status
 from symid.output_error import OutputErrorIdentification, identify_output_error
-from symid.output_error.fit_status import verdict_of
+from symid.output_error.fit_status import likelihood_status
 from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
 
 HELD = Preparation(held=True)
@@ -53,10 +53,10 @@ def test_faults_that_least_squares_finds_hold_where_samples_are_dense(
     found = identified(rigid)
     regression = identify(load_generated("rigid_1m"), rigid, preparation=HELD)
     assert regression.status == "ok"
-    judged = verdict_of(found, replace(regression, status=status, message="its statement"))
+    judged = likelihood_status(found, replace(regression, status=status, message="its statement"))
     assert judged == (expected, "its statement" if expected != "ok" else "")
     simulated = replace(found, comparison=replace(found.comparison, force="simulated"))
-    assert verdict_of(simulated, replace(regression, status="not_physical"))[0] == "ok"
+    assert likelihood_status(simulated, replace(regression, status="not_physical"))[0] == "ok"
 
 
 def test_least_squares_with_a_negative_mass_are_compared_where_samples_are_dense(rigid: Log) -> None:
@@ -65,12 +65,12 @@ def test_least_squares_with_a_negative_mass_are_compared_where_samples_are_dense
     (place,) = regression.physical
     values = place.parameters * np.array([-1.0, 1.0, 1.0])
     negative = replace(regression, physical=(replace(place, parameters=values),))
-    status, message = verdict_of(found, negative)
+    status, message = likelihood_status(found, negative)
     assert (status, "differ in M (100" in message) == ("poor_fit", True)
     sparse = replace(found, comparison=replace(found.comparison, force="simulated"))
-    assert verdict_of(sparse, negative) == ("ok", "")
+    assert likelihood_status(sparse, negative) == ("ok", "")
     far = replace(regression, physical=(replace(place, parameters=1.5 * place.parameters),))
-    assert verdict_of(sparse, far)[0] == "poor_fit"
+    assert likelihood_status(sparse, far)[0] == "poor_fit"
 
 
 def with_force(log: Log, force: np.ndarray) -> Log:

@@ -10,7 +10,7 @@ import scipy
 
 from symid.errors import SettingError
 from symid.signal_processing.filtering import decimation_filter, kept_indices
-from symid.signal_processing.sections import _loop, butterworth, chebyshev, run, settled_states
+from symid.signal_processing.sections import _loop, butterworth, chebyshev, run_sections, settled_states
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 7, 8])
@@ -30,7 +30,7 @@ def test_rows_run_as_in_scipy_from_settled_states():
     sections = chebyshev(8, 0.05, 0.2)
     x = np.random.default_rng(3).standard_normal((3, 500)).cumsum(axis=1)
     states = settled_states(sections)
-    passed, behind = run(sections, x, states * x[:, :1, None])
+    passed, behind = run_sections(sections, x, states * x[:, :1, None])
     expected, after = scipy.signal.sosfilt(
         sections, x, zi=scipy.signal.sosfilt_zi(sections)[:, None] * x[:, 0][None, :, None]
     )
@@ -41,11 +41,11 @@ def test_rows_run_as_in_scipy_from_settled_states():
 def test_where_the_compiled_loop_of_scipy_has_moved_that_of_the_package_serves(monkeypatch):
     sections, x = butterworth(3, 0.2), np.random.default_rng(5).standard_normal((2, 300))
     states = settled_states(sections) * x[:, :1, None]
-    passed, behind = run(sections, x, states)
+    passed, behind = run_sections(sections, x, states)
     monkeypatch.setattr(importlib.machinery, "EXTENSION_SUFFIXES", [])
     _loop.cache_clear()
     try:
-        again, after = run(sections, x, states)
+        again, after = run_sections(sections, x, states)
     finally:
         _loop.cache_clear()
     assert again == pytest.approx(passed, rel=1e-12, abs=1e-12)

@@ -9,7 +9,7 @@ import sympy as sp
 from symid.symbolic import DerivedModel, MinimalModel, is_smooth
 
 
-def sliding_velocities(
+def jump_velocities(
     minimal: MinimalModel, constants: Collection[sp.Symbol]
 ) -> tuple[tuple[tuple[int, ...], ...], tuple[sp.Expr, ...]]:
     """For each equation the indices of the velocities in its laws with jumps, and these velocities.

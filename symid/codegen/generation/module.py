@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 import sympy as sp
 
-from symid.codegen.generation.jumps import coulomb_at_drive, sliding_velocities
+from symid.codegen.generation.jumps import coulomb_at_drive, jump_velocities
 from symid.codegen.generation.lowering import minimal_parameter_code, numpy_code, symbol_names
 from symid.codegen.store import FORMAT
 from symid.codegen.vetting import signed
@@ -92,7 +92,7 @@ def module_text(model: DerivedModel) -> str:
     minimal = model.minimal
     signals = model_signals(model)
     numbers = {sp.Symbol(name) for name in minimal.source.source.numbers}
-    sliding, velocities = sliding_velocities(minimal, numbers)
+    sliding, velocities = jump_velocities(minimal, numbers)
     rows = [(i, j, e) for i, row in enumerate(minimal.regressor) for j, e in enumerate(row)]
     coulomb = coulomb_at_drive(model, velocities)
     solution = inverse_map(minimal)

@@ -14,7 +14,7 @@ from symid.data.table import Table
 
 _NUMBERS, _MOST_COLUMNS = "biufc", 32  # kinds of NumPy; signals in the columns of one array
 _VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name")
-UNITS = ("unit", "units", "Unit", "Units")
+UNIT_FIELDS = ("unit", "units", "Unit", "Units")
 """Names of the fields that programs write for the samples of a signal, for its name and for its unit."""
 
 
@@ -45,13 +45,13 @@ def described(record: Mapping[str, Any], names: tuple[str, ...]) -> tuple[str, t
     ('values', ('run', 'position'), 'mm')
     >>> described({"position": [0, 1]}, ("run",))
     """
-    name, unit = (text_of(record, fields) for fields in (_NAMES, UNITS))
+    name, unit = (field_text(record, fields) for fields in (_NAMES, UNIT_FIELDS))
     field = next((field for field in _VALUES if field in record), None)
     path = (*names, name) if name else names
     return (field, path, unit) if field and path and (name or unit) else None
 
 
-def text_of(record: Mapping[str, Any], fields: Sequence[str]) -> str:
+def field_text(record: Mapping[str, Any], fields: Sequence[str]) -> str:
     """Text of the first of these fields that a record has; empty without one."""
     return next((str(record[f]) for f in fields if isinstance(record.get(f), str) and record[f]), "")
 

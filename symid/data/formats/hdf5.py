@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.formats.channels import UNITS, are_columns, short_names, vector
+from symid.data.formats.channels import UNIT_FIELDS, are_columns, short_names, vector
 from symid.data.formats.extra import required
 from symid.data.table import Table, parsing, require_memory
 
@@ -85,7 +85,7 @@ def _vectors(file: Any, h5py: Any) -> list[_Vector]:
             return
         if "MATLAB_object_decode" in item.attrs:  # refers to an object
             return
-        path, units = tuple(name.split("/")), _texts(item, UNITS)
+        path, units = tuple(name.split("/")), _texts(item, UNIT_FIELDS)
         unit = units[0] if len(units) == 1 else ""
         if item.dtype.names:
             numbers = [field for field in item.dtype.names if item.dtype[field].kind in "biuf"]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.formats.channels import Channel, short_names, table_of_channels, text_of
+from symid.data.formats.channels import Channel, field_text, short_names, table_of_channels
 from symid.data.formats.extra import required
 from symid.data.table import Table, parsing, require_memory
 
@@ -27,7 +27,7 @@ def open_tdms(path: Path, memory: int | None = None) -> Table:
         require_memory(sum(len(channel) for channel in channels), memory)
         names = short_names([(channel.group_name, channel.name) for channel in channels])
         read = [
-            Channel(name, text_of(one.properties, _UNITS), _times(one), np.asarray(one[:]))
+            Channel(name, field_text(one.properties, _UNITS), _times(one), np.asarray(one[:]))
             for name, one in zip(names, channels, strict=True)
             if one.dtype.kind in "biufM"
         ]

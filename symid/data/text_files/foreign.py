@@ -23,7 +23,7 @@ from symid.data.text_files.column_words import (
     Quantity,
 )
 from symid.data.text_files.foreign_column import ForeignColumn
-from symid.data.text_files.unit_by_motion import Rate, unit_by_motion
+from symid.data.text_files.unit_by_motion import PositionOrVelocity, unit_by_motion
 from symid.units import to_si
 
 _SIGN_BITS: Final = (10, 11, 15)
@@ -89,7 +89,10 @@ def _by_motion(
         return {}
     clock, unit = times[0]
     time, identified = values[clock] * to_si(unit), dict[int, ForeignColumn]()
-    pairs: tuple[tuple[Rate, Rate], ...] = ("velocity", "position"), ("position", "velocity")
+    pairs: tuple[tuple[PositionOrVelocity, PositionOrVelocity], ...] = (
+        ("velocity", "position"),
+        ("position", "velocity"),
+    )
     for known, wanted in pairs:
         of_known = [
             i for i, c in columns.items() if c.quantity == known and c.stated and not c.setpoint and c.unit

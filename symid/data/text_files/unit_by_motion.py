@@ -9,7 +9,7 @@ from symid.arrays import FloatArray
 from symid.errors import LogError
 from symid.units import Unit, to_si
 
-Rate = Literal["position", "velocity"]
+PositionOrVelocity = Literal["position", "velocity"]
 
 _POSITIONS: Final = MappingProxyType({"rad": ("rad", "deg", "turn"), "m": ("m", "mm", "um")})
 _VELOCITIES: Final = MappingProxyType(
@@ -25,7 +25,7 @@ def unit_by_motion(
     position: FloatArray,
     velocity: FloatArray,
     time: FloatArray,
-    known: Rate,
+    known: PositionOrVelocity,
     unit: str,
 ) -> str | None:
     """Unknown unit of a position or of a velocity, from the other one; None if the data do not decide.

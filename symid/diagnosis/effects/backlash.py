@@ -7,7 +7,7 @@ from itertools import product
 from symid.axis import Spring
 from symid.diagnosis.effects.effect import Placed, Shape
 from symid.diagnosis.effects.from_law import LawEffect
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -20,7 +20,9 @@ in the play, relative to that of the spring."""
 class BacklashEffect(LawEffect):
     """Play within which a spring is much softer."""
 
-    def rattling_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def rattling_starts(
+        self, spring: RecordedJoint, stiffness: float
+    ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         """Initial shapes and amplitudes of a play in which the body on a spring of that stiffness rattles."""
         largest = max(map(abs, spring.range))
         return [((width * largest,), (level * stiffness,)) for width, level in product(_WIDTHS, _LEVELS)]

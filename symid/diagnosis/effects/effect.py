@@ -13,7 +13,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import force_unit, length_unit
 from symid.diagnosis.prediction.hidden_equation import MassChange
 from symid.diagnosis.prediction.hidden_motion import Pointwise
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.units import Unit
@@ -23,7 +23,7 @@ Shape = tuple[float, ...]
 Key = tuple[str, str]
 """Names of an effect and of its place."""
 
-Change = tuple[Mapping[str, float], Sequence[Shape]]
+ParametersBefore = tuple[Mapping[str, float], Sequence[Shape]]
 """Parameters before an effect begins that changes them during a log, and shapes that lead to the same values."""
 
 FreeForce = tuple[FloatArray, ComplexArray]
@@ -97,7 +97,7 @@ class Effect(ABC):
         """The effect at places where linear screening does not find it, with initial values; none by default."""
         return ()
 
-    def changes_to(self, prediction: Prediction, place: str) -> Iterable[Change]:
+    def changes_to(self, prediction: Prediction, place: str) -> Iterable[ParametersBefore]:
         """Changes during the log to the parameters of a prediction; none by default."""
         return ()
 
@@ -150,10 +150,10 @@ class JointEffect(Effect):
     """An effect whose force opposes the motion of a joint."""
 
     @abstractmethod
-    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         """Spectra of the forces for unit amplitudes, of shape (n_amplitudes, n_bins)."""
 
-    def forces_at(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces_at(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         """The same as `forces`, kept with the joint unless they depend on more than its motion."""
         if self.implicit:
             return self.forces(prediction, joint, shape)
@@ -165,11 +165,13 @@ class JointEffect(Effect):
         """Force of the effect as a function of the motion at an instant, for hidden joints; None if it is not one."""
         return None
 
-    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(
+        self, spring: RecordedJoint, stiffness: float
+    ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         """Shapes and amplitudes that change the motion of a hidden joint as much as its spring of that stiffness."""
         return ()
 
-    def joint(self, prediction: Prediction, place: str) -> Joint:
+    def joint(self, prediction: Prediction, place: str) -> RecordedJoint:
         """The joint whose motion the effect depends on, from the name of its place."""
         return prediction.joints[place]
 
@@ -192,11 +194,11 @@ class LinearEffect(JointEffect):
         """Dynamic stiffness of the effect with its values, of shape (n_bins,)."""
         return np.asarray(placed.amplitudes[0] * self.stiffness(omega, placed.shape))
 
-    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         return (self.stiffness(prediction.record.omega, shape) * joint.modelled)[None]
 
 
-def sampled(prediction: Prediction, *forces: FloatArray, joint: Joint | None = None) -> ComplexArray:
+def sampled(prediction: Prediction, *forces: FloatArray, joint: RecordedJoint | None = None) -> ComplexArray:
     """Spectra of signals on the fine grid, one per row; `joint` is given if they jump with its velocity."""
     values = np.stack(forces)
     return prediction.record.from_grid(values if joint is None else joint.averaged(values))

@@ -16,7 +16,7 @@ from symid.diagnosis.effects.effect import (
     best_peaks,
     joint_units,
 )
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
 from symid.units import Unit
@@ -77,7 +77,7 @@ class FlexibleModeEffect(LinearEffect):
         near = np.abs(omega - 2 * math.pi * frequency) < _NEAR_MODE * omega
         return bool(power[near].sum() < _AT_MODE * power.sum())
 
-    def joint(self, prediction: Prediction, place: str) -> Joint:
+    def joint(self, prediction: Prediction, place: str) -> RecordedJoint:
         return prediction.bodies[place]
 
     def places(self, prediction: Prediction) -> Iterable[str]:

@@ -10,7 +10,7 @@ from symid.diagnosis.effects.declared_friction import declared_level
 from symid.diagnosis.effects.effect import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import joints_with as _declared
 from symid.diagnosis.prediction.hidden_motion import Pointwise
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.units import Unit
 
@@ -69,7 +69,7 @@ class FrictionDriftEffect(JointEffect):
         """Factor of the change over time: exp(-t/T) within the log."""
         return np.where(prediction.record.in_log, np.exp(-prediction.record.fine_time / shape[0]), 0.0)
 
-    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         return sampled(prediction, *self._parts(prediction, joint, shape), joint=joint)
 
     def force_over_time(self, prediction: Prediction, placed: Placed) -> FloatArray:
@@ -77,7 +77,7 @@ class FrictionDriftEffect(JointEffect):
         parts = self._parts(prediction, prediction.joints[placed.at], placed.shape)
         return np.asarray(np.tensordot(placed.amplitudes, parts, 1))
 
-    def _parts(self, prediction: Prediction, joint: Joint, shape: Shape) -> list[FloatArray]:
+    def _parts(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> list[FloatArray]:
         """Forces of unit amplitudes."""
         fading = self.course(prediction, shape)
         kinds = [np.sign(joint.v)] * self.coulomb + [joint.v] * self.viscous

@@ -32,7 +32,7 @@ from symid.diagnosis.effects.effect import (
     sampled,
 )
 from symid.diagnosis.prediction.hidden_motion import Pointwise
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.places import place_named, place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.simulation.plants import array_function, has_jumps, law_code, level_code, not_below_zero
@@ -101,7 +101,7 @@ class LawEffect(JointEffect):
         """The formula as functions."""
         return functions_of(self.formula, tuple(number.field for number in self.shape_parameters))
 
-    def joint(self, prediction: Prediction, place: str) -> Joint:
+    def joint(self, prediction: Prediction, place: str) -> RecordedJoint:
         return prediction.springs[place] if self.law.in_spring else prediction.joints[place]
 
     def places(self, prediction: Prediction) -> Iterable[str]:
@@ -141,7 +141,7 @@ class LawEffect(JointEffect):
         joint = self.joint(prediction, place)
         return tuple(_bounded(n, joint, x) for n, x in zip(self.shape_parameters, shape, strict=True))
 
-    def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
+    def courses(self, joint: RecordedJoint, shape: Shape) -> tuple[FloatArray, ...]:
         """Forces on the fine grid for unit amplitudes; a constant one acts within the log."""
         inside = joint.record.in_log
         return tuple(
@@ -149,7 +149,7 @@ class LawEffect(JointEffect):
             for term, function in zip(self.formula, self.functions.arrays, strict=True)
         )
 
-    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         jumps = self.functions.jumps
         courses = zip(self.courses(joint, shape), jumps, strict=True)
         return sampled(prediction, *(joint.averaged(force) if jump else force for force, jump in courses))
@@ -179,13 +179,15 @@ class LawEffect(JointEffect):
         """Whether it is dry friction whose level depends on the place."""
         return self.functions.level is not None and any("q" in term.expression for term in self.formula)
 
-    def level(self, joint: Joint, shape: Shape, amplitudes: tuple[float, ...]) -> FloatArray:
+    def level(self, joint: RecordedJoint, shape: Shape, amplitudes: tuple[float, ...]) -> FloatArray:
         """Course of the level of dry friction, on the fine grid, for motion at unit speed."""
         unit = np.ones_like(joint.q)
         courses = [function(joint.q, unit, *shape) for function in self.functions.arrays]
         return np.asarray(np.tensordot(amplitudes, courses, 1))
 
-    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(
+        self, spring: RecordedJoint, stiffness: float
+    ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
         if not self.law.in_spring:
             scales = (_scale(number, spring) for number in self.shape_parameters)
@@ -235,7 +237,9 @@ class LinearLawEffect(LinearEffect, LawEffect):
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> None:
         return None
 
-    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(
+        self, spring: RecordedJoint, stiffness: float
+    ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         return ()
 
 
@@ -275,20 +279,20 @@ def damped_springs(prediction: Prediction) -> set[str]:
     return {place_of(e) for e in springs if e.damping is not None or e.at in damped} | {*read}
 
 
-def _scale(number: ShapeParameter, joint: Joint) -> float:
+def _scale(number: ShapeParameter, joint: RecordedJoint) -> float:
     """Size of the motion by which a shape parameter is scaled."""
     if number.scale == "deflection":
         return max(map(abs, joint.range))
     return joint.top_speed if number.scale == "speed" else joint.stroke
 
 
-def _trials(number: ShapeParameter, joint: Joint) -> list[float]:
+def _trials(number: ShapeParameter, joint: RecordedJoint) -> list[float]:
     assert number.trials is not None, f"{number.field} has no trials: its effect needs its own search"
     low, high, count = number.trials
     return [float(x * _scale(number, joint)) for x in np.geomspace(low, high, count)]
 
 
-def _bounded(number: ShapeParameter, joint: Joint, value: float) -> float:
+def _bounded(number: ShapeParameter, joint: RecordedJoint, value: float) -> float:
     if number.bounds is None:
         return value
     low, high = (bound * _scale(number, joint) for bound in number.bounds)

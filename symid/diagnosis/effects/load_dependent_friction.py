@@ -8,7 +8,7 @@ from symid.arrays import ComplexArray
 from symid.diagnosis.effects.effect import JointEffect, Placed, Shape, sampled
 from symid.diagnosis.prediction.drive_force import denoised_force
 from symid.diagnosis.prediction.hidden_motion import Pointwise
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 
 _LARGEST_COEFFICIENT = 0.5
@@ -33,13 +33,15 @@ class LoadDependentFrictionEffect(JointEffect):
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         return 0 <= placed.amplitudes[0] < _LARGEST_COEFFICIENT
 
-    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         k = prediction.drive_of(joint)
         drive = _force_per_unit(prediction, k) * denoised_force(prediction, k)
         load = prediction.record.resampled(np.abs(drive))
         return sampled(prediction, load * np.sign(joint.v), joint=joint)
 
-    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(
+        self, spring: RecordedJoint, stiffness: float
+    ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         return [((), (mu,)) for mu in _COEFFICIENTS]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:

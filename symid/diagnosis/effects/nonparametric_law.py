@@ -4,7 +4,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.effects.effect import JointEffect, Shape, joint_units, sampled
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 
 _KNOTS = {"position": 48, "velocity": 24, "acceleration": 24}  # along the range of the quantity
@@ -20,7 +20,7 @@ class NonparametricLaw(JointEffect):
         kinds = ("even", "odd", "viscous") if of == "position" else ("even", "odd")
         self.amplitudes = tuple(f"{kind}{k}" for kind in kinds for k in range(_KNOTS[of]))
 
-    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         functions = self._functions(prediction, joint)
         # Inertia and friction of the axis are such functions too. They are taken out, or a large mass and its opposite
         # here would fit with the small difference of how the two are computed.
@@ -33,7 +33,7 @@ class NonparametricLaw(JointEffect):
         combined = _independent(functions, inside)
         return np.concatenate([sampled(prediction, function, joint=joint) for function in combined])
 
-    def _functions(self, prediction: Prediction, joint: Joint) -> FloatArray:
+    def _functions(self, prediction: Prediction, joint: RecordedJoint) -> FloatArray:
         if self.of == "position":
             hats, direction = self._hats(prediction, joint.q), np.sign(joint.v)
             return np.concatenate([hats, hats * direction, hats * joint.v])

@@ -8,16 +8,16 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray, least_squares
 from symid.axis import Weight
 from symid.diagnosis.effects.effect import (
-    Change,
     Effect,
     MatchedFilter,
+    ParametersBefore,
     Placed,
     Shape,
     best_peaks,
     joint_units,
 )
 from symid.diagnosis.prediction.hidden_equation import MassChange
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import axis_response
@@ -91,7 +91,7 @@ class PayloadChangeEffect(Effect):
         smaller, larger = sorted((before, before + placed.shape[0]))
         return larger < _MOST_OF_OTHER * smaller
 
-    def changes_to(self, prediction: Prediction, place: str) -> Iterable[Change]:
+    def changes_to(self, prediction: Prediction, place: str) -> Iterable[ParametersBefore]:
         """The fitted mass of a hidden body may be that after the change; the error is not linear in its mass."""
         record, values = prediction.record, dict(prediction.parameters)
         names = {body.name: body.inertial for body in prediction.axis.free_bodies}
@@ -187,18 +187,18 @@ def _with_change(
     return other.of_force(direction), _FreeMotion(record, outputs, forces)
 
 
-def _effective_mass(prediction: Prediction, body: Joint) -> float:
+def _effective_mass(prediction: Prediction, body: RecordedJoint) -> float:
     """Mass of the axis at a body, while the others move as little as they can."""
     d = body.direction
     return float(d @ prediction.response.plant.mass @ d) / float(d @ d) ** 2
 
 
-def _load(prediction: Prediction, body: Joint) -> FloatArray:
+def _load(prediction: Prediction, body: RecordedJoint) -> FloatArray:
     """Force of a body by its mass, on the fine grid: its acceleration, and that of its declared weight."""
     return np.asarray(body.a + _gravity(prediction, body))
 
 
-def _gravity(prediction: Prediction, body: Joint) -> float:
+def _gravity(prediction: Prediction, body: RecordedJoint) -> float:
     """Acceleration by which a body weighs against its positive direction, m/s^2; 0 without a declared weight."""
     weights = (own for own in prediction.axis.elements if isinstance(own, Weight))
     return sum((own.acceleration for own in weights if own.body.name == body.name), start=0.0)
@@ -210,7 +210,7 @@ def _later(record: Record, moment: float, points: int = 1) -> FloatArray:
     return np.asarray(np.clip(0.5 + (time - moment) / (points * time[1]), 0, 1) * record.in_log)
 
 
-def _with_sharp_jump(prediction: Prediction, body: Joint, shape: Shape) -> FloatArray:
+def _with_sharp_jump(prediction: Prediction, body: RecordedJoint, shape: Shape) -> FloatArray:
     """The load of a driven body with the part of its jump beyond the band of the log, on the fine grid.
 
     The forces on the body do not jump, so that a(-) + g falls to (a(-) + g) m/(m + dm). The measured acceleration is

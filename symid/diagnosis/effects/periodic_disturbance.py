@@ -15,7 +15,7 @@ from symid.diagnosis.effects.effect import (
     joint_units,
     sampled,
 )
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 
 _TRIALS = 4
@@ -72,7 +72,7 @@ class PeriodicDisturbanceEffect(JointEffect):
         energy = np.interp(frequency[used], record.omega / (2 * math.pi), power)
         return [(f,) for f in best_peaks(strength[used] / energy, frequency[used], _TRIALS)]
 
-    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         phase = 2 * math.pi * shape[0] * prediction.record.fine_time
         inside = prediction.record.in_log
         return sampled(prediction, np.sin(phase) * inside, np.cos(phase) * inside)

@@ -12,7 +12,7 @@ from symid.data.quality import step_of
 from symid.diagnosis.effects.effect import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import HOLDING, joints_with as _declared
 from symid.diagnosis.prediction.hidden_motion import Pointwise
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 
 _REACHES = np.array([2e-6, 6e-4])
@@ -73,12 +73,14 @@ class PreslidingFrictionEffect(JointEffect):
         step = step_of(driven) * joint.stroke / float(np.ptp(driven))  # as the joint passes it, behind a gear
         return placed.shape[0] > _SAMPLES * float(np.median(passed)) + step
 
-    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: RecordedJoint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])
         replaces = self.of_found or joint.name in _declared(prediction, DeclaredCoulomb)
         return sampled(prediction, state - np.sign(joint.v) if replaces else state, joint=joint)
 
-    def strong_starts(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong_starts(
+        self, spring: RecordedJoint, stiffness: float
+    ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
         return [((x * largest,), (y * stiffness * largest,)) for x, y in product(_HIDDEN_REACHES, HOLDING)]
 

@@ -15,7 +15,7 @@ from symid.axis import length_unit
 from symid.diagnosis.effects.effect import Effect, MatchedFilter, Placed, Shape, best_peaks, joint_units
 from symid.diagnosis.effects.from_law import LawEffect
 from symid.diagnosis.effects.signals import DriveEffect, drive_at
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.units import Unit
 
@@ -52,7 +52,7 @@ class CoggingEffect(LawEffect):
         joint = prediction.joints[place]
         return [*_of_joint_force(prediction, joint, matched_filter), (joint.stroke,)]
 
-    def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
+    def courses(self, joint: RecordedJoint, shape: Shape) -> tuple[FloatArray, ...]:
         """Sine and cosine along the stroke, without parts above the band."""
         return tuple(wave * _in_band(joint, shape[0]) for wave in super().courses(joint, shape))
 
@@ -175,12 +175,12 @@ def _ripple_of(prediction: Prediction, placed: Placed) -> ComplexArray:
     return prediction.record.from_grid(error * _in_band(reading, pitch))
 
 
-def _repeats(joint: Joint, pitch: float) -> bool:
+def _repeats(joint: RecordedJoint, pitch: float) -> bool:
     """Whether the stroke contains a whole period; a part of one is any smooth course along the stroke."""
     return pitch < joint.stroke
 
 
-def ripple(joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
+def ripple(joint: RecordedJoint, pitch: float) -> tuple[FloatArray, FloatArray]:
     """Sine and cosine along the stroke, without parts above the band."""
     phase = 2 * math.pi / pitch * joint.q
     below = _in_band(joint, pitch)
@@ -189,7 +189,7 @@ def ripple(joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
 
 def repeating_pitches(
     prediction: Prediction,
-    joint: Joint,
+    joint: RecordedJoint,
     unit: Unit,
     matched_filter: MatchedFilter,
     response: ComplexArray,
@@ -226,7 +226,10 @@ def repeating_pitches(
 
 
 def _of_joint_force(
-    prediction: Prediction, joint: Joint, matched_filter: MatchedFilter, factor: FloatArray | None = None
+    prediction: Prediction,
+    joint: RecordedJoint,
+    matched_filter: MatchedFilter,
+    factor: FloatArray | None = None,
 ) -> Iterable[Shape]:
     """`repeating_pitches` of a force in a joint."""
     response = -prediction.response.of_force(joint.direction)
@@ -242,7 +245,11 @@ def _of_output(prediction: Prediction, output: int) -> ComplexArray:
 
 
 def _mean_square_of_waves(
-    prediction: Prediction, joint: Joint, waves: FloatArray, response: ComplexArray, weight: FloatArray
+    prediction: Prediction,
+    joint: RecordedJoint,
+    waves: FloatArray,
+    response: ComplexArray,
+    weight: FloatArray,
 ) -> FloatArray:
     """Mean square of a unit wave along the stroke in the weighted outputs, from its frequency at each speed."""
     inside = prediction.record.in_log
@@ -255,12 +262,12 @@ def _mean_square_of_waves(
     return np.asarray(np.interp(waves, coarse, energy) + 1e-3 * energy.max())
 
 
-def _in_band(joint: Joint, pitch: float) -> FloatArray:
+def _in_band(joint: RecordedJoint, pitch: float) -> FloatArray:
     """1 where the frequency of a wave of a pitch is within the band, else 0."""
     return np.asarray(np.abs(joint.v) < _IN_BAND * pitch * joint.record.band_hz, dtype=np.float64)
 
 
-def _joint_of(prediction: Prediction, place: str) -> Joint:
+def _joint_of(prediction: Prediction, place: str) -> RecordedJoint:
     """The displacement along which a drive acts."""
     return prediction.joints_of_drives[drive_at(prediction, place)]
 
@@ -271,8 +278,8 @@ def _force_course(prediction: Prediction, place: str) -> FloatArray:
     return np.asarray(record.fine(prediction.acting[drive_at(prediction, place)]) * record.in_log)
 
 
-def _reading(prediction: Prediction, signal: str) -> Joint:
+def _reading(prediction: Prediction, signal: str) -> RecordedJoint:
     record = prediction.record
     place = record.signals.index(signal)
     spectrum = record.motions[place] if place < record.n_drives else record.measured[place]
-    return Joint(signal, record.dynamics.sensors[signal][0], spectrum, spectrum, record)
+    return RecordedJoint(signal, record.dynamics.sensors[signal][0], spectrum, spectrum, record)

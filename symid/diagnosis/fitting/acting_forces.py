@@ -13,7 +13,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray, add_outer, norms_or_one
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
 from symid.diagnosis.prediction.hidden_motion import IntegratedEffects, Pointwise
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.response import ForcePath
 from symid.simulation.plants import ScaledLaw, dry_level, not_below_zero
@@ -146,7 +146,7 @@ def _integrand(term: ScaledLaw) -> Pointwise:
     )
 
 
-def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
+def _force(prediction: Prediction, item: Placed, joint: RecordedJoint) -> ComplexArray:
     """Spectrum of the force of an effect at the motion of a prediction."""
     assert isinstance(item.effect, JointEffect)
     return np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
@@ -163,7 +163,7 @@ def law_to_integrate(prediction: Prediction, item: Placed, *, read: bool = False
     return effect.pointwise(prediction, item.shape, item.amplitudes)
 
 
-def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
+def _equivalent(force: ComplexArray, joint: RecordedJoint) -> ComplexArray:
     """Dynamic stiffness k + j w c - w^2 m closest to a force; the rest of the force moves hidden joints far less."""
     if not np.isfinite(force).all():
         raise OverflowError(f"the force at {joint.name} grows without bound")

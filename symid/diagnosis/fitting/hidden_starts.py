@@ -21,7 +21,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.gauss_newton import with_shapes_held
 from symid.diagnosis.fitting.moments import NEAR
 from symid.diagnosis.fitting.state import State, evaluated, first_state, stable_with_effects, with_effects
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
@@ -179,7 +179,7 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
             yield from (start for _, start in sorted(starts, key=lambda own: own[0])[:_KEPT])
 
 
-def _deflected(prediction: Prediction, spring: Spring) -> tuple[str, Joint, float]:
+def _deflected(prediction: Prediction, spring: Spring) -> tuple[str, RecordedJoint, float]:
     """Place and joint of a spring, and its stiffness."""
     values, at = prediction.axis.with_known_values(prediction.parameters), place_of(spring)
     return at, prediction.springs[at], values[spring.named("stiffness")]

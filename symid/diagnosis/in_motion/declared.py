@@ -27,7 +27,7 @@ from symid.diagnosis.prediction.prediction import Prediction
 from symid.errors import SettingError
 from symid.simulation.plants import FrequencyResponse, has_response, identified_response
 
-Values: TypeAlias = dict[str, float]
+ParameterValues: TypeAlias = dict[str, float]
 """Value of each new parameter, SI."""
 
 
@@ -37,7 +37,7 @@ class ExplainedAxis:
 
     axis: Axis
     """The axis diagnosed with the elements of the effects added."""
-    values: Values
+    values: ParameterValues
     """Values of its physical parameters, SI."""
     left_out: tuple[str, ...]
     """A sentence for each effect that cannot be an element of an axis, such as a force or a reading that is early, and,
@@ -115,7 +115,7 @@ def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:
     return replace(explained, axis=replace(explained.axis, sensors=sensors, known=known))
 
 
-def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
+def impossible_values(axis: Axis, values: ParameterValues) -> tuple[str, ...]:
     """A sentence for each negative inertia and stiffness, which a log that does not determine them may give.
 
     >>> from symid.axis import load_axis
@@ -147,7 +147,7 @@ def axis_with_effects(state: State) -> ExplainedAxis:
     return ExplainedAxis(axis, {name: values[name] for name in axis.physical_parameters}, tuple(left_out))
 
 
-def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
+def _added(axis: Axis, item: Placed, values: ParameterValues) -> Axis | None:
     """The axis with an effect; its new parameters are added to `values`. None if it cannot be an element."""
     if item.effect.name == "flexible_mode":
         return _with_mode(axis, item, values)
@@ -169,7 +169,7 @@ def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
     return None if found is None else axis.with_effect(found)
 
 
-def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
+def _with_presliding(axis: Axis, item: Placed, values: ParameterValues) -> Axis:
     """The axis with Coulomb friction that builds up over a displacement; the friction is added if there is none."""
     (level,), (reach,) = item.amplitudes, item.shape
     place = place_named(axis, item.at)
@@ -201,7 +201,7 @@ def _left_out(prediction: Prediction, item: Placed) -> str:
     return f"{item.effect.name} at {item.at} ({numbers}) cannot be an element of an axis"
 
 
-def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
+def _with_mode(axis: Axis, item: Placed, values: ParameterValues) -> Axis:
     """The axis with a part of a body's mass, and of its weight, on a spring."""
     (mass,), (frequency, ratio) = item.amplitudes, item.shape
     body = next(b for b in axis.free_bodies if b.name == item.at)

@@ -10,7 +10,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import GROUND, Axis, Between, Body, Spring
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import Response
@@ -47,7 +47,7 @@ class AxisMotion:
         return np.asarray(free[self.record.n_drives :])
 
     @cached_property
-    def joints(self) -> Mapping[str, Joint]:
+    def joints(self) -> Mapping[str, RecordedJoint]:
         """Joints of the bodies that have a mass, and of those geared to several, whose motion is that of no other."""
         names, heavy = self.response.plant.bodies, self.record.dynamics.bodies
         found = {
@@ -58,17 +58,17 @@ class AxisMotion:
         return self._with_geared(found, {body: body for body in self.axis.bodies if body.geared})
 
     @cached_property
-    def joints_of_drives(self) -> tuple[Joint, ...]:
+    def joints_of_drives(self) -> tuple[RecordedJoint, ...]:
         """Displacements in the joints in which the drives act."""
         names = self.response.plant.bodies
         return tuple(self._joint(drive.signal, direction_of(drive.at, names)) for drive in self.axis.drives)
 
-    def drive_of(self, joint: Joint) -> int:
+    def drive_of(self, joint: RecordedJoint) -> int:
         """The drive that pushes most along a joint."""
         return int(np.argmax(np.abs(joint.direction @ self.response.plant.drives)))
 
     @cached_property
-    def springs(self) -> Mapping[str, Joint]:
+    def springs(self) -> Mapping[str, RecordedJoint]:
         """Joints with a spring, by the name of a spring between bodies, or of the body in whose joint the spring is."""
         bodies = self.response.plant.bodies
         return {
@@ -78,21 +78,21 @@ class AxisMotion:
         }
 
     @cached_property
-    def bodies(self) -> Mapping[str, Joint]:
+    def bodies(self) -> Mapping[str, RecordedJoint]:
         """Absolute motion of the free bodies that have a mass, along which inertia acts."""
         names, heavy = self.response.plant.bodies, self.record.dynamics.bodies
         rows = zip(names, np.eye(len(names)), strict=True)
         return {name: self._joint(name, row) for name, row in rows if name in heavy}
 
     @cached_property
-    def loaded(self) -> Mapping[str, Joint]:
+    def loaded(self) -> Mapping[str, RecordedJoint]:
         """`bodies`, and those geared to several, whose motion is that of no other: each may carry a load."""
         geared = (body for body in self.axis.bodies if body.geared)
         return self._with_geared(self.bodies, {body: Between(first=GROUND, second=body) for body in geared})
 
     def _with_geared(
-        self, found: Mapping[str, Joint], geared: Mapping[Body, Body | Between]
-    ) -> Mapping[str, Joint]:
+        self, found: Mapping[str, RecordedJoint], geared: Mapping[Body, Body | Between]
+    ) -> Mapping[str, RecordedJoint]:
         """Joints, and those of geared bodies whose motion is that of no other."""
         joints = dict(found)
         for body, at in geared.items():
@@ -101,7 +101,7 @@ class AxisMotion:
                 joints[body.name] = self._joint(body.name, row)
         return joints
 
-    def along(self, direction: FloatArray) -> Joint:
+    def along(self, direction: FloatArray) -> RecordedJoint:
         """The motion along a direction over the bodies."""
         return self._joint("", direction)
 
@@ -110,18 +110,18 @@ class AxisMotion:
         rows, key = self.driven_rows, ("driven shares", direction.tobytes())
         return self.record.memory.of(key, rows.tobytes(), lambda: _shares(rows, direction))
 
-    def _joint(self, name: str, direction: FloatArray) -> Joint:
+    def _joint(self, name: str, direction: FloatArray) -> RecordedJoint:
         sensors = self.response.plant.sensors
         n_positions = sum(sensors[name][1] == 0 for name in self.record.signals)
         # With redundant position sensors, the displacement is their least-squares estimate.
         shares = None if n_positions > direction.size else self.driven_shares(direction)
         if shares is not None:  # measured motion, whatever the model: one joint for all predictions
             spectrum = np.asarray(shares @ self.record.motions)
-            made = Joint(name, direction, spectrum, spectrum, self.record)
-            known: Joint = self.record.driven_joints.setdefault((name, direction.tobytes()), made)
+            made = RecordedJoint(name, direction, spectrum, spectrum, self.record)
+            known: RecordedJoint = self.record.driven_joints.setdefault((name, direction.tobytes()), made)
             return known
         observed, modelled = (_along(direction, x) for x in (self.observed, self.displacements))
-        return Joint(name, direction, observed, modelled, self.record)
+        return RecordedJoint(name, direction, observed, modelled, self.record)
 
 
 def _are_parallel(one: FloatArray, other: FloatArray) -> bool:

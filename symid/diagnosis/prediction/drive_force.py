@@ -4,7 +4,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
 
@@ -14,7 +14,7 @@ _SMOOTHED, _MARGIN = 15, 4.0
 """Frequencies over which the power of a force is averaged, and its least ratio to the power of noise in it."""
 
 
-def drive_force_of(prediction: Prediction, joint: Joint) -> float:
+def drive_force_of(prediction: Prediction, joint: RecordedJoint) -> float:
     """Force of the drive, in the unit of its record, that balances a unit force in a joint in slow motion.
 
     A spring between two bodies is held at its other end. A joint that does not follow the drive, such as that of a

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from symid.jit import compiled, part
+from symid.jit import jitted, part
 from symid.simulation.compiled_loop import built_up, evaluate
 
 _SETTLED = 1e-6
 """Relative change at which the level of dry friction and the speed in a step have settled."""
 
 
-@compiled
+@jitted
 def integrate_steps(equation, driven, laws):  # type: ignore[no-untyped-def]  # compiled for records
     """Hidden coordinate as predicted and as observed, each (n,), and forces of laws, (n_laws, n), from rest at 0 on.
 
@@ -101,7 +101,7 @@ def _linear_step(x, rate, now, then, total, p, transition, falling, rising, held
     )
 
 
-@compiled
+@jitted
 def _moved_by(corrections, transition, phase):  # type: ignore[no-untyped-def]
     """Motion that corrections of the hidden coordinate leave behind, which no force changes."""
     moved, x, rate = np.zeros(corrections.size), 0.0, 0.0
@@ -114,7 +114,7 @@ def _moved_by(corrections, transition, phase):  # type: ignore[no-untyped-def]
     return moved
 
 
-@compiled
+@jitted
 def _value(j, operations, operands, ends, arguments, stack):  # type: ignore[no-untyped-def]
     """Value of the program of a law at its current arguments."""
     begin, end = ends[j], ends[j + 1]

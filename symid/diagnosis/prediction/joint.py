@@ -17,7 +17,7 @@ and spindles, whose missing friction was called one of direction)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class RecordedJoint:
     """A place at which a force may act, and its motion on the fine grid."""
 
     name: str

@@ -11,7 +11,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray, add_outer
 from symid.diagnosis.prediction.axis_motion import AxisMotion
 from symid.diagnosis.prediction.hidden_motion import IntegratedEffects, integrated_motion
-from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.joint import RecordedJoint
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import (
     ForcePath,
@@ -134,7 +134,7 @@ class Prediction(AxisMotion):
         """Outputs for forces along each of `free_directions`, of shape (n_outputs, n_bins) each."""
         return tuple(self.response.of_force(direction) for direction in self.free_directions)
 
-    def column(self, joint: Joint, force: ComplexArray) -> ComplexArray:
+    def column(self, joint: RecordedJoint, force: ComplexArray) -> ComplexArray:
         """Change of the predicted outputs by forces that oppose the motion of a joint, of shape (..., n_bins).
 
         A force sensor in a spring reads a force that acts in this spring.

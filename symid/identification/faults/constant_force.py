@@ -33,7 +33,7 @@ def constant_force(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
             continue
         used = np.concatenate([used_samples(p, equation) for p in parts])
         acting = np.concatenate([p.log[force] for p in parts])[used]
-        signs = np.stack([np.concatenate([direction(p, equation, law) for p in parts])[used] for law in laws])
+        signs = np.stack([np.concatenate([law_sign(p, equation, law) for p in parts])[used] for law in laws])
         if is_constant(acting, signs):
             return CONSTANT.format(force)
     return ""
@@ -70,10 +70,10 @@ def is_constant(force: FloatArray, signs: FloatArray) -> bool:
     return whole > 0 and whole - float(explained) < _CHANGES**2 * whole
 
 
-def direction(part: Excerpt, equation: int, column: int) -> FloatArray:
+def law_sign(part: Excerpt, equation: int, column: int) -> FloatArray:
     """Sign of a friction law at every sample."""
     return part.kept(
-        (direction, equation, column),
+        (law_sign, equation, column),
         lambda: np.sign(at_samples(part, np.sign(part.observation.W[equation, :, column]))),
     )
 

@@ -16,7 +16,7 @@ from symid.identification.faults.modes import aliasing_of, lost_mode, mode_above
 from symid.identification.faults.nonlinearity import ColumnTests
 from symid.identification.faults.one_direction import one_direction
 from symid.identification.faults.poor_fit import contradicting_part, unexplained, unexplained_outputs
-from symid.identification.faults.recording import fault_of
+from symid.identification.faults.recording import recording_fault
 from symid.identification.faults.redundancy import disagreement_of
 from symid.identification.faults.smoothing import slow_update, smoothing_of
 from symid.identification.parameters.physical import jacobian
@@ -44,7 +44,7 @@ def faults_of(
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
     alike, friction_holds = one_direction(model, parts)
     return Faults(
-        recording=fault_of(model, parts, fit)
+        recording=recording_fault(model, parts, fit)
         or smoothing_of(model, parts)
         or aliasing_of(model, parts)
         or disagreement_of(model, parts)

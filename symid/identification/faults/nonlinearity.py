@@ -21,7 +21,7 @@ from symid.identification.criteria import CRITERIA
 from symid.identification.delays.lag_scan import shiftable
 from symid.identification.deviations.whitened import WhitenedRows
 from symid.identification.faults.added_column import AddedColumn
-from symid.identification.faults.constant_force import direction, used_samples
+from symid.identification.faults.constant_force import law_sign, used_samples
 from symid.identification.faults.poor_fit import unexplained
 from symid.identification.rows.excerpts import Excerpt, course_of
 from symid.identification.rows.noise import noise_of_rows
@@ -102,7 +102,7 @@ class ColumnTests:
         least = max(CRITERIA.nonlinear, self.certain(residual, CRITERIA.gain_beyond_noise))
         for force in self.model.forces:
             signs = [[np.sign(part.log[force]) for part in self.parts]]
-            signs += [[direction(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
+            signs += [[law_sign(part, *law) for part in self.parts] for law in self.model.law_columns[:1]]
             both_ways = [
                 sign_by_part for sign_by_part in signs if not self._acts_one_way(force, sign_by_part)
             ]

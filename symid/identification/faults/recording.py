@@ -46,7 +46,7 @@ _LIMITED_SHARE = 0.01
 """Share of steps of the largest size in a slew-limited channel; with noise no two steps are equal."""
 
 
-def fault_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+def recording_fault(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Statement on the fault of a channel; empty without one. Friction in the fit decides which steps are coarse."""
     for part in parts:
         mover = part.log[model.most_differentiated]

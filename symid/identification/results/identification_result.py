@@ -20,7 +20,7 @@ from symid.identification.deviations.whitened import Segment
 from symid.identification.parameters.physical import PhysicalEstimate
 from symid.identification.results.predicted_output import OutputPrediction, predicted_output
 from symid.identification.results.residuals import EquationResidual
-from symid.identification.results.verdict import Status
+from symid.identification.results.status import Status
 from symid.identification.rows.observation import Observation
 from symid.identification.signals.axis_logs import LogLike
 from symid.shown import Shown

@@ -10,7 +10,7 @@ from symid.identification.delays.timing import Timing
 from symid.identification.deviations.discrepancy import Discrepancy
 from symid.identification.parameters.physical import open_by_structure
 from symid.identification.results.identification_result import Identification
-from symid.identification.results.verdict import Status, not_by_structure
+from symid.identification.results.status import Status, not_by_structure
 from symid.signal_processing import central_difference_gain
 
 _NOISE_IN_W = "noise of the sensors in the columns of W"

@@ -27,12 +27,12 @@ _TICKS = 6
 
 
 @dataclass(frozen=True)
-class Scale:
+class DiagramScale:
     """Scale of bars up to a multiple of the noise floor: linear up to 25, logarithmic from half of that on.
 
-    >>> Scale(10.0).percent(5.0), Scale(5000.0).logarithmic, Scale(5000.0).percent(50.0)
+    >>> DiagramScale(10.0).percent(5.0), DiagramScale(5000.0).logarithmic, DiagramScale(5000.0).percent(50.0)
     (50.0, True, 50.0)
-    >>> Scale(10.0).ticks, Scale(1244.0).ticks
+    >>> DiagramScale(10.0).ticks, DiagramScale(1244.0).ticks
     ((0.0, 2.0, 4.0, 6.0, 8.0, 10.0), (1.0, 10.0, 100.0, 1000.0))
     """
 
@@ -62,9 +62,9 @@ class Scale:
         return tuple(step * i for i in range(math.floor(self.largest / step) + 1))
 
 
-def scale_with(multiples: list[float]) -> Scale:
+def scale_with(multiples: list[float]) -> DiagramScale:
     """Scale that contains all of these multiples, with a margin above the floor."""
-    return Scale(max([_LEAST, *(value for value in multiples if math.isfinite(value))]))
+    return DiagramScale(max([_LEAST, *(value for value in multiples if math.isfinite(value))]))
 
 
 VERDICTS = {

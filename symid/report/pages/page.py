@@ -25,7 +25,7 @@ from symid.report.tables.fleet import spread_size
 from symid.report.tables.motion_gap import fit, motion_line, motion_rows, motions, unit_of_errors
 from symid.text import spoken
 
-Record = TypeVar("Record")
+AnyRecord = TypeVar("AnyRecord")
 
 
 def html_path(file: str | Path) -> Path:
@@ -36,7 +36,7 @@ def html_path(file: str | Path) -> Path:
     return path
 
 
-def as_it_is(record: Record) -> Record:
+def as_it_is(record: AnyRecord) -> AnyRecord:
     """The record: settings in its messages stay as the library names them."""
     return record
 

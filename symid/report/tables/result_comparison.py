@@ -30,7 +30,7 @@ _CERTAIN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Values:
+class ComparedValues:
     """Physical parameters of a result."""
 
     # source, axis, status: name of the file, and its axis and status; empty if missing
@@ -48,7 +48,7 @@ class Values:
     errors: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
 
-def values_of_record(record: object, source: str) -> Values:
+def values_of_record(record: object, source: str) -> ComparedValues:
     """Parameters in the JSON of `symid identify`, `symid diagnose` or a user; SettingError if it holds none.
 
     >>> values_of_record({"M": 5.0, "Fv": {"value": 1.0, "std": 0.1}}, "P.json").deviations["Fv"]
@@ -63,7 +63,7 @@ def values_of_record(record: object, source: str) -> Values:
         )
     axis, status = (record[name] if isinstance(record.get(name), str) else "" for name in ("axis", "status"))
     deviations = {name: entry.std for name, entry in entries.items()}
-    return Values(
+    return ComparedValues(
         source=source,
         axis=axis,
         status=status,
@@ -77,7 +77,7 @@ def values_of_record(record: object, source: str) -> Values:
     )
 
 
-def comparison_record(first: Values, second: Values) -> dict[str, Any]:
+def comparison_record(first: ComparedValues, second: ComparedValues) -> dict[str, Any]:
     """Record of `symid compare --json`; SettingError if the two share no parameter."""
     shared = [name for name in first.values if name in second.values]
     if not shared:
@@ -245,7 +245,7 @@ def _covariance(record: Mapping[str, Any], deviations: Mapping[str, float]) -> F
     return matrix if np.isfinite(matrix).all() else None
 
 
-def _compared(name: str, first: Values, second: Values) -> dict[str, Any]:
+def _compared(name: str, first: ComparedValues, second: ComparedValues) -> dict[str, Any]:
     a, b = first.values[name], second.values[name]
     stds = (first.deviations[name], second.deviations[name])
     known = [std for std in stds if math.isfinite(std)]
@@ -262,7 +262,7 @@ def _compared(name: str, first: Values, second: Values) -> dict[str, Any]:
     }
 
 
-def _together(first: Values, second: Values) -> dict[str, Any] | None:
+def _together(first: ComparedValues, second: ComparedValues) -> dict[str, Any] | None:
     """Test whether both sets as a whole belong to one machine: (b - a)' (A + B)^-1 (b - a) against chi-square."""
     names = list(first.values)
     if first.covariance is None or second.covariance is None or names != list(second.values):

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from symid.jit import compiled, inner
+from symid.jit import inner, jitted
 from symid.simulation.loops.loop_numbers import ModeNumbers
 from symid.simulation.plants.postfix import ADD, ARGUMENT, CONSTANT, FUNCTION, MINIMUM, MULTIPLY, POWER
 
 
-@compiled
+@jitted
 def evaluate(operations, operands, arguments, stack):  # type: ignore[no-untyped-def]  # compiled for arrays
     """Value of a program; `stack` is an array of at least its depth."""
     # a stack machine: operands are pushed, operations replace the topmost values by their result
@@ -40,7 +40,7 @@ def _joined(operation, a, b):  # type: ignore[no-untyped-def]  # compiled for nu
     return min(a, b) if operation == MINIMUM else max(a, b)
 
 
-@compiled
+@jitted
 def built_up(z, path, reach):  # type: ignore[no-untyped-def]  # compiled for numbers
     """Dahl's state after a path; exact along a motion that does not reverse."""
     side = 1.0 if path >= 0 else -1.0

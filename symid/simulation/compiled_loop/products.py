@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from symid.jit import compiled, inner
+from symid.jit import inner, jitted
 
 
-@compiled
+@jitted
 def recursion(matrix, start, inputs):  # type: ignore[no-untyped-def]
     """States z[k + 1] = matrix @ z[k] + inputs[k] from z[0] = start; shape (n + 1, m)."""
     states = np.zeros((len(inputs) + 1, start.size))

@@ -6,7 +6,7 @@ The arguments `law`, `channels`, `laws`, `mode`, `modes` and `record` are record
 
 import numpy as np
 
-from symid.jit import compiled, inner, part
+from symid.jit import inner, jitted, part
 from symid.simulation.compiled_loop.evaluation import (
     built_up,
     law_value,
@@ -24,7 +24,7 @@ _LARGEST = 1e150
 """Displacement or speed at which the axis runs away."""
 
 
-@compiled
+@jitted
 def advance(begin, end, ask, law, given, channels, laws, modes, current, record, memory, after):  # type: ignore[no-untyped-def]
     """Advance from sample `begin` to `end`; return how many samples were made, and why no more.
 

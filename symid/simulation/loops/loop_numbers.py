@@ -17,7 +17,7 @@ from symid.simulation.plants.postfix import Program, program
 _ARGUMENTS: tuple[str, ...] = ("q", "v", "F", "t", "z")
 """Arguments of a formula, before the forces F0, F1, ... of the drives; F is the load of the joints."""
 
-IntArray = np.ndarray[Any, np.dtype[np.int64]]
+Int64Array = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class LawNumbers(NamedTuple):
@@ -29,14 +29,14 @@ class LawNumbers(NamedTuple):
 
     directions: FloatArray  # shape (n_laws, n)
     any_timed: bool  # whether one depends on more than the motion
-    terms: IntArray  # shape (n_laws + 1,): first term of each law, and the end of the last
+    terms: Int64Array  # shape (n_laws + 1,): first term of each law, and the end of the last
     parameters: FloatArray  # shape (n_terms,)
-    remembers: IntArray  # shape (n_terms,): memory on which each term depends, or -1
-    nonlinearities: IntArray  # shape (n_drives + 1,): first program of each drive, and the end of the last
+    remembers: Int64Array  # shape (n_terms,): memory on which each term depends, or -1
+    nonlinearities: Int64Array  # shape (n_drives + 1,): first program of each drive, and the end of the last
     # operations, operands: all programs, concatenated
-    operations: IntArray
+    operations: Int64Array
     operands: FloatArray
-    ends: IntArray  # start of each program, and the end of the last
+    ends: Int64Array  # start of each program, and the end of the last
     # arguments, stack: space for the programs
     arguments: FloatArray
     stack: FloatArray
@@ -87,12 +87,12 @@ class ChannelNumbers(NamedTuple):
     noise: FloatArray  # shape (n_samples, n_signals): their noise
     # shape (n_signals, 3 n): exact readings, as rows on displacements, velocities and accelerations
     rows: FloatArray
-    ages: IntArray  # shape (n_signals,): delay in whole samples
-    places: IntArray  # shape (n_signals,): row of `between` that it reads, or -1
+    ages: Int64Array  # shape (n_signals,): delay in whole samples
+    places: Int64Array  # shape (n_signals,): row of `between` that it reads, or -1
     steps: FloatArray  # shape (n_signals,): resolutions
-    misread: IntArray  # shape (n_signals,): program of the reading error, or -1
+    misread: Int64Array  # shape (n_signals,): program of the reading error, or -1
     between: FloatArray  # shape (n_between, 3 n): rows of the sensors that take a value between two samples
-    pieces: IntArray  # shape (n_between,): piece of a sample at whose end they take it
+    pieces: Int64Array  # shape (n_between,): piece of a sample at whose end they take it
 
     @classmethod
     def of(cls, loop: Loop, first_program: int) -> ChannelNumbers:
@@ -131,8 +131,8 @@ class ModeNumbers(NamedTuple):
     ends: FloatArray
     rates: FloatArray  # shape (n, n_z): accelerations
     # stuck, varying: laws of the stuck joints, and laws that are not affine
-    stuck: IntArray
-    varying: IntArray
+    stuck: Int64Array
+    varying: Int64Array
     signs: FloatArray  # shape (n_varying,): directions of the varying laws, 0 for both
     limits: FloatArray  # shape (n_stuck, 2): lowest and highest force that each stuck joint can hold
     is_accelerated: bool  # whether a sensor reads an acceleration
@@ -173,7 +173,7 @@ class EventNumbers(NamedTuple):
     """Numbers of each mode that the location of events needs: m counts modes, j laws."""
 
     signs: FloatArray  # shape (m, j): directions of sliding joints
-    kinds: IntArray  # shape (m, j): sums of the kinds above
+    kinds: Int64Array  # shape (m, j): sums of the kinds above
     reach: FloatArray  # shape (m,): time over which the series holds, s
     series: FloatArray  # shape (m, terms, 2 n, 3 n): Taylor series of the state, in terms of state and forces
     constant: FloatArray  # shape (m, n): constant forces
@@ -195,11 +195,11 @@ class ModeTable(NamedTuple):
     is_accelerated: bool  # whether a sensor reads an acceleration
     # `ModeNumbers` of all modes, one after the other: numbers, and indices of laws
     numbers: FloatArray
-    law_numbers: IntArray
+    law_numbers: Int64Array
     # places, law_places: shape (m,): where those of each mode begin
-    places: IntArray
-    law_places: IntArray
-    counts: IntArray  # shape (m, 3): numbers of stuck, sliding and varying laws
+    places: Int64Array
+    law_places: Int64Array
+    counts: Int64Array  # shape (m, 3): numbers of stuck, sliding and varying laws
     events: EventNumbers
 
 

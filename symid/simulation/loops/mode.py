@@ -15,7 +15,7 @@ from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.plants.plant import JUST_MOVING, JointLaw, Plant
 
-ORDER = 20
+TAYLOR_ORDER = 20
 """Terms of the Taylor series; within `Flow.reach` the next one is below 1/20! = 4e-19 of the first."""
 _MOST_DOUBLINGS = 42
 """Halvings of a step down to the fastest motion, after which rounding changes slow motion by 2^42 * 2e-16 = 0.1 %."""
@@ -65,7 +65,7 @@ class Flow:
                 f"the axis moves within {self.reach:.1e} s, too fast to be simulated over steps of {duration:.1e} s: "
                 "check its masses, dampings and stiffnesses"
             )
-        whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(ORDER), self.terms, 1)
+        whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(TAYLOR_ORDER), self.terms, 1)
         size = len(whole)
         transition, gain = whole[:, :size], whole[:, size:]
         for _ in range(doublings):
@@ -80,7 +80,7 @@ class Flow:
         generator[:n, n : 2 * n] = np.eye(n)
         generator[n : 2 * n] = self.acceleration_rows
         term, terms = np.eye(3 * n), []
-        for order in range(1, ORDER + 1):
+        for order in range(1, TAYLOR_ORDER + 1):
             terms.append(term[: 2 * n])
             term = generator @ term * (self.reach / order)
         return np.array(terms)

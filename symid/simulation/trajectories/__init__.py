@@ -1,9 +1,9 @@
 """Commanded motions: moves, chirps, multisines, steps, motions of a log, and their limits."""
 
 from symid.simulation.trajectories.excitation import Sweep
-from symid.simulation.trajectories.multisine import Quantity
+from symid.simulation.trajectories.multisine import MotionQuantity
 
 __all__ = [
-    "Quantity",
+    "MotionQuantity",
     "Sweep",
 ]

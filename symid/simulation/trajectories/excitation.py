@@ -14,8 +14,8 @@ from symid.arrays import FloatArray
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.signal_processing import derivatives
-from symid.simulation.trajectories.limits import Limits, fade_envelope, intervals, positive
-from symid.simulation.trajectories.multisine import DERIVATIVE_ORDER, Quantity
+from symid.simulation.trajectories.limits import Limits, checked_positive, fade_envelope, intervals
+from symid.simulation.trajectories.multisine import DERIVATIVE_ORDER, MotionQuantity
 from symid.simulation.trajectories.trajectory import Trajectory
 
 Sweep = Literal["linear", "logarithmic"]
@@ -31,7 +31,7 @@ def chirp(
     amplitude: float,
     *,
     sampling_period: float,
-    quantity: Quantity = "position",
+    quantity: MotionQuantity = "position",
     sweep: Sweep = "linear",
     fade: float | None = None,
     centre: float = 0.0,
@@ -82,9 +82,9 @@ def chirp(
     symid.errors.SettingError: chirp from 1 to 10 Hz: speed reaches 1.14985, 0.149851 more than the limit of 1 m/s or \
 rad/s: multiply the amplitude by at most 0.8696
     """
-    count = intervals(positive(seconds, "chirp", "s"), sampling_period, "chirp")
+    count = intervals(checked_positive(seconds, "chirp", "s"), sampling_period, "chirp")
     _check_chirp(f0, f1, sampling_period, quantity, sweep)
-    size = positive(amplitude, "amplitude of the chirp", "SI")
+    size = checked_positive(amplitude, "amplitude of the chirp", "SI")
     n_fade = intervals(0.1 * seconds if fade is None else fade, sampling_period, "fade")
     if 2 * n_fade > count:
         raise SettingError(
@@ -186,7 +186,7 @@ def steps(
     values = np.asarray(levels, dtype=np.float64)
     if values.ndim != 1 or values.size == 0:
         raise SettingError(f"levels have shape {values.shape}: give a list of at least one position")
-    count = intervals(positive(hold, "hold", "s"), sampling_period, "hold")
+    count = intervals(checked_positive(hold, "hold", "s"), sampling_period, "hold")
     intervals(values.size * count * sampling_period, sampling_period, "steps")
     position = np.append(np.repeat(values, count), values[-1])
     still = np.zeros_like(position)

@@ -14,10 +14,10 @@ MOST_SAMPLES: Final = 100_000_000
 _WHOLE: Final = 1e-9  # a duration this close to whole sampling periods, relative to one period, is whole
 
 
-def positive(value: float, what: str, unit: str) -> float:
+def checked_positive(value: float, what: str, unit: str) -> float:
     """The value itself, as a float; SettingError if it is not positive and finite.
 
-    >>> positive(2, "dwell", "s")
+    >>> checked_positive(2, "dwell", "s")
     2.0
     """
     if not (math.isfinite(value) and value > 0.0):
@@ -33,7 +33,7 @@ def intervals(seconds: float, sampling_period: float, what: str) -> int:
     >>> intervals(0.3, 0.1, "dwell"), intervals(0.31, 0.1, "dwell")
     (3, 4)
     """
-    positive(sampling_period, "sampling period", "s")
+    checked_positive(sampling_period, "sampling period", "s")
     if not (math.isfinite(seconds) and seconds >= 0.0):
         raise SettingError(f"{what} is {seconds:g} s: give 0 s or more")
     ratio = seconds / sampling_period

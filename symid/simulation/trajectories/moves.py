@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation.trajectories.limits import Extremes, Limits, intervals, positive
+from symid.simulation.trajectories.limits import Extremes, Limits, checked_positive, intervals
 from symid.simulation.trajectories.trajectory import Trajectory
 
 
@@ -45,9 +45,9 @@ class MoveProfile:
         >>> MoveProfile.fastest(0.25, speed=1.0, acceleration=2.0, jerk=4.0).speed
         0.3968502629920499
         """
-        distance = positive(distance, "distance of a move", "m or rad")
-        speed = positive(speed, "speed of a move", "m/s or rad/s")
-        acceleration = positive(acceleration, "acceleration of a move", "m/s^2 or rad/s^2")
+        distance = checked_positive(distance, "distance of a move", "m or rad")
+        speed = checked_positive(speed, "speed of a move", "m/s or rad/s")
+        acceleration = checked_positive(acceleration, "acceleration of a move", "m/s^2 or rad/s^2")
         if not jerk > 0.0:
             raise SettingError(f"jerk of a move is {jerk:g} m/s^3 or rad/s^3: give a positive number")
         ramp = max(acceleration / jerk, 0.0)  # from no acceleration to the full one

@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
-from symid.simulation.trajectories.limits import MOST_SAMPLES, Limits, faded, intervals, positive
+from symid.simulation.trajectories.limits import MOST_SAMPLES, Limits, checked_positive, faded, intervals
 from symid.simulation.trajectories.trajectory import Trajectory
 
-Quantity = Literal["position", "velocity", "acceleration"]
+MotionQuantity = Literal["position", "velocity", "acceleration"]
 """Quantity to which an amplitude refers."""
 
 DERIVATIVE_ORDER: Final[dict[str, int]] = {"position": 0, "velocity": 1, "acceleration": 2}
@@ -26,7 +26,7 @@ _FADES: Final = 10  # a fade is this part of the duration
 class Multisine(Trajectory):
     """A multisine: a trajectory that is periodic between its fades."""
 
-    quantity: Quantity  # quantity of the amplitudes: position, velocity or acceleration
+    quantity: MotionQuantity  # quantity of the amplitudes: position, velocity or acceleration
     # frequencies, amplitudes, phases: shape (n_lines,): lines of the spectrum, Hz; their amplitudes, SI; the
     # phases of their cosines at the beginning of the first period with full amplitude, rad
     frequencies: FloatArray
@@ -62,7 +62,7 @@ def frequency_lines(lowest: float, highest: float, step: float) -> FloatArray:
     [1.0, 1.25, 1.5, 1.75, 2.0]
     """
     for value, what in ((lowest, "lowest frequency"), (step, "step of frequencies")):
-        positive(value, what, "Hz")
+        checked_positive(value, what, "Hz")
     if not lowest <= highest < math.inf:
         raise SettingError(f"no frequencies lie from {lowest:g} Hz to {highest:g} Hz: give the lowest first")
     count = math.floor((highest - lowest) / step + 1e-9) + 1
@@ -74,7 +74,7 @@ def multisine(
     amplitude: npt.ArrayLike,
     *,
     sampling_period: float,
-    quantity: Quantity = "velocity",
+    quantity: MotionQuantity = "velocity",
     periods: int = 1,
     seconds: float | None = None,
     rng: np.random.Generator | None = None,
@@ -124,7 +124,7 @@ def multisine(
     """
     if quantity not in DERIVATIVE_ORDER:
         raise SettingError(f"amplitude of {quantity!r} is not known: choose {', '.join(DERIVATIVE_ORDER)}")
-    lines, sizes = _lines(frequencies, amplitude, positive(sampling_period, "sampling period", "s"))
+    lines, sizes = _lines(frequencies, amplitude, checked_positive(sampling_period, "sampling period", "s"))
     base, period = _common_period(lines, sampling_period)
     if seconds is not None:
         periods = max(1, -(-intervals(seconds, sampling_period, "multisine") // period))
@@ -157,7 +157,7 @@ def whole_periods(
     seconds: float,
     rate: float,
     *,
-    quantity: Quantity = "velocity",
+    quantity: MotionQuantity = "velocity",
     rng: np.random.Generator | None = None,
 ) -> Multisine:
     """Multisine at about these frequencies in a given time: whole periods between fades of a tenth of the time each.
@@ -261,7 +261,7 @@ def _waves(
     lines: FloatArray,
     amplitudes: FloatArray,
     phases: FloatArray,
-    quantity: Quantity,
+    quantity: MotionQuantity,
     base: float,
     period: int,
 ) -> FloatArray:

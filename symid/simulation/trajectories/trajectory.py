@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray, read_only
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
-from symid.simulation.trajectories.limits import Extremes, Limits, intervals, positive
+from symid.simulation.trajectories.limits import Extremes, Limits, checked_positive, intervals
 
 _JOINT: Final = 1e-9  # share of the greatest value by which two trajectories may differ where they join
 
@@ -56,7 +56,7 @@ class Trajectory:
     start: float = 0.0
 
     def __post_init__(self) -> None:
-        positive(self.sampling_period, f"{self.name}: sampling period", "s")
+        checked_positive(self.sampling_period, f"{self.name}: sampling period", "s")
         for kind in ("position", "velocity", "acceleration"):
             values = read_only(np.asarray(getattr(self, kind), dtype=np.float64))
             if values.ndim != 1 or values.size == 0 or values.size != np.size(self.position):

@@ -34,7 +34,7 @@ _APART = 3.0
 """Deviations from which two solutions differ."""
 
 
-def verdict(
+def identification_status(
     model: GeneratedModel,
     fit: LeastSquares,
     physical: tuple[PhysicalEstimate, ...],
