@@ -85,21 +85,24 @@ def _segments_of(run: Run, of: int, each: int, fit: LeastSquares) -> Iterator[Se
     """The segments of a run, from sums over its blocks."""
     p, first = fit.solution.size, 0
     bounds = -(-np.arange(each + 1) * run.n_rows // each)  # first row of each segment, and the end
-    sums, begins, count = np.zeros((each, p + 1, p + 1)), np.zeros(each), [0] * each
+    sums, begins, count = np.zeros((each, p + 1, p + 1)), np.zeros(each), np.zeros(each, dtype=int)
     for seen in run.read():
         stop = first + seen.time.size
         here = (bounds[:-1] >= first) & (bounds[:-1] < stop)
         begins[here] = seen.time[bounds[:-1][here] - first]
-        for i, (low, high) in enumerate(pairwise(np.clip(bounds - first, 0, stop - first).tolist())):
-            for j, start in product(range(len(seen.valid)), range(low, high, _BLOCK)):
-                Z, rest, _ = _orthonormal(seen, j, of, fit, slice(start, min(start + _BLOCK, high)))
-                rows = np.column_stack([Z, rest])
-                sums[i] += rows.T @ rows
-                count[i] += len(rest)
+        for j, start in product(range(len(seen.valid)), range(0, seen.time.size, _BLOCK)):
+            inside = slice(start, start + _BLOCK)
+            Z, rest, _ = _orthonormal(seen, j, of, fit, inside)
+            rows, places = np.column_stack([Z, rest]), np.flatnonzero(seen.valid[j, inside])
+            cuts = np.searchsorted(places, bounds - first - start)
+            for i in np.flatnonzero(np.diff(cuts)):
+                part = rows[cuts[i] : cuts[i + 1]]
+                sums[i] += part.T @ part
+            count += np.diff(cuts)
         first = stop
-    for time, products, n_rows in zip(begins.tolist(), sums, count, strict=True):
-        if n_rows >= _LEAST_ROWS:
-            yield Segment(time, of, products[:p, :p], products[p, :p], float(products[p, p]), n_rows)
+    for i in np.flatnonzero(count >= _LEAST_ROWS):
+        normal, slope, square = sums[i, :p, :p], sums[i, p, :p], float(sums[i, p, p])
+        yield Segment(float(begins[i]), of, normal, slope, square, int(count[i]))
 
 
 def _orthonormal(
