@@ -46,7 +46,7 @@ _RECORDS: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {
 """Names by which a command recognises its own JSON; other JSON may be a log, or written by hand."""
 _BESIDE: Final[Mapping[str, tuple[str, str]]] = {"axis": (".json", "values"), "c": (".h", "c")}
 """Suffix and kind of a second file that is written beside one of a kind."""
-_LOOK: Final = 4096
+_BYTES_LOOKED_AT: Final = 4096
 _AXES: Final = ("axis", "axes", "also", "declared")
 """Parameters of commands that name axes."""
 
@@ -207,7 +207,7 @@ def _is_of_kind(path: Path, kind: str) -> bool:
         axis = path.with_suffix(".py")
         return axis.is_file() and _is_of_kind(axis, "axis")
     with path.open("rb") as file:
-        begin = file.read(_LOOK).removeprefix(b"\xef\xbb\xbf").lstrip().lower()
+        begin = file.read(_BYTES_LOOKED_AT).removeprefix(b"\xef\xbb\xbf").lstrip().lower()
     if kind == "axis":
         return b"with what a diagnosis found." in begin.partition(b"\n")[0]
     if kind in ("c", "exported") and b"symid" not in begin:

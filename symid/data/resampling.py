@@ -21,13 +21,13 @@ Rate: TypeAlias = 'float | Literal["own"]'
 
 _LONGEST_GAP: Final = 10
 """Samples in a row that may be missing: beyond them the motion between is unknown."""
-_NONE_LACKS: Final = 1.75
+_LONGEST_STEP: Final = 1.75
 """Longest interval without a missing sample, in multiples of the median interval."""
-_SLOWER: Final = 1.02
+_ANTI_ALIASED_FROM: Final = 1.02
 """Ratio of the new to the old period above which an anti-aliasing filter is needed."""
-_FASTER: Final = 1.25
+_HIGHEST_RATE: Final = 1.25
 """Highest new rate, in multiples of the highest rate of the signals."""
-_PASSED: Final = 0.8
+_CUTOFF_SHARE: Final = 0.8
 """Cutoff of the anti-aliasing filter (order 8, forward and backward) over the new Nyquist frequency."""
 _MOST_REPEATED: Final = 0.01
 """Share of samples with the time of the one before that are left out: more are no repeated rows but a coarse clock."""
@@ -65,7 +65,7 @@ def resampled(
             f"has {max(count, 0):.6g} samples at {1 / period:.6g} Hz in the span that all signals share: "
             f"between {MINIMUM_SAMPLES} and {_MOST_SAMPLES:g} are required"
         )
-    if period * _FASTER < finest:
+    if period * _HIGHEST_RATE < finest:
         raise LogError(
             f"cannot be resampled to {1 / period:.6g} Hz, above the {1 / finest:.6g} Hz of its fastest signal: "
             "interpolated samples would count as readings without noise; give `resample=own` or a lower rate"
@@ -73,7 +73,7 @@ def resampled(
     time: FloatArray = period * np.arange(float(math.floor(count + _EVEN) + 1))
     done = f"resampled to {1 / period:.6g} Hz by cubic splines"
     if any(signal.is_slower(period) for signal in written.values()):
-        done += f" after a zero-phase low-pass at {_PASSED / (2 * period):.6g} Hz"
+        done += f" after a zero-phase low-pass at {_CUTOFF_SHARE / (2 * period):.6g} Hz"
     notes = dict.fromkeys([done, *(note for signal in written.values() for note in signal.notes)])
     signals = {name: signal.at(begin - signal.start + time, period) for name, signal in written.items()}
     return {TIME: begin + time, **signals}, tuple(notes)
@@ -81,7 +81,7 @@ def resampled(
 
 def _phase(written: Sequence[_Written], begin: float, period: float) -> float:
     """Offset from `begin` of the instants at which most of the fastest signals are sampled, so that they stay."""
-    fastest = [signal for signal in written if not period * _SLOWER < signal.period]
+    fastest = [signal for signal in written if not period * _ANTI_ALIASED_FROM < signal.period]
     sizes = [(signal.start, signal.time.size) for signal in fastest]
     most = fastest[sizes.index(max(sizes, key=sizes.count))]
     turns = np.angle(np.mean(np.exp(2j * np.pi * (most.start - begin + most.time) / period))) / (2 * np.pi)
@@ -126,7 +126,7 @@ class _Written:
                 "sort the rows, or split the log there"
             )
         # The mean, not the median: written in whole milliseconds, intervals of 7/3 ms are mostly 2 ms.
-        period = float(np.mean(steps[steps <= _NONE_LACKS * np.median(steps)]))
+        period = float(np.mean(steps[steps <= _LONGEST_STEP * np.median(steps)]))
         lost = np.rint(steps / period).astype(np.int64) - 1
         gaps, notes = np.flatnonzero(lost > 0), []
         if repeated:
@@ -152,7 +152,7 @@ class _Written:
 
     def is_slower(self, period: float) -> bool:
         """Whether a sampling period is so much longer that a low-pass filter is needed first."""
-        return period > _SLOWER * self.period
+        return period > _ANTI_ALIASED_FROM * self.period
 
     def at(self, time: FloatArray, period: float) -> FloatArray:
         """Values at other times from its start, without the frequencies that their rate cannot represent."""
@@ -160,6 +160,6 @@ class _Written:
             return np.asarray(scipy.interpolate.CubicSpline(self.time, self.values)(time))
         grid = np.arange(self.time[0], self.time[-1], self.period)
         even = scipy.interpolate.CubicSpline(self.time, self.values)(grid)
-        low_pass = scipy.signal.butter(8, _PASSED * self.period / period, output="sos")
+        low_pass = scipy.signal.butter(8, _CUTOFF_SHARE * self.period / period, output="sos")
         smooth = scipy.signal.sosfiltfilt(low_pass, even)
         return np.asarray(scipy.interpolate.CubicSpline(grid, smooth)(time))

@@ -21,7 +21,7 @@ from flint.utils.flint_exceptions import DomainError
 from sympy import QQ
 from sympy.polys.rings import PolyElement, PolyRing
 
-_WORTH_A_COPY = 500  # term products from which on FLINT is faster, copies included
+_FASTER_BY_FLINT = 500  # term products from which on FLINT is faster, copies included
 
 
 def product_of(first: PolyElement, second: PolyElement) -> PolyElement:
@@ -35,7 +35,7 @@ def product_of(first: PolyElement, second: PolyElement) -> PolyElement:
     if len(second) == 1:
         ((powers, scale),) = second.items()
         return first.new({tuple(map(add, monomial, powers)): c * scale for monomial, c in first.items()})
-    if first.ring.domain != QQ or len(first) * len(second) < _WORTH_A_COPY:
+    if first.ring.domain != QQ or len(first) * len(second) < _FASTER_BY_FLINT:
         return first * second
     return _back(_copy(first) * _copy(second), first.ring)
 
@@ -67,7 +67,7 @@ def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElem
         ((powers, scale),) = divisor.items()
         terms = {tuple(map(sub, monomial, powers)): c / scale for monomial, c in polynomial.items()}
         return polynomial.new(terms) if all(min(monomial) >= 0 for monomial in terms) else None
-    if polynomial.ring.domain != QQ or divisor.is_term or len(polynomial) * len(divisor) < _WORTH_A_COPY:
+    if polynomial.ring.domain != QQ or divisor.is_term or len(polynomial) * len(divisor) < _FASTER_BY_FLINT:
         quotient_, remainder = polynomial.div(divisor)
         return None if remainder else quotient_
     try:

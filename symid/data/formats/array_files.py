@@ -39,7 +39,7 @@ _ORDERS: Final = {b"IM": "<", b"MI": ">"}
 """Mark of the byte order at the end of the header, as written by a machine of the other order."""
 _COMPRESSED: Final = 15
 """Type of an element that is compressed."""
-_PIECE: Final = 1 << 20
+_READ_AT_ONCE: Final = 1 << 20
 _DEFLATED: Final = 1032
 """Largest ratio of zlib's compression (https://zlib.net/zlib_tech.html)."""
 
@@ -253,7 +253,7 @@ def unpacked_sizes(path: Path) -> Iterator[int]:
                 continue
             packed, counted, stream = file.read(size), 0, zlib.decompressobj()
             while packed and not stream.eof:
-                piece = stream.decompress(packed, _PIECE if counted else 8)
+                piece = stream.decompress(packed, _READ_AT_ONCE if counted else 8)
                 stated = struct.unpack(f"{order}II", piece)[1] if not counted and len(piece) == 8 else 0
                 counted, packed = counted + len(piece), stream.unconsumed_tail
                 yield whole + max(counted, stated)

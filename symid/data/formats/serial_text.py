@@ -24,7 +24,7 @@ _PAIR: Final = re.compile(
     r"(?P<unit>[^\W\d]+)?(?=[\s,;|]|$)"
 )
 _MOMENT: Final = re.compile(r"\s*\[?(?P<moment>\d{1,2}:\d\d:\d\d[.,]\d+)\]?\s*->\s*")
-_MOST: Final = 0.5  # of the lines, which are alike in such a text
+_ALIKE_SHARE: Final = 0.5  # of the lines, which are alike in such a text
 
 
 def serial_text_in(path: Path, begin: bytes) -> Callable[[], Table] | None:
@@ -37,7 +37,7 @@ def serial_text_in(path: Path, begin: bytes) -> Callable[[], Table] | None:
         lines = lines_of(path, begin, encoding)[:-1]
     except LogError:
         return None
-    names, prefixed = _names_in(lines), sum(map(bool, map(_MOMENT.match, lines))) > _MOST * len(lines)
+    names, prefixed = _names_in(lines), sum(map(bool, map(_MOMENT.match, lines))) > _ALIKE_SHARE * len(lines)
     if len(lines) < LEAST_ROWS or not (names or prefixed):
         return None
     return partial(_open_serial, path, encoding, names, prefixed=prefixed)
@@ -59,7 +59,7 @@ def _names_in(lines: list[str]) -> tuple[str, ...]:
     """
     alike = Counter(tuple(name for name, _ in _pairs(line)) for line in lines)
     names, count = max(alike.items(), key=lambda item: (len(item[0]) > 1) * item[1], default=((), 0))
-    return names if len(names) > 1 and count > _MOST * len(lines) else ()
+    return names if len(names) > 1 and count > _ALIKE_SHARE * len(lines) else ()
 
 
 def _pairs(line: str) -> list[tuple[str, str]]:

@@ -11,7 +11,7 @@ from symid.text import counted
 
 _LARGEST: Final = 1e15  # in SI: beyond it a number is damaged
 _SMALLEST: Final = 1e-30  # SI: a channel below it throughout holds nothing
-_NEAR: Final = 20  # samples on either side with which a step is compared
+_NEIGHBOURS: Final = 20  # samples on either side with which a step is compared
 _JUMP_RATIO: Final = 30.0  # of a step to those nearby, from which on it is a jump
 _JUMP_STEPS: Final = 20.0  # of the finest step: quantisation steps are not jumps
 _JUMP_RANGE: Final = 1e-3  # of the travel
@@ -96,7 +96,7 @@ def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: i
 
 def jumps_of(x: FloatArray) -> list[int]:
     """Samples before which a position jumps: the step is far larger than those nearby, its neighbours left out."""
-    if x.size < 2 * _NEAR:
+    if x.size < 2 * _NEIGHBOURS:
         return []
     step = x[1:] - x[:-1]
     curvature = np.abs(step[1:] - step[:-1])
@@ -106,7 +106,7 @@ def jumps_of(x: FloatArray) -> list[int]:
         return []
     coarse = np.abs(step)
     finest = float(np.min(coarse, where=coarse > 0, initial=np.inf))
-    around, jumps = np.pad(odd, _NEAR + 2), jumps[odd[jumps] > _JUMP_STEPS * finest]
-    for apart in (*range(-_NEAR, -2), *range(3, _NEAR + 3)):
-        jumps = jumps[odd[jumps] > _JUMP_RATIO * around[jumps + _NEAR + 2 + apart]]
+    around, jumps = np.pad(odd, _NEIGHBOURS + 2), jumps[odd[jumps] > _JUMP_STEPS * finest]
+    for apart in (*range(-_NEIGHBOURS, -2), *range(3, _NEIGHBOURS + 3)):
+        jumps = jumps[odd[jumps] > _JUMP_RATIO * around[jumps + _NEIGHBOURS + 2 + apart]]
     return (jumps + 2).tolist()

@@ -22,7 +22,7 @@ CLOCK_DIFFERENCE: Final = 0.002  # relative; real clocks differ by 0.0001, chang
 _LARGEST_TIME: Final = 1e12  # s, 30 000 years: a larger number is damaged
 _JITTER: Final = 0.01  # of the period, rms: the largest accepted deviation of an interval from it
 _MANY_SHARE: Final = 3  # samples of one time, as no accident repeats them
-_WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
+_NOTED_SHARE: Final = 0.5  # share of the accepted jitter
 
 
 @dataclass(frozen=True)
@@ -232,7 +232,7 @@ def _jitter(
     """Fault and note about intervals that are neither gaps nor regular."""
     deviation = np.where(forward, np.abs(late), 0.0) / period
     worst = int(np.argmax(deviation))
-    if deviation[worst] <= _WORTH_A_NOTE * _JITTER:
+    if deviation[worst] <= _NOTED_SHARE * _JITTER:
         return [], []
     rms = float(np.sqrt(np.mean(deviation**2)))
     statement = (

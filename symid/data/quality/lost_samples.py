@@ -12,24 +12,24 @@ FEWEST_LOST = 3
 """Fewest lost samples of one channel that are reported for that channel alone."""
 _LONGEST = 3
 """Most consecutive lost samples that are restored; the motion across a longer gap is unknown."""
-_FAR = 0.25
+_LEAST_DISTANCE = 0.25
 """Least difference of a lost sample from its neighbours, as a share of the rms signal."""
-_NOISE = 5.0
+_ABOVE_NOISE = 5.0
 """Least difference in multiples of the usual second difference: noise turns coarse values into zeros."""
 _LEAST_REPEATED, _MOST_REPEATED = 0.002, 0.3
 """Share of repeated rows: from the first on rows were lost, beyond the second a channel is slow, not lossy."""
-_COARSE = 0.4
+_COARSE_SHARE = 0.4
 """Share of distinct values below which a channel is coarse."""
 _COUNTS, _STEPS_A_VALUE, _ROUNDING = 5000, 200, 1e-3
 """Most counts in the range of a coarse channel of whole counts, or for each of its values, and the relative rounding of
 counts in a file."""
-_EVERY, _MANY = 16, 10_000
+_STRIDE, _LONG_CHANNEL = 16, 10_000
 """Stride of a first check for repeated values, and the number of samples above which it is made."""
-_STEPS = 12.0
+_LEAST_STEPS = 12.0
 """Steps that the neighbours of a repeated value of a coarse channel must move for it to be suspicious."""
-_SPAN = 8
+_BESIDE = 8
 """Samples on either side within which they must move: even a channel updated every eighth sample does."""
-_MOST = 0.05
+_MOST_LOST = 0.05
 """Share of the samples beyond which a channel is not restored: its faults are then reported."""
 
 
@@ -48,7 +48,7 @@ def dropped(x: FloatArray) -> BoolArray:
     zero = np.flatnonzero(x == 0.0)
     is_dropped = np.zeros(x.size, dtype=np.bool_)
     if zero.size:
-        far = _FAR * float(np.sqrt(np.mean(x**2)))
+        far = _LEAST_DISTANCE * float(np.sqrt(np.mean(x**2)))
         inner = zero[(zero > 0) & (zero < x.size - 1)]
         before, after = np.zeros((2, inner.size))  # the nearest values other than 0
         for k in range(_LONGEST, 0, -1):
@@ -58,7 +58,9 @@ def dropped(x: FloatArray) -> BoolArray:
         is_lost = nearest > far
         if is_lost.any() and step_of(x) > 0.0:
             usual = float(np.median(np.abs(np.diff(x, 2))))
-            is_lost &= (before * after > 0) & (nearest > np.maximum(_NOISE * usual, 2 * _roughness(x, inner)))
+            is_lost &= (before * after > 0) & (
+                nearest > np.maximum(_ABOVE_NOISE * usual, 2 * _roughness(x, inner))
+            )
         is_dropped[inner[is_lost]] = True
     return is_dropped
 
@@ -75,7 +77,7 @@ def _roughness(x: FloatArray, at: IntArray) -> FloatArray:
 
 def repeated(x: FloatArray) -> BoolArray:
     """Samples equal to the one before, where the signal moves by many of its smallest steps around them."""
-    n, is_repeated = _SPAN, np.zeros(x.size, dtype=np.bool_)
+    n, is_repeated = _BESIDE, np.zeros(x.size, dtype=np.bool_)
     if x.size < 4 * n:
         return is_repeated
     step = np.abs(np.diff(x))
@@ -86,7 +88,7 @@ def repeated(x: FloatArray) -> BoolArray:
     noise = float(np.median(np.abs(np.diff(x, 2)))) / 2
     # between i and i + 1 nothing changes, though it moves the same way before and after
     before, after = x[n : -n - 1] - x[: -2 * n - 1], x[2 * n + 1 :] - x[n + 1 : -n]
-    least = _STEPS * max(smallest, noise)
+    least = _LEAST_STEPS * max(smallest, noise)
     steady = (np.minimum(np.abs(before), np.abs(after)) > least) & (before * after > 0)
     odd, usual = (step[n:-n] == 0.0) & steady, np.abs(before + after) / (2 * n)
     # where the smallest steps come among large ones as often, rough values are rounded to the same by chance
@@ -112,14 +114,14 @@ def step_of(x: FloatArray) -> float:
     >>> step_of(counts), step_of(fast), step_of(fast + 1e-3 * np.random.default_rng(0).standard_normal(300))
     (1.0, 1.0, 0.0)
     """
-    some = np.unique(x[::_EVERY])
-    if x.size > _MANY and some.size == -(-x.size // _EVERY) and not _whole(np.diff(some)):
+    some = np.unique(x[::_STRIDE])
+    if x.size > _LONG_CHANNEL and some.size == -(-x.size // _STRIDE) and not _whole(np.diff(some)):
         return 0.0
     values = np.unique(x)
     if values.size < 2:
         return 0.0
     gaps = np.diff(values)
-    return float(gaps.min()) if values.size < _COARSE * x.size or _whole(gaps) else 0.0
+    return float(gaps.min()) if values.size < _COARSE_SHARE * x.size or _whole(gaps) else 0.0
 
 
 def _whole(gaps: FloatArray) -> bool:
@@ -153,7 +155,7 @@ def restored(
     values, notes = dict(signals), []
     for name, x in signals.items():
         lost = rows | alone[name] if np.count_nonzero(alone[name]) >= FEWEST_LOST else rows
-        if not lost.any() or np.mean(lost) > _MOST:
+        if not lost.any() or np.mean(lost) > _MOST_LOST:
             continue
         values[name] = _filled(x, ~lost, smooth=name in smooth)
         number = counted(int(np.count_nonzero(lost)), "sample")
@@ -209,6 +211,6 @@ def _filled(x: FloatArray, sound: BoolArray, *, smooth: bool) -> FloatArray:
     else:
         between = np.interp(places, places[sound], x[sound])
     values = np.unique(x[sound])
-    if values.size < _COARSE * x.size:  # a coarse channel stays one of its steps
+    if values.size < _COARSE_SHARE * x.size:  # a coarse channel stays one of its steps
         between = values[np.searchsorted((values[1:] + values[:-1]) / 2, between)]
     return np.where(sound, x, between)

@@ -12,10 +12,10 @@ from symid.text import counted
 
 _BITS: Final = range(8, 33)
 """Sizes of counters."""
-_OF_CLOCKS: Final = (16, 24, 32)
-_SCALES: Final = (1.0, 1e-3, 1e-6, 1e-9)
+_CLOCK_BITS: Final = (16, 24, 32)
+_CLOCK_UNITS: Final = (1.0, 1e-3, 1e-6, 1e-9)
 """Bits of counters of the time, and units of one of their counts."""
-_WITHIN: Final = 0.02
+_RANGE_ERROR: Final = 0.02
 """Error of a jump, less the step of the samples beside it, as a share of the range that is begun again."""
 _TURN: Final = 2.0 * math.pi
 
@@ -48,7 +48,7 @@ def unwrapped(name: str, x: FloatArray, *, is_angle: bool) -> tuple[FloatArray, 
     if is_angle:
         ranges["a turn"] = _TURN
     for what, whole in ranges.items():
-        near = _WITHIN * whole
+        near = _RANGE_ERROR * whole
         if np.all(np.abs(sizes - whole) < near) and np.all(along < near) and np.ptp(x) < whole + near:
             again = int(np.count_nonzero(np.abs(np.diff(x)) > whole / 2))
             through = np.unwrap(x, period=whole)
@@ -74,7 +74,7 @@ def unwrapped_times(x: FloatArray) -> tuple[FloatArray, str]:
     if not falls.any() or falls.all():
         return x, ""
     usual = float(np.median(steps[~falls]))
-    for whole in (2.0**bits * scale for bits in _OF_CLOCKS for scale in _SCALES):
+    for whole in (2.0**bits * scale for bits in _CLOCK_BITS for scale in _CLOCK_UNITS):
         if np.all(np.abs(steps[falls] + whole - usual) < usual / 2) and x.max() < whole:
             again = counted(int(np.count_nonzero(falls)), "time")
             note = f"t wraps {again} after {whole:.10g}: it is unwrapped"

@@ -27,7 +27,7 @@ _CLIPPED_SHARE: Final = 0.001  # of all samples: the least for a note on a clipp
 _FEW_STEPS: Final = 10  # changes of a force that are a sequence of steps
 # change that is a step, and scatter between steps that is noise alone, in its standard deviations
 _STEP_IN_NOISE, _STEADY_IN_NOISE = 8.0, 1.5
-_SOME: Final = 1000  # samples that are looked at before all of them
+_FIRST_LOOK: Final = 1000  # samples that are looked at before all of them
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def is_switched(force: FloatArray, noise: float = 0.0) -> bool:
     """
     if noise > 0.0 and _is_of_noisy_steps(force, noise):
         return True
-    if np.unique(force[:: max(force.size // _SOME, 1)]).size > _FEW_STEPS + 1:
+    if np.unique(force[:: max(force.size // _FIRST_LOOK, 1)]).size > _FEW_STEPS + 1:
         return False
     levels, steps = np.unique(force), np.abs(np.diff(force))
     changes = steps[steps > 0]

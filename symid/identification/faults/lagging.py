@@ -40,7 +40,7 @@ from symid.identification.rows.observation import Observation
 from symid.identification.rows.signal_rows import Rows
 
 _MOST_ROUNDS = 6
-_BARE = 1e-10
+_NOISELESS = 1e-10
 """Noise near the Nyquist frequency, over the rms signal, below that of any sensor: 0.1 nm of a metre."""
 _SETTLED = 0.01
 """Relative change of the factor that ends the rounds."""
@@ -125,7 +125,7 @@ def smoothing_by_residual(
     of the change of the parameters, then count.
     """
     is_late = result.timing is not None and result.timing.is_significant
-    is_filtered = not is_late and _is_bare(parts)
+    is_filtered = not is_late and _holds_a_computed_signal(parts)
     most = 1.0 if is_filtered else max(CRITERIA.smoothing_leaves, CRITERIA.lagging)
     filters = []
     for name in names:
@@ -151,10 +151,10 @@ def smoothing_by_residual(
     )
 
 
-def _is_bare(parts: Sequence[Excerpt]) -> bool:
+def _holds_a_computed_signal(parts: Sequence[Excerpt]) -> bool:
     """Whether one signal has less noise than any sensor, and another has not: in a computed log, no signal has any."""
     bare = [
-        part.noise_of(name) < _BARE * float(np.sqrt(np.mean(part.log[name] ** 2)))
+        part.noise_of(name) < _NOISELESS * float(np.sqrt(np.mean(part.log[name] ** 2)))
         for part in parts
         for name in part.levels
     ]

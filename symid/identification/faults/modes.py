@@ -104,7 +104,7 @@ def natural_frequencies(model: GeneratedModel, X: FloatArray, around_hz: float) 
     return np.sort(around_hz * np.abs(roots[weakly]))
 
 
-_SHARE = 0.1
+_LEAST_SHARE_ABOVE = 0.1
 """Share of a sensor's power above `NOISE_FROM`; an accelerometer's noise of 2 % of the rms signal is 1e-4 of it."""
 _COHERENT = 0.8
 """Share of a force's power there that is linear in the sensors, in the median: noise is not."""
@@ -125,7 +125,7 @@ def aliasing_of(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
         power = {name: mean_power(x) for name, x in sensors.items()}
         shares = {name: float(p[upper].sum()) / max(float(p.sum()), 1e-300) for name, p in power.items()}
         name = max(shares, key=shares.__getitem__)
-        if shares[name] < _SHARE:
+        if shares[name] < _LEAST_SHARE_ABOVE:
             continue
         for force in model.forces:
             spectra = segment_spectra(part.log[force][None], length)

@@ -16,7 +16,7 @@ _LEAST_LATE = 0.5
 """Delay between two sensors, in samples, that is reported; a converter takes less."""
 _ROUNDS = 8
 """Gauss-Newton iterations; a delay of a fifth of a period converges within them."""
-_LEFT = 0.5
+_MOST_LEFT = 0.5
 """Largest share of a difference's power that remains after a delay which is its cause."""
 
 
@@ -66,7 +66,7 @@ def _samples_late(reading: FloatArray, expected: FloatArray) -> float:
         slope, differs = np.gradient(moved), reading - moved
         delay -= float(slope @ differs) / max(float(slope @ slope), 1e-300)
     left = float(np.sum((reading - np.interp(places - delay, places, expected)) ** 2))
-    is_late = abs(delay) > _LEAST_LATE and left < _LEFT * float(np.sum((reading - expected) ** 2))
+    is_late = abs(delay) > _LEAST_LATE and left < _MOST_LEFT * float(np.sum((reading - expected) ** 2))
     return delay if is_late else 0.0
 
 

@@ -25,23 +25,23 @@ _SUCCESSIVE = 0.02
 """Least share of changes n samples after the last one; steps that are held for multiples of n have none."""
 _FEWEST_CHANGES = 100
 """Fewest changes of a channel that determine its update interval."""
-_FEWEST_JUMPS, _JUMP = 20, 2.0
-"""Fewest changes, if most are at least `_JUMP` times the smallest: an encoder would show the motion between them."""
+_FEWEST_JUMPS, _LEAST_JUMP = 20, 2.0
+"""Fewest changes if most are at least `_LEAST_JUMP` times the smallest: an encoder shows the motion between them."""
 _STRAIGHT = 0.01
 """Second difference between knots, over the median one at the knots of an interpolation, that counts as straight."""
 _LEAST_STRAIGHT = 0.4
 """Least share of such small second differences in an interpolated signal; 0.45 with every second sample."""
 _DIFFERENCES = (6, 10)
 """Orders of the differences: lower ones leave more motion than noise in a force, higher ones are for fine encoders."""
-_USUAL = 3.0
+_CLIPPED_AT = 3.0
 """Multiple of the median difference at which larger differences are clipped."""
-_SEEN = 16_384
+_SEARCHED = 16_384
 """Samples in the middle of a signal that are searched for averaging."""
-_NEAREST, _FARTHEST = 8, 600
+_SHORTEST_MEAN, _LONGEST_MEAN = 8, 600
 """Lengths of means that are searched: alternating noise near Nyquist resembles a shorter mean."""
 _ECHO = -0.3
 """Autocorrelation of the differences below which there is an echo; -0.5 without any motion."""
-_ALONE = 0.25
+_OTHER_CORRELATION = 0.25
 """Correlation at any other lag, over that of the echo, that is allowed: a periodic disturbance has many echoes."""
 
 
@@ -102,7 +102,7 @@ def updated_every(x: FloatArray) -> tuple[int, int]:
     if not _FEWEST_JUMPS <= changes.size <= (1.0 - _REPEATED) * x.size:
         return 1, 0
     sizes = steps[changes - 1]
-    if changes.size < _FEWEST_CHANGES and float(np.median(sizes)) < _JUMP * float(sizes.min()):
+    if changes.size < _FEWEST_CHANGES and float(np.median(sizes)) < _LEAST_JUMP * float(sizes.min()):
         return 1, 0
     for n in reversed(SPACINGS):
         places = np.bincount(changes % n, minlength=n)
@@ -186,8 +186,8 @@ def averaged_over(x: FloatArray) -> int:
     >>> averaged_over(np.convolve(x, np.full(51, 1 / 51), mode="valid")), averaged_over(x)
     (51, 0)
     """
-    first = max(0, (x.size - _SEEN) // 2)
-    z, order = x[first : first + _SEEN], 0
+    first = max(0, (x.size - _SEARCHED) // 2)
+    z, order = x[first : first + _SEARCHED], 0
     for higher in _DIFFERENCES:
         z, order = np.diff(z, higher - order), higher
         if n := _echo(z, order):
@@ -197,17 +197,17 @@ def averaged_over(x: FloatArray) -> int:
 
 def _echo(z: FloatArray, order: int) -> int:
     """Samples after which differences of some order recur with the opposite sign; 0 without such an echo."""
-    usual = _USUAL * float(np.median(np.abs(z)))
+    usual = _CLIPPED_AT * float(np.median(np.abs(z)))
     z = np.clip(z, -usual, usual)  # a force that is switched on and off comes back too
-    n_lags = min(_FARTHEST + _NEAREST + 1, z.size // 4)
+    n_lags = min(_LONGEST_MEAN + _SHORTEST_MEAN + 1, z.size // 4)
     size = fast_length(z.size + n_lags)
     spectrum = np.fft.rfft(z, size)  # autocorrelation, from the power spectrum
     lags = np.fft.irfft(spectrum.real**2 + spectrum.imag**2, size)[:n_lags]
-    if lags.size < 3 * _NEAREST or not lags[0] > 0.0:
+    if lags.size < 3 * _SHORTEST_MEAN or not lags[0] > 0.0:
         return 0
     lags /= lags[0]
-    n = _NEAREST + int(np.argmin(lags[_NEAREST:-_NEAREST]))
+    n = _SHORTEST_MEAN + int(np.argmin(lags[_SHORTEST_MEAN:-_SHORTEST_MEAN]))
     others = np.abs(lags[order + 1 :])
     others[max(n - 2 * order - 1, 0) : n] = 0.0  # the echo and its neighbours
     is_echo = lags[n] < _ECHO and min(lags[n - 1], lags[n + 1]) > 0.5 * abs(lags[n])
-    return n if is_echo and lags[1] < 0.0 and np.max(others) < _ALONE * abs(lags[n]) else 0
+    return n if is_echo and lags[1] < 0.0 and np.max(others) < _OTHER_CORRELATION * abs(lags[n]) else 0

@@ -90,7 +90,7 @@ def title_lines(title: str, *, narrow: bool) -> str:
 
 
 _SEEN = (0.5, 99.5)
-_ROOM = 0.15
+_MARGIN = 0.15
 """Percentiles of the residual within the plot, and the margin around them."""
 _WIDE = 2.0
 """Decades beyond which only powers of ten are labelled."""
@@ -105,9 +105,9 @@ def seen_range(residual: FloatArray, *means: Means) -> tuple[float, float]:
     (-1.287, 4.297)
     """
     low, high = np.percentile(residual, _SEEN) if residual.size else (-1.0, 1.0)
-    room = _ROOM * (high - low)
+    margin = _MARGIN * (high - low)
     ends = np.concatenate([[low, high], *(one.values for one in means)])
-    return float(ends.min() - room), float(ends.max() + room)
+    return float(ends.min() - margin), float(ends.max() + margin)
 
 
 def label_log_scales(axes: Axes) -> None:

@@ -122,10 +122,10 @@ def _thinned(diagnosis: Diagnosis) -> ColumnDataSource:
     signals = diagnosis.signals
     columns = {name: getattr(signals, name) for name in ("measured", "position", "velocity")}
     low, high = np.nanmin(signals.measured), np.nanmax(signals.measured)
-    room = 0.5 * (high - low)
+    margin = 0.5 * (high - low)
     for name in ("nominal", "reidentified", "explained"):
         force = getattr(signals, name)
-        credible = signals.compared | ((force > low - room) & (force < high + room))
+        credible = signals.compared | ((force > low - margin) & (force < high + margin))
         columns[name] = np.where(credible, force, np.nan)
         columns[f"error_{name}"] = np.where(signals.compared, signals.measured - force, np.nan)
     del columns["error_nominal"]
