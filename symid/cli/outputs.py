@@ -192,7 +192,7 @@ def _require_writable(output: _OutputFile, inputs: Mapping[tuple[int, int], str]
         if output.kind == "log":
             cure = "give another name, remove it first, or add --overwrite"
         what = "" if output.kind == "log" else " and was not written by this command"
-        raise SettingError(f"{output.as_given} is there{what}: {cure}")
+        raise SettingError(f"{output.as_given} exists{what}: {cure}")
 
 
 def _is_of_kind(path: Path, kind: str) -> bool:

@@ -48,7 +48,7 @@ def test_answers_say_what_a_file_does_not(
         "there is no column 'Leistung'",
         "unit '5000'",
         "'4e2x'",
-        "taken.json is there",
+        "taken.json exists",
         "q, the position",
     ):
         assert words in out

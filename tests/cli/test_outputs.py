@@ -3,16 +3,16 @@
 import json
 import os
 import shutil
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 from command_line import run
 
 from symid.axis import loading
-from symid.codegen import generate, store
 
 P = {"M": 95.0, "Fv": 200.0, "Fs": 20.0}
-TROUBLE = "which this command reads|is there|holds no results|is a folder|are one file"
+TROUBLE = "which this command reads|exists|holds no results|is a folder|are one file"
 
 
 @pytest.fixture
@@ -116,13 +116,14 @@ def test_generate_beside_a_folder_of_models_leaves_the_installation_alone(
     source = loading.shipped_folder("models").parent
     for name in ("models", "generated"):
         shutil.copytree(source / name, installed / "shipped" / name)
-    for module in (loading, store):
-        monkeypatch.setattr(module, "PACKAGE", installed)
+    monkeypatch.setattr(loading, "_PACKAGE", installed)
     for name in ("rigid_1m", "emps"):
         (folder / "models").mkdir(exist_ok=True)
         shutil.copy(source / "models" / f"{name}.py", folder / "models")
     before = {path: path.read_bytes() for path in installed.rglob("*.py")}
-    monkeypatch.setattr(generate, "axis_names", lambda: ("rigid_1m", "emps", "emps_asymmetric"))
+    # the package shows the function of the same name
+    generation = import_module("symid.codegen.generation.generate")
+    monkeypatch.setattr(generation, "axis_names", lambda: ("rigid_1m", "emps", "emps_asymmetric"))
     assert run("generate") == 0
     assert {path: path.read_bytes() for path in installed.rglob("*.py")} == before
     assert sorted(path.name for path in (folder / "generated").iterdir()) == [

@@ -146,7 +146,7 @@ def test_duplicate_headers(tmp_path):
     path = tmp_path / "a.csv"
     rows = "\n".join(f"{t},{q},{q},{f}" for t, q, f in zip(T, Q2, FM, strict=True))
     path.write_text("t,q2,q2,Fm\n" + rows + "\n", encoding="utf-8")
-    assert "column 'q2' is there 2 times" in error_of(path)
+    assert "column 'q2' occurs 2 times" in error_of(path)
     path.write_text("t,q2 [m],q2 [mm],Fm\n" + rows + "\n", encoding="utf-8")
     assert "('q2 [m]', 'q2 [mm]')" in error_of(path)
     assert read_log(path, expected=EXPECTED, columns={"q2": "q2 [m]"})["q2"] == pytest.approx(Q2)
