@@ -20,7 +20,7 @@ from benchmarks.promise.faults import BY_NAME, damaged
 from benchmarks.promise.machines import Case, draw_case
 from symid import Log, load_axis, load_generated
 from symid.errors import SymidError
-from symid.identification import identify
+from symid.identification import identify_by_least_squares
 from symid.identification.results.identification_result import Identification
 from symid.output_error import OutputErrorIdentification, identify_output_error
 
@@ -63,7 +63,11 @@ def outcome_of(case: Case, number: int, method: str) -> Outcome:
         log = Log.from_arrays(case.signals, sampling_period=1 / case.rate)
         model = load_generated(case.axis, case.measured)
         found: Identification | OutputErrorIdentification
-        found = identify_output_error(axis, model, log) if method == "oe" else identify(model, log)
+        found = (
+            identify_output_error(axis, model, log)
+            if method == "oe"
+            else identify_by_least_squares(model, log)
+        )
     except SymidError as error:
         return Outcome(case, number, "refused", {}, {}, message=str(error))
     return Outcome(

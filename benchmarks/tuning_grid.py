@@ -27,7 +27,7 @@ import numpy as np
 from benchmarks.options import parser_of
 from symid import Axis, Log, Preparation, load_axis, load_generated
 from symid.arrays import FloatArray
-from symid.identification import identify
+from symid.identification import identify_by_least_squares
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 from symid.tuning import identified_and_tuned
 from symid.tuning.total_errors import TotalErrors, with_noise
@@ -129,7 +129,7 @@ def evaluated(cell: Cell) -> Outcome:
     best = min(
         (settings[i] for i in np.argsort(totals)[:FINALISTS]), key=lambda s: _total(final.rms(s), kept)
     )
-    chosen = identify(model, noisy, preparation=base).observations[0].preparation
+    chosen = identify_by_least_squares(model, noisy, preparation=base).observations[0].preparation
     default = replace(base, cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
     fixed = replace(base, cutoff_hz=FIXED_HZ)
     judged = [_total(judge.rms(setting), kept) for setting in (tuned, best, default, fixed)]

@@ -9,7 +9,7 @@ from symid.cli.outputs import Output, SafeCommand
 from symid.cli.terminal import say, with_options, working
 from symid.codegen import load_generated
 from symid.diagnosis import diagnose
-from symid.identification import Preparation, identify, predict, read_axis_log
+from symid.identification import Preparation, identify_by_least_squares, predict, read_axis_log
 from symid.report.pages import html_path, write_diagnosis_html
 from symid.report.tables import diagnosis_record, identification_record, print_diagnosis, print_identification
 
@@ -35,7 +35,9 @@ def command(report: str, json_file: str | None) -> None:
     folder = shipped_folder("data") / "emps"
     files = (folder / name for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"))
     log, other = (read_axis_log(axis, file, columns={"q": "qm"}) for file in files)
-    identification = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)
+    identification = identify_by_least_squares(
+        load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1
+    )
     with working("diagnosing"):
         diagnosis = diagnose(axis, log, validation=other, nominal=identification.physical_parameters)
     write_diagnosis_html(diagnosis, page, with_options)

@@ -10,7 +10,7 @@ from symid.identification.cutoff import Estimation
 from symid.identification.delays.timing import Timing, delays_of
 from symid.identification.deviations.bias import Bias
 from symid.identification.force_steps import identify_with_steps, logs_with_steps
-from symid.identification.identify import found_from, identify, with_checks
+from symid.identification.identify import found_from, identify_by_least_squares, with_checks
 from symid.identification.known_per_log import identify_with_known, known_of_logs
 from symid.identification.parameters.constraints import Constraints
 from symid.identification.parameters.physical import PhysicalEstimate, physical_estimates
@@ -49,7 +49,7 @@ __all__ = [
     "excerpts",
     "found_from",
     "guessed_mapping",
-    "identify",
+    "identify_by_least_squares",
     "identify_with_known",
     "identify_with_steps",
     "known_of_logs",

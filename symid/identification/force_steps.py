@@ -20,7 +20,7 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log
 from symid.errors import SettingError
-from symid.identification.identify import identify
+from symid.identification.identify import identify_by_least_squares
 from symid.identification.results.identification_result import Identification
 from symid.identification.rows.settings import Preparation
 from symid.signal_processing import QuinticSpline
@@ -65,7 +65,7 @@ def identify_with_steps(
     Identification
         A note says which sensors were completed.
     """
-    again: Callable[..., Identification] = partial(identify, model, **settings)
+    again: Callable[..., Identification] = partial(identify_by_least_squares, model, **settings)
     found = again(logs, preparation=preparation, examine=examine)
     completed, note = logs_with_steps(axis, found, logs, feedthrough, preparation=preparation, **settings)
     if not note:
@@ -95,7 +95,7 @@ def logs_with_steps(
         return logs, ""
     fixed = found.observations[0].preparation  # the same rows for all that is compared
     again: Callable[..., Identification] = partial(
-        identify, found.model, preparation=fixed, examine=False, **settings
+        identify_by_least_squares, found.model, preparation=fixed, examine=False, **settings
     )
     plain = again(runs)
     likeliest, best, note = _negative_log_likelihood(plain), runs, ""

@@ -1,4 +1,4 @@
-"""`identify`: the steps from logs of an axis to its parameters.
+"""Identification by least squares: the steps from logs of an axis to its parameters.
 
 Each log is prepared and sampled (`observe`), all of them together are solved by weighted least squares in which every
 equation of every log has its own weight (`estimate`), the deviations are corrected for the correlation of the
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from symid.symbolic import DerivedModel
 
 
-def identify(
+def identify_by_least_squares(
     model: GeneratedModel | DerivedModel,
     logs: AnyLog | Sequence[AnyLog],
     *,
@@ -106,7 +106,7 @@ def identify(
     >>> q, a = np.sin(9 * t), -81 * np.sin(9 * t)
     >>> F = 5 * a + 2 * np.sign(np.cos(9 * t)) + 9 * np.cos(9 * t)
     >>> log = Log.from_arrays({"q": q, "F": F}, sampling_period=1e-3)
-    >>> found = identify(load_generated("rigid_1m"), log).physical_parameters
+    >>> found = identify_by_least_squares(load_generated("rigid_1m"), log).physical_parameters
     >>> round(found["M"], 2), round(found["Fv"], 1), round(found["Fs"], 1)
     (5.0, 1.0, 2.0)
     """

@@ -17,7 +17,7 @@ from symid.axis import Axis
 from symid.codegen import model_of
 from symid.data import AnyLog
 from symid.errors import SettingError
-from symid.identification.identify import identify
+from symid.identification.identify import identify_by_least_squares
 from symid.identification.parameters.constraints import Bounds, Constraints, Priors
 from symid.identification.parameters.physical import negative_parameters
 from symid.identification.parameters.starts import starts
@@ -74,7 +74,7 @@ def identify_with_known(
     for group in values:
         runs = [log for log, one in zip(logs, known, strict=True) if tuple(sorted(one.items())) == group]
         model = model_of(axis.with_known(dict(group)), tuple(signals))
-        found.append(identify(model, runs, preparation=preparation, examine=examine))
+        found.append(identify_by_least_squares(model, runs, preparation=preparation, examine=examine))
     return _shared(axis, tuple(found), tuple(map(dict, values)), nominal, constraints)
 
 

@@ -26,7 +26,7 @@ from symid.identification import (
     Run,
     excerpts,
     found_from,
-    identify,
+    identify_by_least_squares,
     logs_with_steps,
     observe,
     with_checks,
@@ -103,7 +103,12 @@ def identify_by_instruments(
     for log in runs:
         loop.check(log)
     plain = partial(
-        identify, model, preparation=preparation, nominal=nominal, constraints=constraints, examine=False
+        identify_by_least_squares,
+        model,
+        preparation=preparation,
+        nominal=nominal,
+        constraints=constraints,
+        examine=False,
     )
     first = plain(runs)
     if first.fit.status != "ok":

@@ -11,7 +11,7 @@ from symid.axis import Axis, Spring
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification import Preparation, identify
+from symid.identification import Preparation, identify_by_least_squares
 from symid.identification.rows import coherent_band, completed, noise_deviations
 from symid.signal_processing import LowPass
 from symid.simulation import Replay, Trajectory, plant_of, tuned_cascades
@@ -151,7 +151,7 @@ def plausible_parameters(
         cutoff = min(first * factor, 0.4 * log.sampling_frequency)
         decimation = settings.decimation if factor == 1.0 else None
         chosen = replace(settings, cutoff_hz=cutoff, decimation=decimation)
-        found = identify(model, log, preparation=chosen, nominal=nominal)
+        found = identify_by_least_squares(model, log, preparation=chosen, nominal=nominal)
         parameters = found.physical_parameters
         if parameters and all(parameters[name] > 0.0 for name in positive):
             deviations = dict(zip(parameters, found.physical_deviations, strict=True))

@@ -11,7 +11,7 @@ import numpy as np
 from symid.axis import Axis, of_any_axis
 from symid.codegen import GeneratedModel, compiled
 from symid.errors import SettingError
-from symid.identification import Preparation, identify
+from symid.identification import Preparation, identify_by_least_squares
 from symid.shown import Shown
 from symid.signal_processing import differencing_bandwidth
 from symid.simulation import Controller, Trajectory, plant_of, tuned_cascades
@@ -245,7 +245,7 @@ def _sampling_errors(
 ) -> dict[str, float]:
     """Errors of `identify`, percent, on the run sampled at a frequency; nan where a value is 0 or not found."""
     log = run.log(sampling_hz, model.measured)
-    found = identify(model, log, preparation=settings, nominal=parameters, examine=False)
+    found = identify_by_least_squares(model, log, preparation=settings, nominal=parameters, examine=False)
     estimated, true = found.physical_parameters, dict(parameters)
     if kind == "minimal" or not estimated:
         values = model.minimal_parameters(*(parameters[name] for name in model.physical_units))

@@ -14,7 +14,7 @@ from symid.codegen import load_generated
 from symid.codegen.generated_models import compiled
 from symid.errors import SettingError
 from symid.excitation import IdentificationTrial, design, references
-from symid.identification import Preparation, identify
+from symid.identification import Preparation, identify_by_least_squares
 from symid.instrumental import identify_by_instruments
 from symid.simulation import ClosedLoop, Limits, plant_of, simulate, tuned_cascade
 
@@ -45,7 +45,9 @@ def test_expected_deviations_are_those_of_a_dozen_identifications(found):
     values = []
     for seed in range(100, 100 + RUNS):
         log = simulate(experiment.axis, TRUTH, found.best.trajectory, experiment.controller, seed=seed).log
-        one = identify(experiment.model, log, preparation=Preparation(held=True), examine=False)
+        one = identify_by_least_squares(
+            experiment.model, log, preparation=Preparation(held=True), examine=False
+        )
         values.append([one.physical_parameters[name] for name in TRUTH])
     spread = np.std(values, axis=0, ddof=1)
     low, high = np.sqrt(scipy.stats.chi2.ppf([1e-3, 1 - 1e-3], RUNS - 1) / (RUNS - 1))
@@ -75,7 +77,11 @@ def test_the_bias_by_encoder_noise_is_taken_off():
                 loop = ClosedLoop(sensed, controller, log.sampling_frequency)
                 found.append(identify_by_instruments(model, log, loop, preparation=settings, nominal=values))
             else:
-                found.append(identify(model, log, preparation=settings, nominal=values, examine="bias"))
+                found.append(
+                    identify_by_least_squares(
+                        model, log, preparation=settings, nominal=values, examine="bias"
+                    )
+                )
         place = list(found[0].physical_parameters).index("Ms")
         mass = np.mean([one.physical_parameters["Ms"] for one in found])
         return mass, np.mean([one.physical_deviations[place] for one in found]) / math.sqrt(runs)
@@ -83,7 +89,7 @@ def test_the_bias_by_encoder_noise_is_taken_off():
     exact, _ = masses(axis.with_signal("q2", noise=0.0), "wls", 1)
     (examined, first), (unbiased, second) = (masses(axis, method, 2) for method in ("wls", "iv"))
     log = simulate(axis, values, moves, controller).log
-    plain = identify(model, log, preparation=settings, nominal=values, examine=False)
+    plain = identify_by_least_squares(model, log, preparation=settings, nominal=values, examine=False)
     assert plain.physical_parameters["Ms"] < exact - 5 * first
     assert abs(examined - exact) < 4 * first
     assert abs(unbiased - exact) < 4 * second
@@ -101,7 +107,7 @@ def test_every_log_is_identified_at_a_cutoff_that_suits_it():
     motion = next(one for one in references(limits, 10.0, 4000.0, 44.0, 0) if one.name == name)
     for seed in (111, 117):
         log = simulate(axis, STRUCTURE, motion, controller, seed=seed).log
-        found = identify(
+        found = identify_by_least_squares(
             load_generated("direct_2m1s"), log, preparation=Preparation(held=True), examine="bias"
         )
         deviations = found.physical_deviations / [STRUCTURE[one] for one in found.physical_parameters]
@@ -123,7 +129,9 @@ def test_a_trial_identifies_as_the_command_does():
     log = simulate(axis, values, motion, controller).log
     own = symid.identify(axis, log, preparation=Preparation(held=True), nominal=values)
     found, _ = trial.identified(simulate(axis, values, motion, controller))
-    plain = identify(model, log, preparation=Preparation(held=True), nominal=values, examine=False)
+    plain = identify_by_least_squares(
+        model, log, preparation=Preparation(held=True), nominal=values, examine=False
+    )
     assert found == pytest.approx(own.physical_parameters, rel=1e-6)
     assert abs(plain.physical_parameters["Fvm"] - found["Fvm"]) > 0.05 * values["Fvm"]
 

@@ -17,7 +17,7 @@ from symid import (
     derive,
 )
 from symid.codegen import load_generated
-from symid.identification import Identification, identify
+from symid.identification import Identification, identify_by_least_squares
 from symid.identification.deviations.discrepancy import Discrepancy
 from symid.identification.deviations.motion_shapes import QUARTER, Motion, waves
 from symid.identification.results.reliability import with_discrepancies
@@ -36,7 +36,9 @@ def slide(lacking=lambda q, v: 0.0 * v, noise: float = 0.05) -> Identification:
     )
     rng = np.random.default_rng(5)
     F = M * a + FV * v + FS * np.sign(v) + lacking(q, v) + noise * rng.standard_normal(t.size)
-    return identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
+    return identify_by_least_squares(
+        load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE)
+    )
 
 
 def off(found: Identification) -> np.ndarray:
@@ -149,7 +151,7 @@ def test_a_constant_force_that_a_weight_nearly_imitates_is_within_the_intervals(
     noise = 0.02 * np.random.default_rng(8).standard_normal(t.size)
     T = 0.6 * a + 1.8 * v + 1.5 * np.sign(v) + 8.0 * np.sin(q) + 3.0 * np.cos(q) + 0.3 + noise
     log = Log.from_arrays({"q": q, "T": T}, sampling_period=1 / RATE)
-    found = identify(derive(axis, ("q",)), log)
+    found = identify_by_least_squares(derive(axis, ("q",)), log)
     truth = np.array([0.6, 1.8, 1.5, 3.0, 8.0])
     assert list(found.physical_parameters) == ["J", "Fv", "Fc", "Gc", "Gs"]
     error = np.abs(np.array(list(found.physical_parameters.values())) - truth)
@@ -167,7 +169,9 @@ def test_friction_with_the_force_of_the_drive_is_within_the_intervals():
     free = 5.0 * a + FV * v + FS * np.sign(v) + 60.0
     noise = 0.05 * np.random.default_rng(3).standard_normal(t.size)
     F = free / (1 - 0.05 * np.sign(free * v)) + noise
-    found = identify(load_generated("emps"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
+    found = identify_by_least_squares(
+        load_generated("emps"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE)
+    )
     error = np.abs(np.array(list(found.physical_parameters.values())) - [5.0, FV, FS, 60.0])
     assert found.status == "ok"
     assert np.any(error > 3 * replace(found, discrepancies=()).physical_deviations)
@@ -186,7 +190,9 @@ def test_friction_that_drifts_beside_a_growing_speed_is_within_the_intervals(dri
     factors = (1.0, warm) if drifting == "Coulomb" else (warm, 1.0)
     F = M * a + FV * factors[0] * v + FS * factors[1] * np.sign(v)
     F += noise * np.random.default_rng(4).standard_normal(t.size)
-    found = identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
+    found = identify_by_least_squares(
+        load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE)
+    )
     assert found.status == "ok"
     assert [one.effect for one in found.discrepancies if one.moves()] == [f"{drifting} friction that drifts"]
     assert np.all(off(found) < 2 * found.physical_deviations)
@@ -198,7 +204,9 @@ def test_drag_that_viscous_friction_nearly_imitates_is_within_the_intervals():
     q, v, a = 0.05 * np.sin(w * t), 0.05 * w * np.cos(w * t), -0.05 * w**2 * np.sin(w * t)
     noise = 6.0 * np.random.default_rng(9).standard_normal(t.size)
     F = M * a + FV * v + FS * np.sign(v) + 60.0 * v * np.abs(v) + noise
-    found = identify(load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE))
+    found = identify_by_least_squares(
+        load_generated("rigid_1m"), Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE)
+    )
     assert found.status == "ok"
     assert (
         next(one.effect for one in found.discrepancies if one.moves())

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symid import Axis, Body, CoulombFriction, Drive, Log, Position, ViscousFriction, derive
-from symid.identification import identify
+from symid.identification import identify_by_least_squares
 
 M, FV, FS = 40.0, 120.0, 30.0
 PERIOD = 5e-4
@@ -40,7 +40,7 @@ def test_a_slow_motion_in_closed_loop_is_ok(seed: int) -> None:
     body = Body("body", mass="M")
     laws = (ViscousFriction(body, "Fv"), CoulombFriction(body, "Fs"))
     axis = Axis("slow", (body, *laws), Drive("F", body, held=True), (Position("q", body),))
-    found = identify(derive(axis, ("q",)), slow_log(seed))
+    found = identify_by_least_squares(derive(axis, ("q",)), slow_log(seed))
     assert found.status == "ok", found.message
     error = np.abs(np.array(list(found.physical_parameters.values())) - [M, FV, FS])
     assert np.all(error < 3 * found.physical_deviations)

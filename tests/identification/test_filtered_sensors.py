@@ -7,7 +7,7 @@ import scipy
 from benchmarks.promise.faults import damaged
 from benchmarks.promise.machines import Case, draw_case
 from symid import Log, load_generated
-from symid.identification import Identification, identify
+from symid.identification import Identification, identify_by_least_squares
 from symid.identification.faults import examined_faults
 from symid.identification.faults.modes import mode_above
 
@@ -16,7 +16,7 @@ SEED = 80611
 
 def identified(case: Case, **signals: np.ndarray) -> Identification:
     log = Log.from_arrays({**case.signals, **signals}, sampling_period=1 / case.rate)
-    return identify(load_generated(case.axis, case.measured), log)
+    return identify_by_least_squares(load_generated(case.axis, case.measured), log)
 
 
 def ac_coupled(x: np.ndarray, corner_hz: float, rate: float) -> np.ndarray:
@@ -53,7 +53,7 @@ def test_a_gain_that_changes_a_mass_by_more_than_a_tenth_is_a_fault(gain: float,
     F = 5.0 * np.sum(-size * w**2 * np.sin(w * t), axis=0) + 4 * v + 0.5 * np.sign(v)
     F = np.where(np.abs(t - 7.0) < 3.0, gain, 1.0) * F + 0.01 * random.standard_normal(t.size)
     log = Log.from_arrays({"q": q + 1e-8 * random.standard_normal(t.size), "F": F}, sampling_period=1e-3)
-    found = identify(load_generated("rigid_1m"), log)
+    found = identify_by_least_squares(load_generated("rigid_1m"), log)
     assert found.status == status
     assert ("parameters change within the logs" in found.message) == (gain != 1.0)
 

@@ -5,7 +5,7 @@ import pytest
 
 from symid import Axis, Body, CoulombFriction, Drive, Log, OffsetForce, Position, Unbalance, derive
 from symid.codegen import load_generated
-from symid.identification import Identification, identify
+from symid.identification import Identification, identify_by_least_squares
 
 RATE = 500.0
 SPEEDS, EVERY = (0.1, 0.3, 0.2, 0.4, 0.15), 1.2
@@ -26,7 +26,7 @@ def moved(model: str, back: float) -> Identification:
     F = 20.0 * a + 30.0 * v + 6.0 * np.where(v == 0, held, np.sign(v)) + 15.0
     F += 0.01 * np.random.default_rng(1).standard_normal(t.size)
     log = Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE)
-    return identify(load_generated(model), log)
+    return identify_by_least_squares(load_generated(model), log)
 
 
 def test_friction_and_a_constant_force_are_not_told_apart() -> None:
@@ -62,6 +62,8 @@ def test_a_weight_near_the_top_is_no_friction() -> None:
         + 1.0
         + 1e-3 * np.random.default_rng(2).standard_normal(t.size)
     )
-    found = identify(derive(axis), Log.from_arrays({"q": q, "T": T}, sampling_period=1 / RATE))
+    found = identify_by_least_squares(
+        derive(axis), Log.from_arrays({"q": q, "T": T}, sampling_period=1 / RATE)
+    )
     assert "one direction" not in found.message
     assert not any("one direction" in note for note in found.notes)

@@ -4,7 +4,7 @@ import numpy as np
 
 from symid import Log
 from symid.codegen import load_generated
-from symid.identification import identify
+from symid.identification import identify_by_least_squares
 
 TRUE = {"Ms": 80.0, "Fvs": 400.0, "Ks": 4.4e5, "Mm": 27.0, "Fvm": 13.0, "Fsm": 24.0}
 RATE = 1000.0
@@ -34,7 +34,7 @@ def log(earlier: float, offset: float = 0.0) -> Log:
 def test_the_residual_shows_friction_that_turns_before_the_motion():
     model = load_generated("direct_2m1s", ("q2", "ddq2"))
     for earlier in (0.0, 0.004):
-        found = identify(model, log(earlier, offset=1.3))
+        found = identify_by_least_squares(model, log(earlier, offset=1.3))
         off = [abs(found.physical_parameters[name] - true) for name, true in TRUE.items()]
         seen = [one.effect for one in found.discrepancies]
         assert found.status == "ok"

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.promise.faults import damaged
 from benchmarks.promise.machines import draw_case
 from symid import Log, Preparation, load_axis, load_generated
-from symid.identification import identify
+from symid.identification import identify_by_least_squares
 from symid.identification.results.status import Status
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.output_error.fit_status import likelihood_status
@@ -51,7 +51,7 @@ def test_faults_that_least_squares_finds_hold_where_samples_are_dense(
     rigid: Log, status: Status, expected: str
 ) -> None:
     found = identified(rigid)
-    regression = identify(load_generated("rigid_1m"), rigid, preparation=HELD)
+    regression = identify_by_least_squares(load_generated("rigid_1m"), rigid, preparation=HELD)
     assert regression.status == "ok"
     judged = likelihood_status(found, replace(regression, status=status, message="its statement"))
     assert judged == (expected, "its statement" if expected != "ok" else "")
@@ -61,7 +61,7 @@ def test_faults_that_least_squares_finds_hold_where_samples_are_dense(
 
 def test_least_squares_with_a_negative_mass_are_compared_where_samples_are_dense(rigid: Log) -> None:
     found = identified(rigid)
-    regression = identify(load_generated("rigid_1m"), rigid, preparation=HELD)
+    regression = identify_by_least_squares(load_generated("rigid_1m"), rigid, preparation=HELD)
     (place,) = regression.physical
     values = place.parameters * np.array([-1.0, 1.0, 1.0])
     negative = replace(regression, physical=(replace(place, parameters=values),))

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from symid import Log, load_axis
 from symid.codegen.generated_models import load_generated
-from symid.identification import Identification, identify, predict
+from symid.identification import Identification, identify_by_least_squares, predict
 from symid.report.figures.colours import DARK, LIGHT
 from symid.report.figures.identification_curves import (
     CorrelatedPair,
@@ -31,7 +31,7 @@ AXIS = load_axis("rigid_1m")
 def identified() -> tuple[Identification, Log]:
     """A log with a residual that is known: 3 N sign(v) less than Coulomb friction below 0.05 m/s."""
     log = rigid_log(lambda t, q, v, a, path: 6.0 * np.sign(v) * np.exp(-((v / 0.05) ** 2)))
-    return identify(load_generated("rigid_1m", ("q",)), [log]), log
+    return identify_by_least_squares(load_generated("rigid_1m", ("q",)), [log]), log
 
 
 @cache

@@ -16,7 +16,7 @@ from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError, SymidError
-from symid.identification import identify
+from symid.identification import identify_by_least_squares
 from symid.output_error import identify_output_error
 from symid.simulation.plants import dry_level
 
@@ -33,7 +33,7 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
     """
     model = model_of(axis, record.signals)
     try:
-        found = identify(model, record.log, examine=False).physical_parameters
+        found = identify_by_least_squares(model, record.log, examine=False).physical_parameters
     except SymidError as error:
         raise SettingError(f"no values to begin with can be identified ({error}): give `nominal`") from error
     lacking = [name for name in axis.physical_parameters if not np.isfinite(found.get(name, np.nan))]

@@ -14,7 +14,7 @@ from symid.axis import Axis, Sensor
 from symid.codegen import model_of
 from symid.data import Log
 from symid.errors import EliminationError, SettingError, SymidError
-from symid.identification import Preparation, identify
+from symid.identification import Preparation, identify_by_least_squares
 from symid.identification.parameters import open_by_structure
 
 _CONTRADICTS = 5.0
@@ -145,9 +145,11 @@ def _of_log(
     lacking = [name for name in names if name not in given]
     try:
         model = model_of(axis, measured)
-        found = identify(model, log, nominal=given, preparation=preparation)
+        found = identify_by_least_squares(model, log, nominal=given, preparation=preparation)
         if found.status == "timing" and preparation.held is None:
-            found = identify(model, log, nominal=given, preparation=replace(preparation, held=True))
+            found = identify_by_least_squares(
+                model, log, nominal=given, preparation=replace(preparation, held=True)
+            )
     except SymidError as error:
         if lacking:
             raise SettingError(f"no gains can be identified ({error}): give `nominal`") from error
