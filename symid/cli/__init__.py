@@ -1,5 +1,6 @@
 """The command line. Nothing is imported before `main` runs: an interrupt while modules load is one line, too."""
 
+import gc
 import sys
 
 __all__ = ["main"]
@@ -14,4 +15,5 @@ def main(arguments: list[str] | None = None) -> None:
     except KeyboardInterrupt:  # one within a command has been reported there
         print("\nsymid: interrupted", file=sys.stderr)
         code = 130
+    gc.freeze()  # the end of a process would look for garbage in all that its modules made
     sys.exit(code)

@@ -6,16 +6,18 @@ import math
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
-import polars as pl
 
 from symid.arrays import FloatArray, read_only
 from symid.data.frames import Frame, uniform
 from symid.errors import LogError, SettingError
 from symid.shown import Shown
+
+if TYPE_CHECKING:
+    import polars as pl
 
 Kept = TypeVar("Kept")
 
@@ -181,6 +183,8 @@ class Log(Shown):
         >>> Log.from_arrays({"q": [0.0, 0.1]}, sampling_period=0.5).to_frame().rows()
         [(0.0, 0.0), (0.5, 0.1)]
         """
+        import polars as pl
+
         return pl.DataFrame({"t": self.time, **self.signals})
 
     @property

@@ -1,16 +1,11 @@
 """Tables of named columns, read as a whole or in slices of rows, and the memory that they may take."""
 
-import io
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
-
-import numpy as np
-import polars as pl
 
 from symid.arrays import FloatArray
 from symid.errors import LogError
@@ -60,10 +55,6 @@ def _size(n_bytes: float) -> str:
     return f"{n_bytes / 1e9:.3g} GB" if n_bytes >= 1e8 else f"{n_bytes / 1e6:.3g} MB"
 
 
-POLARS_FAILURES: Final = (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError, ValueError)
-"""Exceptions of polars for a file that it cannot read."""
-
-
 @dataclass(frozen=True)
 class Slices:
     """Rows of some columns of a file, read in slices."""
@@ -111,15 +102,6 @@ def naming_file(file: Path) -> Iterator[None]:
         raise named from error.__cause__
 
 
-def source_of(path: Path) -> Path | io.BytesIO:
-    """Source that polars reads: the bytes of a file if its name is not UTF-8, which polars cannot open."""
-    try:
-        str(path).encode("utf-8")
-    except UnicodeEncodeError:
-        return io.BytesIO(path.read_bytes())
-    return path
-
-
 def first_line(error: BaseException) -> str:
     """First line of the message of an error."""
     lines = str(error).strip().splitlines()
@@ -141,9 +123,3 @@ def parsing(path: Path, kind: str, *failures: type[BaseException]) -> Iterator[N
         raise
     except expected as error:
         raise damaged(path, kind, error) from error
-
-
-def values_of(numbers: pl.Series) -> FloatArray:
-    """Values of a column, NaN where it has none."""
-    whole = numbers.fill_null(float("nan")) if numbers.has_nulls() else numbers
-    return np.asarray(whole.to_numpy(), dtype=np.float64)

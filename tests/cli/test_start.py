@@ -49,6 +49,20 @@ def test_what_modules_make_is_not_searched_for_garbage() -> None:
     assert done.stdout.split()[-2:] == ["True", "True"]
 
 
+WITHOUT = """
+import sys
+
+import symid.simulation
+
+print("polars" in sys.modules, "sympy" in sys.modules)
+"""
+
+
+def test_a_simulation_loads_no_reader_of_files() -> None:
+    done = subprocess.run([sys.executable, "-c", WITHOUT], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "False"]
+
+
 def test_each_kind_of_element_is_a_name_of_symid_that_loads_when_it_is_used() -> None:
     kinds = {name for part in (drive_imperfections, imperfections, laws, sensors) for name in part.__all__}
     assert kinds <= set(symid.__all__)

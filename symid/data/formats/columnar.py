@@ -13,7 +13,8 @@ from pathlib import Path
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.table import POLARS_FAILURES, Slices, Table, parsing, source_of, values_of
+from symid.data.polars_tables import POLARS_FAILURES, source_of, values_of
+from symid.data.table import Slices, Table, parsing
 from symid.data.text_files.csv_table import values_of_texts
 
 _SMALL = 2**21

@@ -14,7 +14,8 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, parsing, source_of, values_of
+from symid.data.polars_tables import POLARS_FAILURES, source_of, values_of
+from symid.data.table import Slices, Table, damaged, parsing
 from symid.data.text_files.comma_pairs import are_pairs, with_points
 from symid.data.text_files.grouped_numbers import without_groups
 from symid.data.text_files.layout import Layout, first_lines, without_footer
