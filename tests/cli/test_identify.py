@@ -200,7 +200,7 @@ def test_a_validation_of_few_rows_judges_nothing(folder: Path, capsys: pytest.Ca
     lines = Path("good.csv").read_text().splitlines()
     Path("end.csv").write_text("\n".join([lines[0], *lines[-340:]]))
     assert run("identify", "rigid_1m", "good.csv", "--cutoff", "20", "--validation", "end.csv") == 0
-    assert "rows of end.csv are left" in capsys.readouterr().out
+    assert "rows of end.csv remain" in capsys.readouterr().out
     assert run("identify", "rigid_1m", "good.csv", "--cutoff", "20", "--validation", "good.csv") == 0
     assert "to judge the prediction" not in capsys.readouterr().out
 
