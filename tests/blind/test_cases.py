@@ -20,10 +20,12 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
-    """A set of one case, an offset on a rigid axis, with its label."""
+    """A set of one short case, an offset on a rigid axis, with its label."""
     folder = tmp_path_factory.mktemp("drawn")
     one = plan.Plan("case000", "single", "rigid", "rigid_1m", ("q",), (("offset_force", "motor"),), (1, 2))
-    label = plan.draw_case(one, folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(draw, "SECONDS", {"identification": 4.0, "validation": 3.0})
+        label = plan.draw_case(one, folder)
     seal.close(folder, {"case000": label})
     return folder, label
 
@@ -78,7 +80,7 @@ def test_a_case_is_written_without_its_label(drawn: tuple[Path, dict]):
     assert set(record) == {"model", "sampling_frequency_hz", "nominal", "controller", "columns"}
     log = pl.read_parquet(case / "identification.parquet")
     assert log.columns == list(record["columns"]) == ["t", "reference", "F", "q"]
-    assert (log.height, pl.read_parquet(case / "validation.parquet").height) == (40_000, 24_000)
+    assert (log.height, pl.read_parquet(case / "validation.parquet").height) == (16_000, 12_000)
     assert np.abs(log["reference"].to_numpy() - log["q"].to_numpy()).max() < 5e-3
     errors = [abs(record["nominal"][name] / value - 1) for name, value in label["true"].items()]
     assert 0 < max(errors) <= 0.12

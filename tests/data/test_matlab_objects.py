@@ -23,6 +23,12 @@ with warnings.catch_warnings():  # it sets an option of pandas that is deprecate
 NONE = np.zeros((0, 0))
 
 
+@pytest.fixture(autouse=True)
+def _in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No file here is damaged; that a file is parsed in a separate process is shown by test_formats.py."""
+    monkeypatch.setattr(array_files, "_channels_apart", array_files._parsed)
+
+
 def series(values: Any, name: str = "unnamed", unit: str = "", units: str = "seconds", **times: Any) -> Any:
     """A time series as MATLAB stores it: times in a vector, or by start, increment and length."""
     info = {"Units": units, "Start_": NONE, "Increment_": NONE, "Length": float(N), **times}
