@@ -1,6 +1,7 @@
 """`symid identify` and `symid demo` from outside: JSON as promised, and one line for every mistake."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import polars as pl
 import pytest
 from command_line import run
 
+from symid.diagnosis import LIBRARY, diagnose
 from symid.report.figures.drawn import Drawn, save_figure
 
 DATA = Path(__file__).parents[2] / "data"
@@ -86,10 +88,14 @@ def test_emps_by_the_command_of_the_readme(capsys: pytest.CaptureFixture[str]) -
 def test_demo_needs_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """Of the library one effect is tried: the whole of it is in the demo of the wheel and in the code of README."""
     monkeypatch.chdir(tmp_path)
+    asymmetry = [effect for effect in LIBRARY if effect.name == "asymmetric_friction"]
+    monkeypatch.setattr("symid.cli.demo_command.diagnose", partial(diagnose, library=asymmetry))
     assert run("demo") == 0
     shown = capsys.readouterr().out
     assert "95.1089" in shown
+    assert "asymmetric friction at motor" in " ".join(shown.split())
     assert "noise floor" in shown
     assert str(tmp_path / "emps_report.html") in shown.replace("\n", "")
     assert "</html>" in (tmp_path / "emps_report.html").read_text(encoding="utf-8")

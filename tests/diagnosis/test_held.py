@@ -67,7 +67,10 @@ def test_an_accelerometer_is_read_before_the_steps_of_a_held_force() -> None:
         axis = axis.with_signal(name, noise=noise)
     moves = trapezoids(0.05, [0.5, 0.25], acceleration=5.0, jerk=500.0, dwell=0.1, sampling_period=1e-3)
     log = simulate(axis, values, moves, tuned_cascade(plant_of(axis, values), "q2"), seed=1).log
-    found = diagnose(axis, log)
+    timing = [
+        one for one in LIBRARY if one.name in ("sensor_delay", "delay", "actuator_lag", "viscous_friction")
+    ]
+    found = diagnose(axis, log, library=timing)
     assert found.verdict == "no_gap"
     assert found.faults[0].startswith("ddq2 is read just before each step of the held force")
     assert found.faults[1].startswith("Fm is held")
