@@ -9,7 +9,7 @@ from symid.arrays import read_only
 from symid.estimation.corrected_covariance import ObservationBlock
 from symid.estimation.least_squares import LeastSquares
 
-_CHUNK_ROWS = 65_536  # in extended precision at a time
+_CHUNK_ROWS = 16_384  # in extended precision at a time
 
 
 def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> LeastSquares:
