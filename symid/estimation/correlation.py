@@ -62,20 +62,22 @@ class ResidualCovariance:
         [[[4.0, 4.666666667, 4.0]]]
         """
         mask = np.ones(residual.shape, dtype=bool) if valid is None else valid
-        clean = np.where(mask, residual, 0.0)
-        nothing = np.zeros((len(clean), 0))
-        products, tail = self._added(clean, self.tail_residual if continues else nothing)
-        pairs, tail_valid = self._added(mask, self.tail_valid if continues else nothing)
+        nothing = np.zeros((len(residual), 0))
+        products, tail = self._added(residual, mask, self.tail_residual if continues else nothing)
+        pairs, tail_valid = self._added(mask, mask, self.tail_valid if continues else nothing)
         return ResidualCovariance(self.products + products, np.rint(self.pairs + pairs), tail, tail_valid)
 
-    def _added(self, x: FloatArray | BoolArray, tail: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Lagged products of a block with itself and the samples before it, and its last samples."""
+    def _added(
+        self, x: FloatArray | BoolArray, valid: BoolArray, tail: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Lagged products of the valid samples of a block with each other and those before it, and its last samples."""
         keep = self.max_lag
         step = samples_of_window(keep, _TRANSFORM)
         sizes = fast_length(min(tail.shape[1] + x.shape[1], step + keep) + keep), fast_length(2 * keep + 1)
         powers = [np.zeros((len(x), len(x), size // 2 + 1), dtype=complex) for size in sizes]
         for start in range(0, x.shape[1], step):
-            window = np.concatenate([tail, x[:, start : start + step]], axis=1)
+            part = slice(start, start + step)
+            window = np.concatenate([tail, np.where(valid[:, part], x[:, part], 0.0)], axis=1)
             powers[0] += _power(window, sizes[0])
             powers[1] += _power(tail, sizes[1])  # pairs within it have been counted
             tail = window[:, max(window.shape[1] - keep, 0) :]

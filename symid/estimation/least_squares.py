@@ -191,7 +191,8 @@ def residuals(W: FloatArray, y: FloatArray, fit: LeastSquares) -> FloatArray:
     >>> residuals(W, y, estimate(triangular_factors(W, y))).round(12).tolist()
     [[-1.0, 1.0]]
     """
-    return y - fit.solution @ W.swapaxes(1, 2)
+    predicted = fit.solution @ W.swapaxes(1, 2)
+    return np.subtract(y, predicted, out=predicted)
 
 
 def _check(factors: Sequence[TriangularFactor], method: str, ddof: int | None) -> None:

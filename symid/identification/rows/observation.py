@@ -88,11 +88,13 @@ def observe(
         highest = np.maximum(inside.max(axis=1), -inside.min(axis=1))
     usable = usable_rows(sampling, sliding, highest)
     kept = kept_indices(sampling.n_samples, sampling.factor)
-    places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
-    time = log.start + log.sampling_period * places
+    first = before + kept.start
+    time = np.arange(first, log.n_samples - after, sampling.factor, dtype=np.float64)
+    time *= log.sampling_period
+    time += log.start
     if chosen.filter_force and sampling.row_filter is None:
-        rate, ends = log.sampling_frequency, (places, log.n_samples - 1 - places)
-        leave_out_spoiled(low_pass_of(chosen, 1.0, rate), rate, (W, y, usable), ends)
+        rate, low_pass = log.sampling_frequency, low_pass_of(chosen, 1.0, log.sampling_frequency)
+        leave_out_spoiled(low_pass, rate, (W, y, usable), (first, after), sampling.factor)
     p = len(model.minimal_units)
     return Observation(W[..., :p], y, usable, time, chosen, W if friction else None, highest)
 

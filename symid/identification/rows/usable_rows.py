@@ -159,7 +159,8 @@ def leave_out_spoiled(
     low_pass: LowPass,
     sampling_frequency: float,
     rows: tuple[FloatArray, FloatArray, BoolArray],
-    ends: tuple[FloatArray, FloatArray],
+    ends: tuple[int, int],
+    step: int,
 ) -> None:
     """Mark the rows as not usable in which a transient of one of the ends stands out.
 
@@ -169,17 +170,16 @@ def leave_out_spoiled(
     the rows next to the end, and rows in which it stands out of their residual are left out.
 
     All columns have passed the filter `low_pass`. `rows` are W, y and usable, of shapes (n_equations, n_rows,
-    n_columns) and (n_equations, n_rows); `ends` the samples from the first one of the log to each row, and from each
-    row to the last.
+    n_columns) and (n_equations, n_rows), one for every `step`-th sample; `ends` the samples before the first row and
+    behind the last.
     """
     passed = low_pass.zero_phase(sampling_frequency)
-    reach = _PERIODS * sampling_frequency / low_pass.cutoff_hz
-    for distance, way in zip(ends, (1, -1), strict=True):
-        near = np.flatnonzero(distance < distance.min() + reach)[::way]
-        places = distance[near]
-        if np.abs(passed.transients(places[:1])).max() < _FORGOTTEN:
+    n_rows = rows[1].shape[1]
+    inner = np.arange(min(math.ceil(_PERIODS * sampling_frequency / low_pass.cutoff_hz / step), n_rows))
+    transients = passed.transients(inner * float(step))
+    for outside, near in zip(ends, (inner, n_rows - 1 - inner), strict=True):
+        if np.abs(passed.transients(np.array([float(outside)]))).max() < _FORGOTTEN:
             continue
-        transients = passed.transients(places - places[0])
         for W, y, usable in zip(*rows, strict=True):
             used = usable[near]
             spoiled = np.flatnonzero(_stands_out(W[near[used]], y[near[used]], transients[used]))
