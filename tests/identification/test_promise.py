@@ -150,7 +150,7 @@ def test_a_soft_limit_of_a_force_that_is_faster_than_the_cutoff_is_named() -> No
     for recorded, is_named in ((F, False), (level * np.tanh(F / level), True)):
         log = Log.from_arrays({**case.signals, "Fm": recorded}, sampling_period=1 / case.rate)
         found = identify(load_generated("ballscrew_2m1s", ("qm",)), log)
-        is_stated = "where Fm is large it is less than in proportion" in found.message
+        is_stated = "where Fm is large it is less than proportional" in found.message
         assert (is_stated, found.status == "ok") == (is_named, not is_named), found.message
 
 
