@@ -27,8 +27,8 @@ def shipped_folder(name: str) -> Path:
 
 def models_folders() -> tuple[Path, ...]:
     """Folders searched for an axis given by name, the working folder's own first."""
-    own, shipped = Path("models").resolve(), shipped_folder("models")
-    return (shipped,) if own == shipped or not own.is_dir() else (own, shipped)
+    working, shipped = Path("models").resolve(), shipped_folder("models")
+    return (shipped,) if working == shipped or not working.is_dir() else (working, shipped)
 
 
 def axis_names() -> tuple[str, ...]:

@@ -109,7 +109,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
     notes_on_guesses(options)
     page = page_of(options["report"])
     axes = _axes((axis, *options["also"]), options["fixed"])
-    units = {name: unit for one in axes for name, unit in axis_of(one).parameter_units.items()}
+    units = {name: unit for axis_given in axes for name, unit in axis_of(axis_given).parameter_units.items()}
     try:
         batch = identify_batch(
             axes,

@@ -34,14 +34,14 @@ def command(report: str, json_file: str | None) -> None:
     axis = load_axis("emps")
     folder = shipped_folder("data") / "emps"
     files = (folder / name for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"))
-    log, other = (read_axis_log(axis, file, columns={"q": "qm"}) for file in files)
+    log, pulses = (read_axis_log(axis, file, columns={"q": "qm"}) for file in files)
     identification = identify_by_least_squares(
         load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1
     )
     with working("diagnosing"):
-        diagnosis = diagnose(axis, log, validation=other, nominal=identification.physical_parameters)
+        diagnosis = diagnose(axis, log, validation=pulses, nominal=identification.physical_parameters)
     write_diagnosis_html(diagnosis, page, with_options)
-    identified = with_options(identification_record(identification, predict(identification, other)))
+    identified = with_options(identification_record(identification, predict(identification, pulses)))
     gap = with_options(diagnosis_record(diagnosis))
     if json_file:
         write_json({"identification": identified, "diagnosis": gap, "report": str(page)}, json_file)

@@ -181,8 +181,13 @@ def _record(designed: Design, experiment: IdentificationTrial, output: str) -> d
         "limits": experiment.allowed,
         "undetermined": list(designed.best.undetermined),
         "expected": {
-            name: one and {"deviations": one.deviations, "relative": one.relative, "reached": one.reached}
-            for name, one in references.items()
+            name: expected
+            and {
+                "deviations": expected.deviations,
+                "relative": expected.relative,
+                "reached": expected.reached,
+            }
+            for name, expected in references.items()
         },
     }
 
@@ -203,7 +208,10 @@ def _print(designed: Design, experiment: IdentificationTrial, output: str) -> No
     width = max(map(len, experiment.parameters))
     say("  " + " " * width + "".join(f"  {name:>18}" for name in references))
     for name in best.relative:
-        cells = ("" if one is None else f"{100 * one.relative[name]:.3g} %" for one in references.values())
+        cells = (
+            "" if expected is None else f"{100 * expected.relative[name]:.3g} %"
+            for expected in references.values()
+        )
         say(f"  {name:<{width}}" + "".join(f"  {cell or 'not determined':>18}" for cell in cells))
     if best.undetermined:
         say(

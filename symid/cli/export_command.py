@@ -97,7 +97,9 @@ def _identified(file: str) -> dict[str, Any]:
         measured = None
     if not isinstance(covariance, dict):
         covariance = None
-    values = {name: one.value for name, one in entries_of(minimal).items() if is_finite_number(one.value)}
+    values = {
+        name: entry.value for name, entry in entries_of(minimal).items() if is_finite_number(entry.value)
+    }
     return {"measured": measured, "covariance": covariance, "minimal": values or None}
 
 

@@ -107,8 +107,8 @@ def _source(assigned: Assignment, signal: str, *, must: bool) -> Source | None:
         )
     if signal not in assigned.alternatives:
         return None
-    other, gain = assigned.alternatives[signal]
-    position = _position(assigned.headers, assigned.columns.get(other, other))
+    alternative, gain = assigned.alternatives[signal]
+    position = _position(assigned.headers, assigned.columns.get(alternative, alternative))
     if position is None:
         return None
     if signal in assigned.units or signal in assigned.gains:
@@ -116,7 +116,7 @@ def _source(assigned: Assignment, signal: str, *, must: bool) -> Source | None:
             f"unit or gain of {signal!r} is given, but it is made from column {assigned.headers[position]!r}: "
             f"add `columns` {signal}={split_unit(assigned.headers[position])[0]} or drop them"
         )
-    return Source(signal, position, gain * _factor(assigned, other, position, None))
+    return Source(signal, position, gain * _factor(assigned, alternative, position, None))
 
 
 def _factor(assigned: Assignment, signal: str, position: int, unit: Unit | None) -> float:

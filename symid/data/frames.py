@@ -154,10 +154,10 @@ def _factor(text: str, *, is_time: bool) -> float:
     factor = to_si(text)
     for expected in _CONTEXTS:
         try:
-            other = to_si(text, expected)
+            in_context = to_si(text, expected)
         except LogError:
             continue
-        if other != factor:
+        if in_context != factor:
             raise LogError(
                 f"unit {text!r} depends on what is measured: read it with read_axis_log, or give units"
             )

@@ -210,10 +210,10 @@ def _checked(
             lowest[name] = min(lowest.get(name, np.inf), float(x.min()))
             highest[name] = max(highest.get(name, -np.inf), float(x.max()))
     flat = [fault for name, x in lowest.items() if (fault := constant_fault(name, x, highest[name]))]
-    found = clock.found
-    if flat or found.faults:
-        raise LogError("; ".join(flat or found.faults))
-    return found, tuple(lowest)
+    whole_clock = clock.found
+    if flat or whole_clock.faults:
+        raise LogError("; ".join(flat or whole_clock.faults))
+    return whole_clock, tuple(lowest)
 
 
 def _stuck_or_clipped(log: LongLog, positions: Sequence[str]) -> list[str]:

@@ -56,20 +56,22 @@ def feedforward(axis: Axis) -> Feedforward:
         return sp.cancel((rigid.T * matrix * rigid)[0])
 
     friction = along(damping) * SPEED
-    other = along(mass) * ACCELERATION + along(stiffness) * POSITION - sp.cancel((rigid.T * constant)[0])
+    inertial = along(mass) * ACCELERATION + along(stiffness) * POSITION - sp.cancel((rigid.T * constant)[0])
     for joint in dynamics.laws:
         share = (joint.direction.xreplace(known) @ rigid)[0]
         law = joint.force.xreplace(known)
         force = sp.expand(share * law.subs({DISPLACEMENT: share * POSITION, VELOCITY: share * SPEED}))
         for term in sp.Add.make_args(force.replace(lambda e: isinstance(e, (sp.sign, positive)), _at_drive)):
-            friction, other = (friction + term, other) if term.has(SPEED) else (friction, other + term)
+            friction, inertial = (
+                (friction + term, inertial) if term.has(SPEED) else (friction, inertial + term)
+            )
     allowed = {*map(sp.Symbol, axis.physical_parameters), POSITION, SPEED, ACCELERATION}
-    if strange := (friction + other).free_symbols - allowed:
+    if strange := (friction + inertial).free_symbols - allowed:
         raise SettingError(
             f"a feed-forward of axis {axis.name!r} would depend on {min(map(str, strange))!r}, which no motion "
             "determines: leave out imperfections with memory or time"
         )
-    return Feedforward((friction + other) / gain, friction / gain)
+    return Feedforward((friction + inertial) / gain, friction / gain)
 
 
 def _of_springs(axis: Axis) -> sp.Matrix:

@@ -186,7 +186,7 @@ class _Collector:
     def _check_coupling(self, body: Body, path: Path) -> None:
         """SettingError if a body couples joints that are not nested: MuJoCo cannot couple the inertia of these."""
         moved = [b for b in self.axis.free_bodies if b.name in dict(path)]
-        lines = [_upwards(one, _parent_in_tree) for one in moved]
+        lines = [_upwards(moving, _parent_in_tree) for moving in moved]
         longest = max(lines, key=len)
         if not all(line[0] in longest for line in lines):
             raise SettingError(

@@ -206,9 +206,9 @@ def judge_spread(spreads: Mapping[str, Spread]) -> SpreadVerdict:
 def _size(name: str, spread: Spread) -> str:
     """A spread in percent, or in the unit of the parameter if the mean may be 0."""
     if abs(spread.mean) > 2 * math.hypot(spread.between, spread.promised):
-        sizes = [f"{100 * one:.2g} %" for one in (spread.relative_between, spread.relative_promised)]
+        sizes = [f"{100 * size:.2g} %" for size in (spread.relative_between, spread.relative_promised)]
     else:
-        sizes = [f"{one:.2g}" for one in (spread.between, spread.promised)]
+        sizes = [f"{size:.2g}" for size in (spread.between, spread.promised)]
     return f"{name}: {sizes[0]} between runs where the intervals promise {sizes[1]}"
 
 

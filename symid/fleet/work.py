@@ -173,44 +173,48 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
     )
 
 
-def _columns_of(found: Identification) -> dict[str, Value]:
+def _columns_of(identification: Identification) -> dict[str, Value]:
     """Deviations are those that `symid identify` prints, of correlation, scatter between segments and bias.
 
     Effects that the model lacks move all logs of a machine alike: they have a separate column, relative to the values.
     """
-    wide, found = found, replace(found, discrepancies=())
-    prepared, residual = found.observations[0].preparation, found.residuals[0]
+    wide, identification = identification, replace(identification, discrepancies=())
+    prepared, residual = identification.observations[0].preparation, identification.residuals[0]
     row: dict[str, Value] = {
-        "status": found.status,
-        "message": found.message,
+        "status": identification.status,
+        "message": identification.message,
         "cutoff_hz": prepared.cutoff_hz,
         "order": prepared.order,
         "decimation": prepared.decimation,
-        "condition_number": finite(found.fit.condition_number),
+        "condition_number": finite(identification.fit.condition_number),
         "residual_rms": finite(residual.rms),
         "residual_relative": finite(residual.relative),
-        "notes": "; ".join(found.notes) or None,
+        "notes": "; ".join(identification.notes) or None,
     }
-    if found.timing is not None:
-        timing = found.timing
+    if identification.timing is not None:
+        timing = identification.timing
         row |= {
             "late_signal": timing.signal,
             "late_s": finite(timing.late),
             "late_std_s": finite(timing.deviation),
         }
-    bias = found.physical_bias or found.bias
+    bias = identification.physical_bias or identification.bias
     if bias is not None:
-        values = found.physical[0].parameters if found.physical else found.fit.parameters
+        values = (
+            identification.physical[0].parameters
+            if identification.physical
+            else identification.fit.parameters
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.abs(bias.total / values)
         row["largest_bias"] = finite(np.nanmax(share, initial=0.0))
-    row |= values_and_deviations(found.minimal_parameters, found.standard_deviations)
-    if found.physical:
-        row |= values_and_deviations(found.physical_parameters, found.physical_deviations)
+    row |= values_and_deviations(identification.minimal_parameters, identification.standard_deviations)
+    if identification.physical:
+        row |= values_and_deviations(identification.physical_parameters, identification.physical_deviations)
         if wide.discrepancies:
-            lacking = np.sqrt(wide.physical_deviations**2 - found.physical_deviations**2)
+            lacking = np.sqrt(wide.physical_deviations**2 - identification.physical_deviations**2)
             with np.errstate(divide="ignore", invalid="ignore"):
-                share = lacking / np.abs(found.physical[0].parameters)
+                share = lacking / np.abs(identification.physical[0].parameters)
             row["largest_discrepancy"] = finite(np.nanmax(share, initial=0.0))
     return row
 

@@ -267,7 +267,9 @@ def _slopes(search: Search, loop: ClosedLoop, units: FloatArray) -> FloatArray:
 
     def residual(changes: FloatArray) -> FloatArray:
         parts = zip(controllers, changes.reshape(len(controllers), len(TERMS)), strict=True)
-        altered = tuple(AlteredController(one, part, _order(loop, one)) for one, part in parts)
+        altered = tuple(
+            AlteredController(controller, part, _order(loop, controller)) for controller, part in parts
+        )
         errors = tuple(replace(run, loop=replace(run.loop, controller=altered)) for run in _runs(search))
         return replace(search, errors=errors).residual(search.x)
 

@@ -144,7 +144,7 @@ class _Judge:
         notes: tuple[str, ...] = (),
     ) -> OutputErrorIdentification:
         """Result of a fit, with notes besides those given; `each` are the regressions of single logs."""
-        fit, comparison, own = best
+        fit, comparison, single_fits = best
         result = OutputErrorIdentification(
             axis=self.axis,
             model=self.model,
@@ -156,8 +156,8 @@ class _Judge:
             notes=notes,
         )
         # of several logs with regressions, each is judged alone, too; a single log has neither `own` nor `each`
-        singles = zip(logs, own, each, strict=True) if each and len(own) == len(each) else ()
-        alone = [self.result((log,), (one, comparison, []), single) for log, one, single in singles]
+        singles = zip(logs, single_fits, each, strict=True) if each and len(single_fits) == len(each) else ()
+        alone = [self.result((log,), (run, comparison, []), single) for log, run, single in singles]
         timed = self._in_time(result, regression)
         status, message = likelihood_status(result, timed, alone)
         if status == "ok" and timed is not None and timed.status == "ok" and timed.physical:

@@ -194,7 +194,7 @@ class PredictionError:
         axis, signals = self.dynamics.axis, self.run.signals
         if len(axis.drives) == 1:
             return (0,)
-        return tuple(signals.index(one) if one in signals else 0 for one in axis.controlled_signals)
+        return tuple(signals.index(signal) if signal in signals else 0 for signal in axis.controlled_signals)
 
     @cached_property
     def _disturbed(self) -> tuple[int, ...]:

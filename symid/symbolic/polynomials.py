@@ -196,8 +196,8 @@ class Minors:
     x**2 - y**2
     """
 
-    def __init__(self, entries: Mapping[tuple[int, int], Any], one: Any) -> None:
-        self._entries, self._one = entries, one
+    def __init__(self, entries: Mapping[tuple[int, int], Any], unit: Any) -> None:
+        self._entries, self._one = entries, unit
         self._known: dict[tuple[Places, Places], Any] = {}
         self._budget = Budget(MOST_PRODUCTS)
 

@@ -76,15 +76,15 @@ class Scaling:
         self, entry: PolyElement, power: Exponents, ring: PolyRing, powers: _Powers
     ) -> PolyElement:
         """A polynomial in the parameters of the axis, times a power of the ratios."""
-        own = [self.parameters[str(symbol)] for symbol in self.ring.symbols[1:]]
+        exponents_of = [self.parameters[str(symbol)] for symbol in self.ring.symbols[1:]]
         # The exponents of all ratios are packed into one integer, by which terms of equal exponents are found quickly.
-        packed = [0, *(sum(w << 20 * k for k, w in enumerate(weights)) for weights in own)]
+        packed = [0, *(sum(w << 20 * k for k, w in enumerate(weights)) for weights in exponents_of)]
         exponents: dict[int, Exponents] = {}
         terms = {}
         for m, c in entry.items():
             key = sum(map(mul, m, packed))
             if key not in exponents:
-                used = list(zip(m[1:], own, strict=True))
+                used = list(zip(m[1:], exponents_of, strict=True))
                 exponents[key] = tuple(p - sum(n * w[k] for n, w in used) for k, p in enumerate(power))
             terms[m] = powers.times(c, exponents[key])
         return ring.zero.new(terms)
@@ -144,9 +144,11 @@ def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | t
     ]
     if None in solved:
         return tuple(ratio for ratio, exponents in zip(ratios, solved, strict=True) if exponents is None)
-    found = dict(zip(keys, zip(*(exponents for exponents in solved if exponents), strict=True), strict=True))
+    powers_of = dict(
+        zip(keys, zip(*(exponents for exponents in solved if exponents), strict=True), strict=True)
+    )
     balances, columns, parameters = (
-        {name: powers for (kind, name), powers in found.items() if kind == wanted}
+        {name: powers for (kind, name), powers in powers_of.items() if kind == wanted}
         for wanted in ("balance", "column", "parameter")
     )
     plain = PolyRing(ring.symbols, QQ, ring.order)

@@ -26,15 +26,15 @@ def open_hdf5(path: Path, memory: int | None = None) -> Table:
     h5py = required("h5py", path)
     with parsing(path, "HDF5"), h5py.File(path, "r") as file:
         vectors = _vectors(file, h5py)
-    names = short_names([one.names for one in vectors])
-    units = (f" [{one.unit}]" if one.unit else "" for one in vectors)
+    names = short_names([each.names for each in vectors])
+    units = (f" [{each.unit}]" if each.unit else "" for each in vectors)
     headers = tuple(name + unit for name, unit in zip(names, units, strict=True))
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         with parsing(path, "HDF5"), h5py.File(path, "r") as file:
             return [vectors[position].read(file) for position in positions]
 
-    return Table(headers, read, n_rows=max((one.size for one in vectors), default=0))
+    return Table(headers, read, n_rows=max((each.size for each in vectors), default=0))
 
 
 def values_behind_references(path: Path) -> int:

@@ -153,5 +153,5 @@ def _dspace(path: Path, above: Sequence[Sequence[str]], values: Table) -> Table:
 
 
 def _property(rows: Sequence[Sequence[str]], keys: Sequence[str]) -> list[str] | None:
-    found = {row[0].lower(): list(row) for row in rows if row}
-    return next((found[key] for key in keys if key in found), None)
+    by_key = {row[0].lower(): list(row) for row in rows if row}
+    return next((by_key[key] for key in keys if key in by_key), None)

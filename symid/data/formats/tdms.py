@@ -27,9 +27,9 @@ def open_tdms(path: Path, memory: int | None = None) -> Table:
         require_memory(sum(len(channel) for channel in channels), memory)
         names = short_names([(channel.group_name, channel.name) for channel in channels])
         read = [
-            Channel(name, field_text(one.properties, _UNITS), _times(one), np.asarray(one[:]))
-            for name, one in zip(names, channels, strict=True)
-            if one.dtype.kind in "biufM"
+            Channel(name, field_text(samples.properties, _UNITS), _times(samples), np.asarray(samples[:]))
+            for name, samples in zip(names, channels, strict=True)
+            if samples.dtype.kind in "biufM"
         ]
     return table_of_channels(read)
 

@@ -32,7 +32,7 @@ _NARROW_PANEL, _NARROW_PANEL_IN_MOTION, _NARROW_WIDTH = 8.4, 13.0, 4.2
 
 
 def plot_identification(
-    found: Identification | OutputErrorIdentification,
+    result: Identification | OutputErrorIdentification,
     validation: OutputPrediction | OutputErrorPrediction | None = None,
     *,
     axis: Axis | None = None,
@@ -48,9 +48,9 @@ def plot_identification(
     that the result keeps): the frequency response of the identified axis beside the measured one. Parameters that are
     correlated get confidence ellipses.
     """
-    curves = curves or identification_curves(found, validation, axis=axis, runs=runs)
+    curves = curves or identification_curves(result, validation, axis=axis, runs=runs)
     panels, responses = curves.panels, curves.responses
-    parameters = parameters_shown(found)
+    parameters = parameters_shown(result)
     pairs = correlated_pairs(parameters.covariance)[:_MOST_ELLIPSES]
     across = len(responses) if not narrow else 1
     down = -(-len(responses) // max(across, 1))

@@ -70,8 +70,8 @@ def draw_panel(place: Any, panel: Panel, palette: Palette, *, narrow: bool = Fal
     """Draw a panel into a subfigure, in two columns of diagrams, or in one."""
     if narrow:
         rows = 4 if panel.motion is None else 6
-        one = place.subplots(rows, 1, height_ratios=(1.5, 1, 1.1, 2, 1.5, 1.5)[:rows])
-        top, below, spectrum, against, *maps = one
+        rows_of_axes = place.subplots(rows, 1, height_ratios=(1.5, 1, 1.1, 2, 1.5, 1.5)[:rows])
+        top, below, spectrum, against, *maps = rows_of_axes
     else:
         two = place.subplots(3, 2, width_ratios=(2.1, 1), height_ratios=(1.7, 1, 1.1))
         (top, against), (below, _), (spectrum, _) = two

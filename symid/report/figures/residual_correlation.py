@@ -109,11 +109,11 @@ class OutputCorrelations(NamedTuple):
 def residual_correlations(outputs: Sequence[PredictedOutput]) -> list[OutputCorrelations]:
     """Correlations of the residual of each output that has enough rows."""
     parts = []
-    for one in outputs:
-        most = min(MOST_LAGS, one.used.size // 4)
-        if one.used.sum() < 4 or most < 1:
+    for output in outputs:
+        most = min(MOST_LAGS, output.used.size // 4)
+        if output.used.sum() < 4 or most < 1:
             continue
-        own = correlation(one.residual, one.residual, one.used, range(most + 1))
-        across = correlation(one.residual, one.predicted, one.used, range(-most, most + 1))
-        parts.append(OutputCorrelations(visible(f"{one.name}, {one.log}"), own, across))
+        with_itself = correlation(output.residual, output.residual, output.used, range(most + 1))
+        across = correlation(output.residual, output.predicted, output.used, range(-most, most + 1))
+        parts.append(OutputCorrelations(visible(f"{output.name}, {output.log}"), with_itself, across))
     return parts

@@ -90,7 +90,11 @@ def links_of(axis: Axis) -> Iterator[Link]:
 
 def marks_of(axis: Axis, *elements: Imperfection) -> str:
     """Marks of imperfections, by which the notes below the drawing explain them."""
-    places = [i for i, element in enumerate(axis.imperfections) if any(element is one for one in elements)]
+    places = [
+        i
+        for i, element in enumerate(axis.imperfections)
+        if any(element is marked_element for marked_element in elements)
+    ]
     return " ".join(chr(_FIRST_MARK + i) if i < _CIRCLED else f"({i + 1})" for i in places)
 
 

@@ -91,7 +91,7 @@ _MOST_SHOWN = 8
 
 
 def write_diagnosis_html(
-    found: Diagnosis, file: str | Path, reword: Callable[[Any], Any] = as_it_is, command: str = ""
+    diagnosis: Diagnosis, file: str | Path, reword: Callable[[Any], Any] = as_it_is, command: str = ""
 ) -> Path:
     """Write a diagnosis as one self-contained HTML file; without JavaScript only its plots are missing.
 
@@ -100,24 +100,28 @@ def write_diagnosis_html(
     from symid.report.figures.schematic import schematic_svg
     from symid.report.pages.interactive import plots_of  # half a second to load: only where a page is written
 
-    path, record = html_path(file), reword(diagnosis_record(found))
+    path, record = html_path(file), reword(diagnosis_record(diagnosis))
     ranked = list(enumerate(record["alternatives"], start=1))
-    shown = [(k, one) for k, one in ranked if k <= _MOST_SHOWN or (one["effect"], one["at"]) in found.named]
+    shown = [
+        (k, alternative)
+        for k, alternative in ranked
+        if k <= _MOST_SHOWN or (alternative["effect"], alternative["at"]) in diagnosis.named
+    ]
     page = page_templates().get_template("diagnosis.html")
     text = page.render(
         d=record,
-        verdict=VERDICTS[found.verdict],
+        verdict=VERDICTS[diagnosis.verdict],
         scale=scale_with([stage["multiple_of_floor"] for stage in record["waterfall"]]),
         maps=[(MAPS.get(name, name), cells) for name, cells in record["maps"].items() if cells],
-        accepted=found.named,
+        accepted=diagnosis.named,
         shown=shown,
-        more=[one for one in ranked if one not in shown],
-        plots=plots_of(found),
+        more=[alternative for alternative in ranked if alternative not in shown],
+        plots=plots_of(diagnosis),
         catalogue=effect_catalogue(),
-        schematic=schematic_svg(found.axis),
-        **correlation_fields(_correlations(found)),
-        settings=_settings(found),
-        made=provenance(found.logs, command),
+        schematic=schematic_svg(diagnosis.axis),
+        **correlation_fields(_correlations(diagnosis)),
+        settings=_settings(diagnosis),
+        made=provenance(diagnosis.logs, command),
         version=__version__,
     )
     write_whole(path, text)

@@ -50,7 +50,7 @@ def page_templates() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    own = (
+    filters = (
         fit,
         motion_line,
         motion_rows,
@@ -61,7 +61,7 @@ def page_templates() -> jinja2.Environment:
         spoken,
         colours.in_dark,
     )
-    templates.filters |= {write.__name__: write for write in own}
+    templates.filters |= {write.__name__: write for write in filters}
     templates.filters |= {name: write for name, write in vars(number_text).items() if isfunction(write)}
     templates.filters["packed"] = _packed
     templates.globals.update(colours=colours)

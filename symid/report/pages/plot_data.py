@@ -54,11 +54,11 @@ def correlation_fields(parts: Sequence[OutputCorrelations]) -> dict[str, Any]:
             _data(
                 title,
                 f"correlation-{k}",
-                {**_of_correlation("auto", own), **_of_correlation("cross", across)},
+                {**_of_correlation("auto", with_itself), **_of_correlation("cross", across)},
             )
-            for k, (title, own, across) in enumerate(parts, start=1)
+            for k, (title, with_itself, across) in enumerate(parts, start=1)
         ],
-        "whiteness": [(title, own.outside, across.outside) for title, own, across in parts],
+        "whiteness": [(title, with_itself.outside, across.outside) for title, with_itself, across in parts],
     }
 
 
