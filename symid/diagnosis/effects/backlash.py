@@ -12,6 +12,8 @@ from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.thresholds import THRESHOLDS
 
+_NARROW = (0.003, 0.01, 0.03, 0.1)
+"""Initial widths of a play that a spring passes fast, relative to its largest deflection."""
 _WIDTHS, _LEVELS = (0.02, 0.05, 0.1, 0.3, 1.0), (0.1, 1.0)
 """Initial widths of a play in which a body rattles, relative to its largest deflection, and initial losses of stiffness
 in the play, relative to that of the spring."""
@@ -19,6 +21,13 @@ in the play, relative to that of the spring."""
 
 class BacklashEffect(LawEffect):
     """Play within which a spring is much softer."""
+
+    def narrow_starts(
+        self, spring: RecordedJoint, stiffness: float
+    ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        """Initial shapes and amplitudes of a play that the spring passes at its reversals."""
+        largest = max(map(abs, spring.range))
+        return [((width * largest,), (stiffness,)) for width in _NARROW]
 
     def rattling_starts(
         self, spring: RecordedJoint, stiffness: float

@@ -142,22 +142,26 @@ def _after(
         yield float(left @ left), Start(kept, weighting, change)
 
 
-def of_rattling(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
-    """Play in hidden springs whose motion follows the measured force, at the best of some widths and stiffnesses.
+def of_play(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
+    """Play in hidden springs from fitted and nominal values, at the best of some widths and stiffnesses.
 
-    Within the play a body is free, and its motion depends on its beginning for ever.
+    A spring passes a narrow play at its reversals. Within a wide one a body rattles: it is free, and its motion, which
+    depends on its beginning for ever, follows the measured force.
     """
     present = {item.key for item in fit.state.placed}
     for play, model in product((own for own in library if isinstance(own, BacklashEffect)), (fit, nominal)):
-        state = with_effects(model.state.following(), model.weighting, fit.state.placed)
         for spring, _ in _hidden_springs(model.state.prediction):
             at, joint, stiffness = _deflected(model.state.prediction, spring)
-            if (play.name, at) not in present and any(joint.range):
-                placed = (
-                    Placed(play, at, *own, integrated=True) for own in play.rattling_starts(joint, stiffness)
-                )
-                starts = (Start(state, model.weighting, own, to_the_end=True) for own in placed)
-                yield min(starts, key=_sum_of_squares)
+            if (play.name, at) in present or not any(joint.range):
+                continue
+            for state, starts in (
+                (model.state, play.narrow_starts(joint, stiffness)),
+                (model.state.following(), play.rattling_starts(joint, stiffness)),
+            ):
+                begun = with_effects(state, model.weighting, fit.state.placed)
+                placed = (Placed(play, at, *own, integrated=True) for own in starts)
+                tried = (Start(begun, model.weighting, own, to_the_end=True) for own in placed)
+                yield min(tried, key=_sum_of_squares)
 
 
 def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:

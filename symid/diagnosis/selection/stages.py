@@ -11,7 +11,7 @@ from itertools import islice
 from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.acting_forces import law_to_integrate
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_changes, of_grid, of_rattling
+from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_changes, of_grid, of_play
 from symid.diagnosis.fitting.state import evaluated
 from symid.diagnosis.selection.priors import least_gain
 from symid.diagnosis.selection.screening import Candidate, screened
@@ -64,7 +64,7 @@ def stages_of_starts(
     else:
         yield from from_nominal(fit, nominal, library, confirmed)
         if not _explains(fit, confirmed):
-            yield [*_following(found, fit, confirmed), *of_rattling(fit, nominal, library)]
+            yield [*_following(found, fit, confirmed), *of_play(fit, nominal, library)]
         if not _explains(fit, confirmed):
             yield of_grid(fit, nominal, library)
 
