@@ -52,10 +52,10 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        gc.disable()  # looking for garbage takes a quarter of the start: modules make none
         command = import_module(f"symid.cli.{cmd_name}_command").command
-        gc.freeze()  # nor is there any in what they made, which is searched at the end of the process too
-        gc.enable()
+        if not gc.isenabled():  # the program starts: what its modules made is no garbage
+            gc.freeze()
+            gc.enable()
         assert isinstance(command, click.Command)
         return command
 

@@ -85,7 +85,9 @@ def test_a_spring_that_least_squares_lose_begins_with_the_output_error(
     elements = (hub, ViscousFriction(hub, "Fv"), tip, beam)
     axis = Axis("arm", elements, Drive("v", hub, unit="V"), (Position("theta", hub),))
     lost = {"J": 5e-3, "Fv": 0.06, "Jt": -2e-3, "K": -7.0, "D": 0.01}
-    monkeypatch.setattr(start, "identify", lambda *_, **__: SimpleNamespace(physical_parameters=lost))
+    monkeypatch.setattr(
+        start, "identify_by_least_squares", lambda *_, **__: SimpleNamespace(physical_parameters=lost)
+    )
     found = diagnose(axis, swept_arm())
     assert found.verdict == "no_gap"
     values = {change.name: change.explained for change in found.parameters}
