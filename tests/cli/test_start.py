@@ -38,6 +38,7 @@ import gc
 
 from symid.cli.command_line import run
 
+gc.disable()  # as `main` does at the start of the program
 run(["show", "--help"])
 print(gc.isenabled(), gc.get_freeze_count() > 10_000)
 """
