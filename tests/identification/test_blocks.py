@@ -2,6 +2,7 @@
 
 import tracemalloc
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -128,6 +129,16 @@ def test_all_rows_are_kept_where_they_take_no_more_than_a_block() -> None:
     for one, other in zip(long.observations, whole.observations, strict=True):
         np.testing.assert_allclose(one.W, other.W, rtol=1e-9, atol=1e-9)
         np.testing.assert_array_equal(one.valid, other.valid)
+
+
+def test_friction_of_a_drive_is_taken_off_rows_that_are_kept() -> None:
+    log, model = flexible(20_000), load_generated("direct_2m1s", ("q2",))
+    force = log.signals["Fm"] + 8.0 * np.sign(np.gradient(log.signals["q2"]))
+    log = replace(log, signals={**log.signals, "Fm": force})
+    settings = Preparation(cutoff_hz=60.0, decimation=10)
+    long, whole = (identify(model, one, preparation=settings) for one in (LongLog.of(log, 5000), log))
+    assert long.observations[0].time.size == whole.observations[0].time.size
+    compared(long, whole, rtol=1e-6)
 
 
 def test_peak_memory_does_not_grow_with_the_length_of_the_log() -> None:

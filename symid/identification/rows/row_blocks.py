@@ -4,7 +4,7 @@ Whatever `identify` needs of a whole log is one of three things.
 
 - *Sums over rows*: triangular factors, the refinement and the covariance of a correlated residual. They are added up
   block by block. A long log's rows are made again for each of them, since W is larger than the log, unless after
-  decimation they take no more memory than a block.
+  decimation there are no more of them than samples in a block.
 - *Local operations*: filters, differences, shifts in time, laws, decimation, standstill. A recursive filter forgets:
   a window that reaches as far to either side as its filters do gives the rows of the whole log, to rounding. Rows of a
   block are cut out of those of a wider window; at the ends of the log the window ends where the log does.
@@ -39,9 +39,6 @@ from symid.identification.rows.observation import (
 from symid.identification.rows.settings import Preparation
 from symid.identification.rows.usable_rows import reaches
 from symid.signal_processing import kept_indices
-
-_NUMBERS_OF_A_SAMPLE = 16
-"""What a block takes while its rows are made, for each sample; rows of a whole log that take no more are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,12 +80,9 @@ class Run:
 
     @classmethod
     def _in_blocks(cls, blocks: _Blocks) -> Run:
-        if (
-            blocks.layout.n_rows <= blocks.log.block
-        ):  # decimated rows of all blocks take what the samples of one do
-            return cls._in_memory(
-                blocks.model, _joined([blocks.observation(i) for i in range(len(blocks.rows))])
-            )
+        if blocks.layout.n_rows <= blocks.log.block:
+            every = [blocks.observation(i) for i in range(len(blocks.rows))]
+            return cls._in_memory(blocks.model, _joined(every))
         first = blocks.observation(0)
 
         def without(levels: tuple[float, ...]) -> Run:
@@ -166,11 +160,6 @@ class _Blocks:
     speeds: FloatArray | None
     friction: bool = False
 
-    @property
-    def n_numbers(self) -> int:
-        """Numbers in the rows of the whole log."""
-        return self.layout.n_rows * len(self.model.output_names) * (len(self.model.minimal_units) + 1)
-
     @cached_property
     def rows(self) -> list[tuple[int, int]]:
         """First row of each block, and the one after the last."""
@@ -196,15 +185,16 @@ class _Blocks:
 
 
 def _joined(blocks: Sequence[Observation]) -> Observation:
-    """The rows of consecutive blocks."""
-    friction = [seen.with_friction for seen in blocks if seen.with_friction is not None]
+    """The rows of consecutive blocks; W is a part of the columns with friction, from which `without` takes that off."""
+    whole = [seen.W if seen.with_friction is None else seen.with_friction for seen in blocks]
+    W = np.concatenate([rows.transpose(0, 2, 1) for rows in whole], axis=2).transpose(0, 2, 1)
     return replace(
         blocks[0],
-        W=np.concatenate([seen.W for seen in blocks], axis=1),
+        W=W[..., : blocks[0].W.shape[2]],
         y=np.concatenate([seen.y for seen in blocks], axis=1),
         valid=np.concatenate([seen.valid for seen in blocks], axis=1),
         time=np.concatenate([seen.time for seen in blocks]),
-        with_friction=np.concatenate(friction, axis=1) if friction else None,
+        with_friction=None if blocks[0].with_friction is None else W,
     )
 
 
