@@ -74,6 +74,13 @@ def chosen(path: Path) -> dict[str, float | int]:
     return {"cutoff": row["cutoff_hz"], "factor": row["decimation"]}
 
 
+def cluster_of_two() -> Any:
+    """A Dask cluster of two workers of one thread."""
+    from distributed import LocalCluster
+
+    return LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50)
+
+
 def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callable[[list[Path]], float]]:
     own, other = (
         stack.enter_context(ProcessPoolExecutor(1, mp_context=get_context("spawn"))) for _ in range(2)
@@ -90,11 +97,7 @@ def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callab
         ).result(),
     }
     if find_spec("distributed"):
-        from distributed import LocalCluster
-
-        cluster = stack.enter_context(
-            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50)
-        )
+        cluster = stack.enter_context(cluster_of_two())
         found["cluster of two"] = lambda paths: processor_time(batch, paths, None, cluster.scheduler_address)
     return found
 

@@ -15,10 +15,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from distributed import LocalCluster
-
 import symid
-from benchmarks.batch import write_logs
+from benchmarks.batch import cluster_of_two, write_logs
 from benchmarks.long_logs import peak_memory
 from benchmarks.options import parser_of
 
@@ -37,10 +35,7 @@ def main() -> None:
     options = parser_of(__doc__, largest=1e4, extrapolated=1e5).parse_args()
     sizes = [10**k for k in range(2, round(math.log10(options.largest)) + 1)]
     seconds: list[float] = []
-    with (
-        tempfile.TemporaryDirectory() as name,
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50) as cluster,
-    ):
+    with tempfile.TemporaryDirectory() as name, cluster_of_two() as cluster:
         home = Path(name)
         (home / "different").mkdir()
         files = write_logs(home / "different", DIFFERENT)

@@ -12,29 +12,23 @@ from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.thresholds import THRESHOLDS
 
-_NARROW = (0.003, 0.01, 0.03, 0.1)
-"""Initial widths of a play that a spring passes fast, relative to its largest deflection."""
-_WIDTHS, _LEVELS = (0.02, 0.05, 0.1, 0.3, 1.0), (0.1, 1.0)
-"""Initial widths of a play in which a body rattles, relative to its largest deflection, and initial losses of stiffness
-in the play, relative to that of the spring."""
+_NARROW, _RIGID = (0.003, 0.01, 0.03, 0.1), (1.0,)
+"""Initial widths of a play that a spring passes at its reversals, relative to its largest deflection, and initial
+losses of stiffness in the play, relative to that of the spring."""
+_RATTLING, _SOFTER = (0.02, 0.05, 0.1, 0.3, 1.0), (0.1, 1.0)
+"""The same of a play in which a body rattles."""
 
 
 class BacklashEffect(LawEffect):
     """Play within which a spring is much softer."""
 
-    def narrow_starts(
-        self, spring: RecordedJoint, stiffness: float
+    def hidden_starts(
+        self, spring: RecordedJoint, stiffness: float, *, rattles: bool
     ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
-        """Initial shapes and amplitudes of a play that the spring passes at its reversals."""
+        """Initial shapes and amplitudes of a play in a hidden spring of that stiffness, in which a body may rattle."""
         largest = max(map(abs, spring.range))
-        return [((width * largest,), (stiffness,)) for width in _NARROW]
-
-    def rattling_starts(
-        self, spring: RecordedJoint, stiffness: float
-    ) -> Iterable[tuple[Shape, tuple[float, ...]]]:
-        """Initial shapes and amplitudes of a play in which the body on a spring of that stiffness rattles."""
-        largest = max(map(abs, spring.range))
-        return [((width * largest,), (level * stiffness,)) for width, level in product(_WIDTHS, _LEVELS)]
+        trials = product(_RATTLING, _SOFTER) if rattles else product(_NARROW, _RIGID)
+        return [((width * largest,), (loss * stiffness,)) for width, loss in trials]
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         axis = prediction.axis

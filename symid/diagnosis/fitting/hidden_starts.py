@@ -154,12 +154,11 @@ def of_play(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
             at, joint, stiffness = _deflected(model.state.prediction, spring)
             if (play.name, at) in present or not any(joint.range):
                 continue
-            for state, starts in (
-                (model.state, play.narrow_starts(joint, stiffness)),
-                (model.state.following(), play.rattling_starts(joint, stiffness)),
-            ):
+            for rattles in (False, True):
+                state = model.state.following() if rattles else model.state
                 begun = with_effects(state, model.weighting, fit.state.placed)
-                placed = (Placed(play, at, *own, integrated=True) for own in starts)
+                values = play.hidden_starts(joint, stiffness, rattles=rattles)
+                placed = (Placed(play, at, *own, integrated=True) for own in values)
                 tried = (Start(begun, model.weighting, own, to_the_end=True) for own in placed)
                 yield min(tried, key=_sum_of_squares)
 

@@ -4,6 +4,8 @@ With T of the rank analysis, the weighted rows S W T of all logs have orthonorma
 S (y - W X), is orthogonal to them. In these coordinates tests of parts against the whole need no scales.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
@@ -33,6 +35,11 @@ class Segment:
     square: float  # r'r
     rows: int  # how many there are
 
+    @classmethod
+    def of_products(cls, time: float, of: int, products: FloatArray, rows: int) -> Segment:
+        """Sums of rows from the products of their columns and residual with each other, the residual last."""
+        return cls(time, of, products[:-1, :-1], products[-1, :-1], float(products[-1, -1]), rows)
+
 
 @dataclass(frozen=True, eq=False)
 class WhitenedRows:
@@ -51,7 +58,7 @@ def whitened(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[WhitenedRo
     for k, part in enumerate(parts):
         for j, used in enumerate(part.observation.valid):
             place = np.flatnonzero(used) / max(used.size, 1)
-            yield WhitenedRows(k, j, *_orthonormal(part.observation, j, part.of, fit), place)
+            yield WhitenedRows(k, j, *_used_rows(part.observation, j, part.of, fit), place)
 
 
 def segments_of_rows(
@@ -62,11 +69,10 @@ def segments_of_rows(
     for of, length in enumerate(lengths):
         edges = begins + np.linspace(0, length, max(1, round(_SEGMENTS / len(lengths))) + 1).astype(int)
         for start, stop in pairwise(edges):
-            Z, r = weight * W[start:stop], weight * (y[start:stop] - W[start:stop] @ fit.solution)
-            Z = Z @ fit.rank.inverse_root
-            share = (start - begins) / max(length, 1)
+            Z, rest, _ = _orthonormal(W[start:stop], y[start:stop], weight, fit)
+            rows, share = np.column_stack([Z, rest]), (start - begins) / max(length, 1)
             if stop - start >= _LEAST_ROWS:
-                found.append(Segment(share, of, Z.T @ Z, Z.T @ r, float(r @ r), int(stop - start)))
+                found.append(Segment.of_products(share, of, rows.T @ rows, int(stop - start)))
         begins += length
     return tuple(found)
 
@@ -92,7 +98,7 @@ def _segments_of(run: Run, of: int, each: int, fit: LeastSquares) -> Iterator[Se
         begins[here] = seen.time[bounds[:-1][here] - first]
         for j, start in product(range(len(seen.valid)), range(0, seen.time.size, _BLOCK)):
             inside = slice(start, start + _BLOCK)
-            Z, rest, _ = _orthonormal(seen, j, of, fit, inside)
+            Z, rest, _ = _used_rows(seen, j, of, fit, inside)
             rows, places = np.column_stack([Z, rest]), np.flatnonzero(seen.valid[j, inside])
             cuts = np.searchsorted(places, bounds - first - start)
             for i in np.flatnonzero(np.diff(cuts)):
@@ -101,15 +107,22 @@ def _segments_of(run: Run, of: int, each: int, fit: LeastSquares) -> Iterator[Se
             count += np.diff(cuts)
         first = stop
     for i in np.flatnonzero(count >= _LEAST_ROWS):
-        normal, slope, square = sums[i, :p, :p], sums[i, p, :p], float(sums[i, p, p])
-        yield Segment(float(begins[i]), of, normal, slope, square, int(count[i]))
+        yield Segment.of_products(float(begins[i]), of, sums[i], int(count[i]))
 
 
-def _orthonormal(
+def _used_rows(
     seen: Observation, equation: int, of: int, fit: LeastSquares, inside: slice = slice(None)
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Columns Z, residual and prediction of the used rows of an equation of log number `of`."""
     weight, used = fit.weights[of * len(seen.y) + equation], seen.valid[equation, inside]
-    W = weight * seen.W[equation, inside].T[:, used].T  # columns are contiguous
-    prediction = W @ fit.solution
-    return W @ fit.rank.inverse_root, weight * seen.y[equation, inside][used] - prediction, prediction
+    W = seen.W[equation, inside].T[:, used].T  # columns are contiguous
+    return _orthonormal(W, seen.y[equation, inside][used], weight, fit)
+
+
+def _orthonormal(
+    W: FloatArray, y: FloatArray, weight: float, fit: LeastSquares
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Columns Z, residual and prediction of rows of one equation."""
+    weighted = weight * W
+    prediction = weighted @ fit.solution
+    return weighted @ fit.rank.inverse_root, weight * y - prediction, prediction
